@@ -1,0 +1,68 @@
+"""A skeleton: a tree of named joints, each at an offset from its parent in the rest pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """A tree of joints. A parent always stands before its children; the first joint is the root.
+
+    Parameters
+    ----------
+    names : tuple of J str
+    parents : tuple of J int
+        The index of each joint's parent, -1 for the root.
+    offsets : (J, 3) array of float64
+        From the parent to the joint in the rest pose, in metres, Y up.
+    end_sites : dict of int to (3,) array
+        The tip of a bone that ends at no joint (toes, fingers, the top of the head), as an offset
+        in metres from the joint that carries it.
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ, a name stands twice, or a parent does not stand before its child.
+    """
+
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    offsets: np.ndarray
+    end_sites: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def __post_init__(self):
+        joints = len(self.names)
+        if len(self.parents) != joints or np.shape(self.offsets) != (joints, 3):
+            raise ValueError(
+                f"{joints} names, {len(self.parents)} parents and offsets of shape "
+                f"{np.shape(self.offsets)} do not make a skeleton"
+            )
+        if len(set(self.names)) != joints:
+            twice = sorted({name for name in self.names if self.names.count(name) > 1})
+            raise ValueError(f"joint names stand more than once: {', '.join(twice)}")
+        for joint, parent in enumerate(self.parents):
+            if not (parent == -1 if joint == 0 else 0 <= parent < joint):
+                raise ValueError(
+                    f"joint {self.names[joint]!r} has parent {parent}: "
+                    "the root stands first and every parent before its children"
+                )
+
+    def index(self, name: str) -> int:
+        """Where the joint stands.
+
+        Raises
+        ------
+        KeyError
+            With the names that the skeleton has.
+        """
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise KeyError(f"no joint {name!r}; the skeleton has {', '.join(self.names)}") from None
+
+    def children(self, joint: int) -> list[int]:
+        """The joints whose parent is `joint`."""
+        return [child for child, parent in enumerate(self.parents) if parent == joint]

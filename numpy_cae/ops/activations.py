@@ -1,0 +1,82 @@
+"""The bounded nonlinearity of holden2015 and its inverse.
+
+tanh places the hidden units in [-1, 1], the parametrisation of the manifold (section 3); the
+decoder undoes it with arctanh (equation 2). arctanh is infinite at ±1, and a decoded layer below
+can be anything, so it takes a bound: see "Where equation 2 breaks" in lessons/papers_to_code.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.ops.shapes import require_shape
+
+Pullback = Callable[[np.ndarray], np.ndarray]
+
+
+def tanh(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y = tanh(x), elementwise.   dL/dx = (1 - y²) · dL/dy
+
+    Parameters
+    ----------
+    x : array of float, any shape
+
+    Returns
+    -------
+    y : array of the same shape
+    pullback : dy -> dx
+
+    References
+    ----------
+    holden2015, section 5, equation 1.
+    """
+    y = np.tanh(x)
+
+    def pullback(dy: np.ndarray) -> np.ndarray:
+        require_shape("dy", dy, y.shape)
+        return dy * (1 - y * y)
+
+    return y, pullback
+
+
+def arctanh(y: np.ndarray, bound: float) -> tuple[np.ndarray, Pullback]:
+    """x = arctanh(clip(y, -bound, bound)), elementwise.
+
+        dL/dy = dL/dx / (1 - y²) where |y| <= bound, else 0
+
+    Beyond the bound the clipped value no longer moves with y, hence no gradient.
+
+    Parameters
+    ----------
+    y : array of float, any shape
+    bound : float
+        Between 0 and 1, both excluded.
+
+    Returns
+    -------
+    x : array of the same shape
+        Between -arctanh(bound) and arctanh(bound).
+    pullback : dx -> dy
+
+    Raises
+    ------
+    ValueError
+        If the bound is not between 0 and 1.
+
+    References
+    ----------
+    holden2015, section 5, the tanh⁻¹ of equation 2.
+    """
+    if not 0 < bound < 1:
+        raise ValueError(f"bound is {bound}, expected a number between 0 and 1, both excluded")
+    clipped = np.clip(y, -bound, bound)
+    inside = np.abs(y) <= bound
+    x = np.arctanh(clipped)
+
+    def pullback(dx: np.ndarray) -> np.ndarray:
+        require_shape("dx", dx, x.shape)
+        return dx * inside / (1 - clipped * clipped)
+
+    return x, pullback

@@ -1,0 +1,109 @@
+"""Convolution over time, the operation that both directions of holden2015 are built from.
+
+`conv1d` is the * of equation 1; `transpose_filters` makes the W̃ of equation 2. Convolving with W̃
+is exactly the adjoint of convolving with W, so the decoder of the paper is the transpose of its
+encoder, and the pullback of `conv1d` for its input is a convolution once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.ops.shapes import require_shape
+
+Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y[t] = Σ_k x[t + k - K//2] · w[k] + b, with zeros beyond both ends of x.
+
+    With dy short for dL/dy, the derivatives are
+
+        dL/dx[t] = Σ_k dy[t + k - K//2] · w̃[k]        the same convolution, with W̃
+        dL/dw[k] = Σ_windows Σ_t x[t + k - K//2]ᵀ · dy[t]
+        dL/db    = Σ_windows Σ_t dy[t]
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+        B windows of T frames of C channels.
+    w : (K, C, D) array of float
+        D filters of K taps over C channels; K is odd, so that a filter has a middle.
+    b : (D,) array of float
+        A bias for each filter.
+
+    Returns
+    -------
+    y : (B, T, D) array
+        As many frames as x has ("same" padding).
+    pullback : dy -> (dx, dw, db)
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit or K is even.
+
+    References
+    ----------
+    holden2015, section 5, equation 1 (X * W_k + b_k).
+    """
+    require_shape("w", w, ("taps", "in", "out"))
+    taps, channels, filters = w.shape
+    require_shape("x", x, ("batch", "frames", channels))
+    require_shape("b", b, (filters,))
+    if taps % 2 == 0:
+        raise ValueError(f"w has shape {w.shape}: the number of taps must be odd, got {taps}")
+
+    frames = x.shape[1]
+    beyond = taps // 2
+    padded = np.pad(x, ((0, 0), (beyond, beyond), (0, 0)))
+    y = sum(padded[:, k : k + frames] @ w[k] for k in range(taps)) + b
+
+    def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        require_shape("dy", dy, y.shape)
+        w_tilde, _ = transpose_filters(w)
+        dy_padded = np.pad(dy, ((0, 0), (beyond, beyond), (0, 0)))
+        dx = sum(dy_padded[:, k : k + frames] @ w_tilde[k] for k in range(taps))
+        dy_rows = dy.reshape(-1, filters)
+        dw = np.stack(
+            [padded[:, k : k + frames].reshape(-1, channels).T @ dy_rows for k in range(taps)]
+        )
+        db = dy_rows.sum(axis=0)
+        return dx, dw, db
+
+    return y, pullback
+
+
+def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+    """W̃[k] = W[K - 1 - k]ᵀ: flipped in time, the filters and the channels exchanged.
+
+    The flip and the exchange undo themselves, so the pullback is the same map again.
+
+    Parameters
+    ----------
+    w : (K, C, D) array of float
+
+    Returns
+    -------
+    w_tilde : (K, D, C) array
+    pullback : dw_tilde (K, D, C) -> dw (K, C, D)
+
+    Raises
+    ------
+    ValueError
+        If w does not have three axes.
+
+    References
+    ----------
+    holden2015, section 5, the W̃ of equation 2.
+    """
+    require_shape("w", w, ("taps", "in", "out"))
+    w_tilde = w[::-1].transpose(0, 2, 1)
+
+    def pullback(dw_tilde: np.ndarray) -> np.ndarray:
+        require_shape("dw_tilde", dw_tilde, w_tilde.shape)
+        return dw_tilde[::-1].transpose(0, 2, 1)
+
+    return w_tilde, pullback

@@ -1,0 +1,135 @@
+"""Max pooling (Ψ) and the two approximate inverses (Ψ†) that holden2015 puts in its place.
+
+The maximum forgets which of two frames it came from and what the other one was. The paper
+guesses: at random while a layer is trained (noisy, but a true inverse of *some* pair), evenly
+while fine tuning and in use (never a true inverse, but smooth).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.ops.shapes import require_shape
+
+Pullback = Callable[[np.ndarray], np.ndarray]
+
+
+def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y[t] = max(x[2t], x[2t + 1]), each channel for itself; a tie goes to the earlier frame.
+
+    Only the frame that won had any influence, so the whole gradient is its own:
+
+        dL/dx[2t]     = dy[t] where x[2t] >= x[2t + 1], else 0
+        dL/dx[2t + 1] = dy[t] where x[2t] <  x[2t + 1], else 0
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+        T is even.
+
+    Returns
+    -------
+    y : (B, T/2, C) array
+    pullback : dy -> dx
+
+    Raises
+    ------
+    ValueError
+        If x does not have three axes or T is odd.
+
+    References
+    ----------
+    holden2015, section 5, the Ψ of equation 1.
+    """
+    require_shape("x", x, ("batch", "frames", "channels"))
+    if x.shape[1] % 2 == 1:
+        raise ValueError(f"x has shape {x.shape}, expected an even number of frames to pool")
+    earlier, later = x[:, 0::2], x[:, 1::2]
+    earlier_won = earlier >= later
+    y = np.maximum(earlier, later)
+
+    def pullback(dy: np.ndarray) -> np.ndarray:
+        require_shape("dy", dy, y.shape)
+        dx = np.empty(x.shape, dtype=dy.dtype)
+        dx[:, 0::2] = dy * earlier_won
+        dx[:, 1::2] = dy * ~earlier_won
+        return dx
+
+    return y, pullback
+
+
+def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """x[2t] = x[2t + 1] = y[t] / 2: the value is spread evenly over both frames.
+
+        dL/dy[t] = (dx[2t] + dx[2t + 1]) / 2
+
+    Parameters
+    ----------
+    y : (B, T, C) array of float
+
+    Returns
+    -------
+    x : (B, 2T, C) array
+    pullback : dx -> dy
+
+    Raises
+    ------
+    ValueError
+        If y does not have three axes.
+
+    References
+    ----------
+    holden2015, section 5, the Ψ† of equation 2 in fine tuning and in use.
+    """
+    require_shape("y", y, ("batch", "frames", "channels"))
+    x = np.repeat(y / 2, 2, axis=1)
+
+    def pullback(dx: np.ndarray) -> np.ndarray:
+        require_shape("dx", dx, x.shape)
+        return (dx[:, 0::2] + dx[:, 1::2]) / 2
+
+    return x, pullback
+
+
+def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """x[2t] = y[t] where `first`, else x[2t + 1] = y[t]; the other frame of the pair is 0.
+
+        dL/dy[t] = dx[2t] where `first`, else dx[2t + 1]
+
+    Parameters
+    ----------
+    y : (B, T, C) array of float
+    first : (B, T, C) array of bool
+        Drawn by the caller, so that a test can hold it fixed.
+
+    Returns
+    -------
+    x : (B, 2T, C) array
+    pullback : dx -> dy
+        The mask gets no gradient.
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ or `first` is not boolean.
+
+    References
+    ----------
+    holden2015, section 5, the Ψ† of equation 2 while a layer is trained.
+    """
+    require_shape("y", y, ("batch", "frames", "channels"))
+    require_shape("first", first, y.shape)
+    if np.asarray(first).dtype != bool:
+        raise ValueError(f"first has dtype {np.asarray(first).dtype}, expected bool")
+    batch, frames, channels = y.shape
+    x = np.empty((batch, 2 * frames, channels), dtype=y.dtype)
+    x[:, 0::2] = y * first
+    x[:, 1::2] = y * ~first
+
+    def pullback(dx: np.ndarray) -> np.ndarray:
+        require_shape("dx", dx, x.shape)
+        return dx[:, 0::2] * first + dx[:, 1::2] * ~first
+
+    return x, pullback

@@ -1,0 +1,26 @@
+"""What an operation says when an argument does not fit.
+
+A wrong shape that happens to broadcast trains to nonsense without a word, so every operation
+checks first and names the argument, the shape it has and the shape that was expected.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def require_shape(name: str, array: np.ndarray, expected: tuple) -> None:
+    """Raise unless `array` has the shape `expected`; a string there stands for any length.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its shape and the expected one, such as (batch, frames, 63).
+    """
+    shape = np.shape(array)
+    fits = len(shape) == len(expected) and all(
+        isinstance(want, str) or want == have for have, want in zip(shape, expected, strict=True)
+    )
+    if not fits:
+        wanted = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
+        raise ValueError(f"{name} has shape {shape}, expected {wanted}")
