@@ -1,1 +1,6 @@
+"""The two networks of the two papers, built from `numpy_cae.ops` alone."""
 
+from numpy_cae.models.conv_autoencoder import ConvAutoencoder
+from numpy_cae.models.conv_layer import ConvLayer
+
+__all__ = ["ConvAutoencoder", "ConvLayer"]

@@ -1,0 +1,75 @@
+"""Windows: what a network is shown of a motion (holden2015, section 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from numpy_cae.motion.features import VELOCITY
+
+LENGTH = 160
+"""Frames in a window of the paper, 5.3 seconds at 30 frames a second."""
+OVERLAP = 80
+"""Frames that a window of the paper shares with the next."""
+
+
+def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
+    """The features continued to `frames` frames: the last pose stands still.
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    frames : int
+        At least F.
+
+    Returns
+    -------
+    (frames, 63) array of float64
+        Velocity and turn are 0 from the last real frame on.
+    """
+    held = np.repeat(features[-1:], frames - len(features), axis=0)
+    whole = np.concatenate([features, held])
+    if len(held):
+        whole[len(features) - 1 :, VELOCITY.start :] = 0.0
+    return whole
+
+
+def cut_windows(
+    features: np.ndarray, length: int = LENGTH, overlap: int = OVERLAP
+) -> tuple[np.ndarray, np.ndarray]:
+    """Overlapping windows that together show every frame.
+
+    They start every `length - overlap` frames; where that leaves frames over at the end, one more
+    window ends with the last frame. A take shorter than a window holds its last pose.
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    length, overlap : int
+        In frames, 0 <= overlap < length.
+
+    Returns
+    -------
+    windows : (N, length, 63) array of float64
+    real : (N, length) array of bool
+        False on held frames, which count in no error.
+
+    Raises
+    ------
+    ValueError
+        If there are no frames or the overlap does not fit the length.
+    """
+    if not 0 <= overlap < length:
+        raise ValueError(
+            f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"
+        )
+    frames = len(features)
+    if frames == 0:
+        raise ValueError("features have no frames to cut windows from")
+    if frames < length:
+        real = np.arange(length) < frames
+        return hold_last_pose(features, length)[None], real[None]
+    starts = list(range(0, frames - length + 1, length - overlap))
+    if starts[-1] + length < frames:
+        starts.append(frames - length)
+    windows = np.stack([features[start : start + length] for start in starts])
+    return windows, np.ones(windows.shape[:2], dtype=bool)

@@ -1,0 +1,50 @@
+"""How long and how fast: the numbers of holden2015, section 6, as defaults."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of training.
+
+    Parameters
+    ----------
+    epochs : int
+        How often every window is shown.
+    rate : float
+        The learning rate of the first epoch.
+    decay : float
+        What the rate is multiplied by after each epoch.
+    alpha : float
+        Weight of the sparsity term of equation 3.
+    """
+
+    epochs: int = 25
+    rate: float = 0.5
+    decay: float = 0.9
+    alpha: float = 0.01
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """The whole training: each layer by itself, then all of them together.
+
+    Parameters
+    ----------
+    layer : Stage
+        For each layer in turn, unpooling at random.
+    fine_tuning : Stage
+        For the whole stack, unpooling evenly. The paper does not state its epochs; we take as
+        many as for a layer.
+    zeroed : float
+        The probability p with which a value of the input is set to zero.
+    batch : int
+        Windows in one step of descent; 1 is "iteratively input each data point".
+    """
+
+    layer: Stage = field(default_factory=Stage)
+    fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
+    zeroed: float = 0.1
+    batch: int = 1
