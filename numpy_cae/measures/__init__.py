@@ -1,1 +1,5 @@
+"""What is measured: one definition each, used everywhere."""
 
+from numpy_cae.measures.position_error import position_error
+
+__all__ = ["position_error"]

@@ -1,0 +1,91 @@
+"""From takes to a manifold: holden2015, sections 4 and 6, in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion.body import RATE
+from numpy_cae.motion.features import positions_to_features
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
+from numpy_cae.training import Schedule, train_autoencoder
+
+NORMALISED_RMS = 0.25
+"""What the one scale brings the features to. The paper does not say; much smaller and the rate
+0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
+
+
+def learn_manifold(
+    takes: Sequence[np.ndarray],
+    schedule: Schedule | None = None,
+    seed: int = 0,
+    window: int = LENGTH,
+    overlap: int = OVERLAP,
+    filters: Sequence[int] = (64, 128, 256),
+    taps: int = 15,
+    bound: float = 0.9,
+    show_progress: bool = True,
+) -> MotionManifold:
+    """Train a manifold on takes.
+
+    Parameters
+    ----------
+    takes : sequence of (F, 20, 3) arrays of float
+        World positions of the twenty joints in metres, at 30 frames a second.
+    schedule : Schedule, optional
+        The paper's where none is given.
+    seed : int
+        Of every draw: the first weights, the order, the corruption, the unpooling.
+    window, overlap : int
+        In frames; `window` is a multiple of 8 with three layers.
+    filters, taps, bound
+        Of `ConvAutoencoder`.
+
+    Returns
+    -------
+    MotionManifold
+
+    Raises
+    ------
+    ValueError
+        If there are no takes or the window does not suit the network.
+    """
+    if not takes:
+        raise ValueError("there are no takes to learn from")
+    schedule = schedule or Schedule()
+    rng = np.random.default_rng(seed)
+    network = ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng)
+    if window % network.frames_per_unit:
+        raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
+
+    lengths = np.mean([bone_lengths(take) for take in takes], axis=0)
+    features = [
+        positions_to_features(change_lengths(take, bone_lengths(take), lengths), RATE)[0]
+        for take in takes
+    ]
+    frames = np.concatenate(features)
+    mean_pose = frames.mean(axis=0)
+    spread = np.sqrt(np.mean((frames - mean_pose) ** 2))
+    if spread == 0:
+        raise ValueError("every frame of the takes is the same: there is nothing to learn")
+    manifold = MotionManifold(network, mean_pose, NORMALISED_RMS / spread, lengths, RATE)
+
+    windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])
+    history = train_autoencoder(
+        network, manifold.normalise(windows), schedule, rng, show_progress=show_progress
+    )
+    manifold.settings = {
+        "seed": seed,
+        "window": window,
+        "overlap": overlap,
+        "takes": len(takes),
+        "windows": len(windows),
+        "schedule": asdict(schedule),
+        "losses": history.losses,
+    }
+    return manifold

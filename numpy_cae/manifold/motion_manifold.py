@@ -1,0 +1,84 @@
+"""A trained network together with what it was taught to see: the motion manifold.
+
+The network knows numbers near zero. What turns a body into those numbers and back (the mean
+skeleton, the mean pose, one scale for all features) belongs to it and is kept with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion.features import Place, positions_to_features
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.windows import hold_last_pose
+
+
+@dataclass
+class MotionManifold:
+    """The manifold and the way there from motions of the twenty joints.
+
+    Parameters
+    ----------
+    network : ConvAutoencoder
+    mean_pose : (63,) array of float64
+        Subtracted from every frame of features (holden2015, section 4).
+    scale : float
+        Multiplies what is left: one number for all features.
+    lengths : (20,) array of float64
+        Bone lengths of the mean skeleton, metres.
+    rate : float
+        Frames a second.
+    settings : dict
+        How it was made, as far as JSON can say: data, schedule, seed, losses.
+    """
+
+    network: ConvAutoencoder
+    mean_pose: np.ndarray
+    scale: float
+    lengths: np.ndarray
+    rate: float = 30.0
+    settings: dict = field(default_factory=dict)
+
+    def features(self, positions: np.ndarray) -> tuple[np.ndarray, Place]:
+        """Features on the mean skeleton, and where the motion starts.
+
+        Parameters
+        ----------
+        positions : (F, 20, 3) array of float
+            World positions in metres, on anyone's bones, at `rate`.
+
+        Returns
+        -------
+        features : (F, 63) array of float64
+        start : Place
+        """
+        normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
+        return positions_to_features(normalised, self.rate)
+
+    def normalise(self, features: np.ndarray) -> np.ndarray:
+        """X: the mean pose subtracted, scaled, in the dtype of the network; any shape (…, 63)."""
+        return ((features - self.mean_pose) * self.scale).astype(self.network.layers[0].w.dtype)
+
+    def denormalise(self, x: np.ndarray) -> np.ndarray:
+        """The features that `normalise` makes x of, float64."""
+        return x.astype(np.float64) / self.scale + self.mean_pose
+
+    def project(self, features: np.ndarray) -> np.ndarray:
+        """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
+
+        A clip whose length is no multiple of 8 holds its last pose until it is, and is cut back.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+
+        Returns
+        -------
+        (F, 63) array of float64
+        """
+        frames, unit = len(features), self.network.frames_per_unit
+        whole = hold_last_pose(features, -(-frames // unit) * unit)
+        return self.denormalise(self.network.project(self.normalise(whole)[None])[0])[:frames]

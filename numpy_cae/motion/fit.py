@@ -1,0 +1,97 @@
+"""Positions back to a motion: the turns of bones of fixed length that follow them best.
+
+A network returns positions; a file wants rotations. Down the tree from the hips, each joint is
+turned so that the bones that leave it point where the positions say. One bone leaves its twist
+open, which is taken over from the joint above; several (hips, chest) are fitted together.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.skeleton import Skeleton
+
+_TIPS = {
+    "head": (0.0, 0.18, 0.0),
+    "left_wrist": (0.16, 0.0, 0.0),
+    "right_wrist": (-0.16, 0.0, 0.0),
+    "left_toe": (0.0, 0.0, 0.06),
+    "right_toe": (0.0, 0.0, 0.06),
+}
+
+
+def body_skeleton(lengths: np.ndarray) -> Skeleton:
+    """The twenty joints as a skeleton in a T-pose, facing +Z.
+
+    Parameters
+    ----------
+    lengths : (20,) array of float
+        Of the bone that ends at each joint, metres.
+    """
+    along = REST_DIRECTIONS / np.maximum(np.linalg.norm(REST_DIRECTIONS, axis=1), 1e-9)[:, None]
+    tips = {JOINTS.index(joint): np.array(tip) for joint, tip in _TIPS.items()}
+    return Skeleton(JOINTS, PARENTS, along * lengths[:, None], tips)
+
+
+def fit_motion(
+    positions: np.ndarray, lengths: np.ndarray, rate: float, unit: float = 0.01
+) -> Motion:
+    """A motion of the twenty joints on bones of these lengths that follows the positions.
+
+    Directions of bones are kept; lengths become the given ones in every frame.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions in metres.
+    lengths : (20,) array of float
+        In metres.
+    rate : float
+        Frames a second.
+    unit : float
+        Metres in the unit that the motion is to be written in.
+
+    Returns
+    -------
+    Motion
+    """
+    skeleton = body_skeleton(lengths)
+    turned: list[Rotation] = []
+    rotations = np.empty((len(positions), len(JOINTS), 4))
+    for joint, parent in enumerate(PARENTS):
+        above = Rotation.identity(len(positions)) if parent < 0 else turned[parent]
+        here = _turn(positions, skeleton, joint, above)
+        turned.append(here)
+        rotations[:, joint] = (above.inv() * here).as_quat()
+    translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
+    translations[:, 0] = positions[:, 0]
+    return Motion(skeleton, rate, rotations, translations, unit, f"{unit:g} m")
+
+
+def _turn(positions: np.ndarray, skeleton: Skeleton, joint: int, above: Rotation) -> Rotation:
+    """The joint's rotation in the world, given that of the joint above it."""
+    ends = [end for end in skeleton.children(joint) if np.any(skeleton.offsets[end])]
+    if not ends:
+        return above
+    bones = positions[:, ends] - positions[:, [joint]]
+    if len(ends) == 1:
+        return _swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
+    rest = skeleton.offsets[ends]
+    return Rotation.concatenate([Rotation.align_vectors(bone, rest)[0] for bone in bones])
+
+
+def _swing(before: np.ndarray, after: np.ndarray) -> Rotation:
+    """The smallest rotations that bring the directions `before` to the directions `after`."""
+    before = before / np.linalg.norm(before, axis=-1, keepdims=True)
+    after = after / np.maximum(np.linalg.norm(after, axis=-1, keepdims=True), 1e-12)
+    axis = np.cross(before, after)
+    sine = np.linalg.norm(axis, axis=-1)
+    cosine = np.sum(before * after, axis=-1)
+    # Straight back there is no smallest turn; any axis square to the bone will do.
+    square = np.cross(before, np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0]))
+    axis = np.where(sine[:, None] > 1e-9, axis, np.where(cosine[:, None] < 0, square, 0.0))
+    norm = np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-12)
+    return Rotation.from_rotvec(axis / norm * np.arctan2(sine, cosine)[:, None])
