@@ -1,0 +1,210 @@
+"""Read an Acclaim motion (.amc) with its skeleton (.asf): per frame, a line for every bone.
+
+Angles are about fixed axes in the order of the skeleton's `dof` (for the root: of its `order`),
+so that `rx ry rz` is R = R_z · R_y · R_x; how that turns the bone stands in `read_asf`.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.error import MotionFileError
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.read_asf import AcclaimSkeleton, read_asf
+from numpy_cae.motion.text_file import TextFile, shortened, whole_number
+from numpy_cae.motion.units import stature, unit_name
+
+log = logging.getLogger(__name__)
+
+CMU_RATE = 120.0
+
+
+def read_amc(
+    path: str | Path,
+    skeleton_path: str | Path | None = None,
+    rate: float | None = None,
+    unit: float | None = None,
+) -> Motion:
+    """Read an Acclaim motion.
+
+    Parameters
+    ----------
+    path : path of the .amc file
+    skeleton_path : path of the .asf file, optional
+        By default looked for beside the motion, as `find_skeleton` does.
+    rate : float, optional
+        Frames a second. By default what `:SAMPLES-PER-SECOND` says, which few files have; else
+        120, the rate of the CMU database.
+    unit : float, optional
+        Metres in one unit of the files; by default as the skeleton says.
+
+    Returns
+    -------
+    Motion
+        In metres; a joint is named for its bone and sits at the bone's base.
+
+    Raises
+    ------
+    MotionFileError
+        If either file is damaged or the two do not fit: never is a motion shortened or filled.
+    """
+    motion_file = TextFile.read(path)
+    if skeleton_path is None:
+        skeleton_path = find_skeleton(path)
+        log.info("%s: skeleton from %s", path, skeleton_path)
+    acclaim = read_asf(skeleton_path, unit)
+    degrees, said_rate, start = _read_header(motion_file, acclaim.degrees)
+    values = _read_frames(motion_file, acclaim, start)
+    rotations, translations = _pose(acclaim, values, degrees)
+    source = ":units of the skeleton" if unit is None else "as given"
+    tall = stature(acclaim.skeleton)
+    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {tall:.1f} m tall)"
+    return Motion(
+        acclaim.skeleton,
+        _require_rate(rate or said_rate or CMU_RATE),
+        rotations,
+        translations,
+        acclaim.unit,
+        note,
+    )
+
+
+def find_skeleton(path: str | Path) -> Path:
+    """The .asf file in the folder of an .amc file: of the same name, else of the longest name
+    that the motion's begins with before a _ (`02.asf` for `02_01.amc`), else the only one.
+
+    Raises
+    ------
+    MotionFileError
+        If there is none, or several and none of them fits.
+    """
+    path = Path(path)
+    skeletons = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
+    fitting = [asf for asf in skeletons if f"{path.stem}_".startswith(f"{asf.stem}_")]
+    if fitting:
+        return max(fitting, key=lambda asf: len(asf.stem))
+    if len(skeletons) == 1:
+        return skeletons[0]
+    there = ", ".join(asf.name for asf in skeletons) or "no .asf file"
+    raise MotionFileError(
+        path,
+        None,
+        f"its skeleton is not clear: the folder holds {there}, expected "
+        f"{path.stem.split('_')[0]}.asf; name the .asf file that belongs to it",
+    )
+
+
+def _require_rate(rate: float) -> float:
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"rate is {rate}, expected frames a second above 0")
+    return float(rate)
+
+
+def _statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
+    for line, text in enumerate(file.lines[after:], start=after + 1):
+        words = (text.partition("#")[0] if "#" in text else text).split()
+        if words:
+            yield line, words
+
+
+def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float | None, int]:
+    """Whether angles are degrees, the rate if it is said, and the last line before the frames."""
+    rate = None
+    for line, words in _statements(file):
+        keyword = words[0].lower()
+        if not keyword.startswith(":"):
+            return degrees, rate, line - 1
+        if keyword in (":degrees", ":radians"):
+            degrees = keyword == ":degrees"
+        elif keyword == ":samples-per-second":
+            numbers = file.numbers(line, words[1:])
+            if len(numbers) != 1 or numbers[0] <= 0:
+                raise file.error(line, ":SAMPLES-PER-SECOND, expected one number above 0")
+            rate = numbers[0]
+    raise file.error(len(file.lines), "the file ends before the first frame")
+
+
+def _read_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int) -> np.ndarray:
+    """The table (frames, channels), columns in the order of the skeleton's joints."""
+    names = acclaim.skeleton.names
+    counts = {name: len(channels) for name, channels in zip(names, acclaim.channels, strict=True)}
+    moving = [name for name, count in counts.items() if count]
+    rows: list[list[float]] = []
+    frame: dict[str, list[float]] = {}
+    number = frame_line = None
+
+    def finish() -> None:
+        missing = [name for name in moving if name not in frame]
+        if missing:
+            raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
+        rows.append([value for name in moving for value in frame[name]])
+
+    for line, words in _statements(file, start):
+        name = words[0]
+        if len(words) == 1 and name not in counts:
+            following = whole_number(name)
+            if following is None:
+                raise file.error(
+                    line,
+                    f"{shortened(name)}, expected the number of a frame or a bone of the "
+                    "skeleton with its values",
+                )
+            if number is not None:
+                finish()
+                if following != number + 1:
+                    raise file.error(
+                        line, f"frame {following} follows frame {number}, expected {number + 1}"
+                    )
+            number, frame_line, frame = following, line, {}
+            continue
+        if name not in counts:
+            raise file.error(
+                line, f"the skeleton has no bone {shortened(name)}; it has {', '.join(names)}"
+            )
+        if number is None:
+            raise file.error(line, f"bone {name!r} stands before the number of the first frame")
+        if name in frame:
+            raise file.error(line, f"bone {name!r} stands a second time in frame {number}")
+        if len(words) - 1 != counts[name]:
+            channels = " ".join(acclaim.channels[names.index(name)])
+            raise file.error(
+                line,
+                f"bone {name!r} has {len(words) - 1} values, expected {counts[name]}"
+                + (f" ({channels})" if channels else ": the skeleton gives it no dof"),
+            )
+        frame[name] = file.numbers(line, words[1:])
+    finish()
+    return np.array(rows)
+
+
+def _pose(
+    acclaim: AcclaimSkeleton, values: np.ndarray, degrees: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Quaternions (F, J, 4) and translations (F, J, 3) in metres."""
+    frames, joints = len(values), len(acclaim.skeleton.names)
+    rotations = np.empty((frames, joints, 4))
+    translations = np.tile(acclaim.skeleton.offsets, (frames, 1, 1))
+    column = 0
+    for joint, (channels, axes) in enumerate(zip(acclaim.channels, acclaim.axes, strict=True)):
+        order, columns = "", []
+        for channel in channels:
+            if channel.startswith("t"):
+                # The root's translation adds to its preset position, which is its offset.
+                translations[:, joint, "xyz".index(channel[1])] += acclaim.unit * values[:, column]
+            else:
+                order += channel[1]
+                columns.append(column)
+            column += 1
+        if order:
+            # Small letters turn about fixed axes, the first of them first.
+            turned = Rotation.from_euler(order, values[:, columns], degrees=degrees)
+        else:
+            turned = Rotation.identity(frames)
+        turned = axes * turned * axes.inv()
+        rotations[:, joint] = (acclaim.orientation * turned if joint == 0 else turned).as_quat()
+    return rotations, translations

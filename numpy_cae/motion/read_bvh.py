@@ -1,0 +1,165 @@
+"""Read a BVH file: a hierarchy of joints, then one line of channel values for every frame.
+
+Meredith and Maddock, Motion Capture File Formats Explained (2001), section 2.2. What that
+leaves open is taken as most programs do: rotations are about the joint's own axes in the order
+of its channels; a position channel stands in the place of the joint's offset, on any joint.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.bvh_hierarchy import BvhJoint, read_hierarchy
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.text_file import TextFile, shortened, whole_number
+from numpy_cae.motion.units import guess_unit, require_unit, stature, unit_name
+
+log = logging.getLogger(__name__)
+
+
+def read_bvh(path: str | Path, unit: float | None = None) -> Motion:
+    """Read a BVH file.
+
+    Parameters
+    ----------
+    path : path of the file
+    unit : float, optional
+        Metres in one unit of length of the file: 0.01 where it is in centimetres. By default
+        guessed from the size of the skeleton; `Motion.unit_note` and the log say what was taken.
+
+    Returns
+    -------
+    Motion
+        In metres, its joints in the order of the file.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged anywhere: never is a motion shortened or filled.
+    ValueError
+        If `unit` is not above 0.
+    """
+    if unit is not None:
+        unit = require_unit(unit)
+    file = TextFile.read(path)
+    joints, motion_line = read_hierarchy(file)
+    rate, values = _read_motion(
+        file, motion_line, sum(len(joint.channels or []) for joint in joints)
+    )
+    rotations, translations = _pose(joints, values)
+    skeleton = _skeleton(joints, 1.0)
+
+    if unit is None:
+        # Lengths as they are in the motion: where there are position channels offsets may lie.
+        lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
+        unit, note = guess_unit(stature(skeleton, lengths))
+        log.info("%s: lengths taken as %s", path, note)
+    else:
+        note = f"{unit_name(unit)}, as given"
+    return Motion(_skeleton(joints, unit), rate, rotations, translations * unit, unit, note)
+
+
+def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
+    return Skeleton(
+        names=tuple(joint.name for joint in joints),
+        parents=tuple(joint.parent for joint in joints),
+        offsets=unit * np.array([joint.offset for joint in joints]),
+        end_sites={
+            index: unit * np.array(joint.tip)
+            for index, joint in enumerate(joints)
+            if joint.tip is not None
+        },
+    )
+
+
+def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Quaternions (F, J, 4) and translations (F, J, 3) from the table of channels (F, C)."""
+    frames = len(values)
+    rotations = np.empty((frames, len(joints), 4))
+    translations = np.empty((frames, len(joints), 3))
+    column = 0
+    for index, joint in enumerate(joints):
+        translations[:, index] = joint.offset
+        axes, columns = "", []
+        for channel in joint.channels or []:
+            if channel.endswith("position"):
+                translations[:, index, "XYZ".index(channel[0])] = values[:, column]
+            else:
+                axes += channel[0]
+                columns.append(column)
+            column += 1
+        if axes:
+            # Capital letters turn about the joint's own axes: R = R_first · R_second · R_third.
+            turned = Rotation.from_euler(axes, values[:, columns], degrees=True)
+        else:
+            turned = Rotation.identity(frames)
+        rotations[:, index] = turned.as_quat()
+    return rotations, translations
+
+
+def _read_motion(file: TextFile, motion_line: int, channels: int) -> tuple[float, np.ndarray]:
+    """Frames a second and the table (frames, channels) below MOTION."""
+    filled = [
+        (line, text)
+        for line, text in enumerate(file.lines[motion_line:], start=motion_line + 1)
+        if text and not text.isspace()
+    ]
+    count_line, promised = _header(file, filled[0:1], r"frames\s*:?\s*(.*)", "Frames: and a number")
+    time_line, time = _header(
+        file, filled[1:2], r"frame\s*time\s*:?\s*(.*)", "Frame Time: and seconds"
+    )
+    if not whole_number(promised):
+        raise file.error(
+            count_line, f"Frames: {shortened(promised)}, expected a whole number above 0"
+        )
+    rate = _rate(file, time_line, time)
+    if channels == 0:
+        raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
+
+    rows = []
+    for line, text in filled[2:]:
+        words = text.split()
+        if len(words) != channels:
+            raise file.error(
+                line,
+                f"{len(words)} values, expected {channels}: one line a frame, one value for each "
+                "channel of the hierarchy",
+            )
+        rows.append(file.numbers(line, words))
+    if len(rows) != whole_number(promised):
+        raise file.error(
+            count_line, f"Frames: says {promised}, but {len(rows)} lines of values follow"
+        )
+    return rate, np.array(rows)
+
+
+def _header(
+    file: TextFile, found: list[tuple[int, str]], pattern: str, wanted: str
+) -> tuple[int, str]:
+    if not found:
+        raise file.error(len(file.lines), f"the file ends below MOTION, expected {wanted}")
+    line, text = found[0]
+    match = re.fullmatch(pattern, text.strip(), re.IGNORECASE)
+    if match is None:
+        raise file.error(line, f"expected {wanted}, found {shortened(text.strip())}")
+    return line, match[1]
+
+
+def _rate(file: TextFile, line: int, time: str) -> float:
+    """Frames a second from the seconds a frame."""
+    words = time.split()
+    if len(words) != 1:
+        raise file.error(line, f"Frame Time: {shortened(time)}, expected one number of seconds")
+    (seconds,) = file.numbers(line, words)
+    if seconds < 1e-9:
+        raise file.error(line, f"Frame Time: {time}, expected seconds above 0")
+    rate = 1 / seconds
+    # .0083333 is how files write 1/120; 0.033367 (29.97 Hz) is its own.
+    whole = max(1, round(rate))
+    return float(whole) if abs(rate / whole - 1) < 1e-4 else rate

@@ -1,0 +1,40 @@
+"""Write a file wholly or not at all.
+
+What is half written when a disk fills up or a person presses Ctrl-C must never stand in the place
+of a good file, so it is written beside its place and moved there at the end.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from numpy_cae.motion.error import MotionFileError
+
+
+@contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """A path beside `path`, of the same suffix, to write to; it is moved to `path` at the end.
+
+    If the block raises, nothing is moved and what it wrote is removed.
+
+    Raises
+    ------
+    MotionFileError
+        If the folder of `path` is missing, `path` is a folder, or writing fails.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise MotionFileError(path, None, "cannot be written: there is a folder of this name")
+    if not path.parent.is_dir():
+        raise MotionFileError(path, None, f"cannot be written: there is no folder {path.parent}")
+    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield beside
+        os.replace(beside, path)
+    except OSError as error:
+        raise MotionFileError(path, None, f"cannot be written: {error.strerror}") from error
+    finally:
+        beside.unlink(missing_ok=True)
