@@ -10,9 +10,9 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.beside import written_beside
 from numpy_cae.motion.features import FEATURES
 from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.whole_file import whole_file
 
 FORMAT = "numpy_cae convolutional manifold 1"
 
@@ -37,7 +37,7 @@ def save_manifold(manifold: MotionManifold, path: str | Path) -> None:
     }
     for index, layer in enumerate(network.layers):
         arrays[f"w{index + 1}"], arrays[f"b{index + 1}"] = layer.w, layer.b
-    with written_beside(path) as beside, open(beside, "wb") as file:
+    with whole_file(path) as beside, open(beside, "wb") as file:
         np.savez_compressed(file, **arrays)
 
 

@@ -41,7 +41,8 @@ def fit_motion(
 ) -> Motion:
     """A motion of the twenty joints on bones of these lengths that follows the positions.
 
-    Directions of bones are kept; lengths become the given ones in every frame.
+    Lengths become the given ones in every frame. Where one bone leaves a joint its direction is
+    kept exactly; where several do, the angles between them become their mean over the take.
 
     Parameters
     ----------
@@ -63,7 +64,14 @@ def fit_motion(
     rotations = np.empty((len(positions), len(JOINTS), 4))
     for joint, parent in enumerate(PARENTS):
         above = Rotation.identity(len(positions)) if parent < 0 else turned[parent]
-        here = _turn(positions, skeleton, joint, above)
+        ends = [end for end in skeleton.children(joint) if lengths[end] > 0]
+        bones = positions[:, ends] - positions[:, [joint]]
+        if len(ends) == 0:
+            here = above
+        elif len(ends) == 1:
+            here = _swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
+        else:
+            here, skeleton.offsets[ends] = _fitted(bones, skeleton.offsets[ends], above)
         turned.append(here)
         rotations[:, joint] = (above.inv() * here).as_quat()
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
@@ -71,16 +79,31 @@ def fit_motion(
     return Motion(skeleton, rate, rotations, translations, unit, f"{unit:g} m")
 
 
-def _turn(positions: np.ndarray, skeleton: Skeleton, joint: int, above: Rotation) -> Rotation:
-    """The joint's rotation in the world, given that of the joint above it."""
-    ends = [end for end in skeleton.children(joint) if np.any(skeleton.offsets[end])]
-    if not ends:
-        return above
-    bones = positions[:, ends] - positions[:, [joint]]
-    if len(ends) == 1:
-        return _swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
-    rest = skeleton.offsets[ends]
-    return Rotation.concatenate([Rotation.align_vectors(bone, rest)[0] for bone in bones])
+def _fitted(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> tuple[Rotation, np.ndarray]:
+    """Turns (F) of the rigid fan of bones `rest` (N, 3) that follow `bones` (F, N, 3) best.
+
+    A body's fan is not the T-pose's: after a first fit the mean of what is seen replaces it.
+    """
+    lengths = np.linalg.norm(rest, axis=1, keepdims=True)
+    for _ in range(2):
+        turns = _turns(bones, rest, above)
+        seen = np.mean([turn.inv().apply(bone) for turn, bone in zip(turns, bones, strict=True)], 0)
+        rest = seen / np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-12) * lengths
+    return _turns(bones, rest, above), rest
+
+
+def _turns(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> Rotation:
+    # Bones along one line leave the turn about it open. The axes of the joint above, at a
+    # thousandth of the weight, settle that and hardly move anything else.
+    weights = [1.0] * len(rest) + [1e-3 * np.square(rest).sum()] * 3
+    axes = above.as_matrix().transpose(0, 2, 1)
+    before = np.concatenate([rest, np.eye(3)])
+    return Rotation.concatenate(
+        [
+            Rotation.align_vectors(np.concatenate([bone, axis]), before, weights)[0]
+            for bone, axis in zip(bones, axes, strict=True)
+        ]
+    )
 
 
 def _swing(before: np.ndarray, after: np.ndarray) -> Rotation:

@@ -1,1 +1,16 @@
+"""Skeletons drawn and animated."""
 
+from numpy_cae.viz.animation import save_gif
+from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz.strip import Actor, save_figure, strip_figure
+
+__all__ = [
+    "CORRUPTED",
+    "PLAIN",
+    "PROJECTED",
+    "TRUTH",
+    "Actor",
+    "save_figure",
+    "save_gif",
+    "strip_figure",
+]

@@ -1,0 +1,105 @@
+"""`numpy-cae train FOLDER -o model.npz`: a folder of motion files to a manifold."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.takes import read_takes
+from numpy_cae.experiments import figure_1, half_zeroed
+from numpy_cae.manifold import learn_manifold, save_manifold
+from numpy_cae.motion.windows import LENGTH, OVERLAP
+from numpy_cae.training import Schedule, Stage
+
+PAPER = Schedule()
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Every number of holden2015, sections 4 to 6, as an option with the paper's default."""
+    parser = subparsers.add_parser(
+        "train",
+        help="learn a manifold from a folder of motion files",
+        description="Learn a manifold from every .bvh and .amc file in a folder. "
+        "The defaults are those of holden2015.",
+        epilog="example: numpy-cae train motions/ -o model.npz --test '*_005.bvh'",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    parser.add_argument("folder", type=Path, help="motion files, in folders of any depth")
+    parser.add_argument("-o", "--output", type=Path, required=True, help="the model file to write")
+    parser.add_argument(
+        "--test", metavar="PATTERN", help="keep files of such names out and measure on them"
+    )
+    parser.add_argument(
+        "--picture", type=Path, metavar="PNG", help="with --test: draw figure 1 of a test take"
+    )
+    kinds.add_motion_arguments(parser)
+    _add_network_arguments(parser)
+    _add_schedule_arguments(parser)
+    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    parser.set_defaults(run=run)
+
+
+def _add_network_arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--window", type=kinds.positive_number, default=LENGTH, help="frames in a window")
+    add("--overlap", type=kinds.whole_number, default=OVERLAP, help="frames shared with the next")
+    add("--filters", type=kinds.positive_number, nargs="+", default=[64, 128, 256], help="a layer")
+    add("--taps", type=kinds.odd_number, default=15, help="frames that a filter sees")
+    add("--bound", type=kinds.bound, default=0.9, help="where arctanh is clipped")
+    add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
+
+
+def _add_schedule_arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    layer, fine = PAPER.layer, PAPER.fine_tuning
+    add("--epochs", type=kinds.whole_number, default=layer.epochs, help="for each layer")
+    add("--rate", type=kinds.rate, default=layer.rate, help="first rate of a layer")
+    add("--decay", type=kinds.rate, default=layer.decay, help="of a layer's rate, an epoch")
+    add("--alpha", type=kinds.rate, default=layer.alpha, help="weight of sparsity in a layer")
+    add("--fine-epochs", type=kinds.whole_number, default=fine.epochs, help="of fine tuning")
+    add("--fine-rate", type=kinds.rate, default=fine.rate, help="first rate of fine tuning")
+    add("--fine-decay", type=kinds.rate, default=fine.decay, help="of fine tuning's, an epoch")
+    add("--fine-alpha", type=kinds.rate, default=fine.alpha, help="sparsity in fine tuning")
+    add("--zeroed", type=kinds.fraction, default=PAPER.zeroed, help="share of inputs set to zero")
+    add("--batch", type=kinds.positive_number, default=PAPER.batch, help="windows in a step")
+
+
+def schedule_of(args: argparse.Namespace) -> Schedule:
+    """The schedule that the options describe."""
+    return Schedule(
+        layer=Stage(args.epochs, args.rate, args.decay, args.alpha),
+        fine_tuning=Stage(args.fine_epochs, args.fine_rate, args.fine_decay, args.fine_alpha),
+        zeroed=args.zeroed,
+        batch=args.batch,
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, train, save, measure."""
+    if args.picture and not args.test:
+        raise ValueError("--picture draws a test take: name the test takes with --test")
+    if not args.output.resolve().parent.is_dir():
+        raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
+    mapping = kinds.chosen_mapping(args)
+    training, testing = read_takes(args.folder, mapping, args.unit, args.test)
+    manifold = learn_manifold(
+        training,
+        schedule_of(args),
+        seed=args.seed,
+        window=args.window,
+        overlap=args.overlap,
+        filters=args.filters,
+        taps=args.taps,
+        bound=args.bound,
+        show_progress=not args.quiet,
+    )
+    save_manifold(manifold, args.output)
+    print(f"{args.output}: learned from {manifold.settings['windows']} windows")
+    if testing:
+        table = half_zeroed(manifold, training, testing)
+        print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
+    if args.picture:
+        figure_1(manifold, max(testing, key=len)).save_picture(args.picture)
+        print(f"\n{args.picture}: figure 1 of the longest test take")
+    return 0

@@ -1,0 +1,91 @@
+"""A motion as an animated GIF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.viz.camera import below, bones, seen
+from numpy_cae.viz.strip import Actor
+
+
+def save_gif(
+    actors: list[Actor],
+    path: str | Path,
+    rate: float,
+    fps: float = 15.0,
+    azimuth: float = 40.0,
+    seconds: float = 10.0,
+) -> None:
+    """Motions side by side, each followed by its own camera over a floor that passes below.
+
+    Parameters
+    ----------
+    actors : list of Actor, of the same number of frames
+    path : path of the .gif file
+    rate : float
+        Frames a second of the motions.
+    fps : float
+        Frames a second of the animation, at most `rate`.
+    azimuth : float
+        Degrees from which the camera looks.
+    seconds : float
+        Of a longer motion only the beginning is shown.
+    """
+    step = max(1, round(rate / fps))
+    moments = range(0, min(len(actors[0].positions), int(seconds * rate)), step)
+    figure = Figure(figsize=(2.6 * len(actors), 3.0))
+    figure.subplots_adjust(0, 0, 1, 1, 0, 0)
+    panels = [
+        _Panel(figure.add_subplot(1, len(actors), place + 1), actor, azimuth)
+        for place, actor in enumerate(actors)
+    ]
+
+    def draw(frame: int) -> list:
+        return [artist for panel in panels for artist in panel.draw(frame)]
+
+    animation = FuncAnimation(figure, draw, frames=moments, blit=False, init_func=lambda: [])
+    with whole_file(path) as beside:
+        animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=80)
+
+
+class _Panel:
+    """One motion's part of the picture."""
+
+    _TILE = 0.5  # metres between two lines of the floor
+
+    def __init__(self, axes, actor: Actor, azimuth: float):
+        self.actor, self.azimuth = actor, azimuth
+        self.floor = axes.add_collection(LineCollection([], colors="#dddddd", linewidths=0.8))
+        self.body = axes.add_collection(
+            LineCollection([], colors=actor.colour, linewidths=2.6, capstyle="round")
+        )
+        height = np.quantile(actor.positions[..., 1], 0.98)
+        axes.set(xlim=(-1.05, 1.05), ylim=(-0.35, max(height + 0.3, 1.9)))
+        axes.set_aspect("equal")
+        axes.axis("off")
+        axes.text(0.5, 0.97, actor.label, transform=axes.transAxes, ha="center", va="top")
+
+    def draw(self, frame: int) -> tuple:
+        points = self.actor.positions[frame]
+        followed = below(points)
+        self.body.set_segments(bones(seen(points - followed, self.azimuth), self.actor.parents))
+        self.floor.set_segments(seen(self._floor(followed), self.azimuth))
+        return self.body, self.floor
+
+    def _floor(self, followed: np.ndarray) -> np.ndarray:
+        """Lines of a square of floor around the body that stay where they are in the world."""
+        shift = np.mod(followed, self._TILE)
+        lines = []
+        for along in np.arange(-2, 3) * self._TILE:
+            lines.append([[along, 0, -1], [along, 0, 1]])
+            lines.append([[-1, 0, along], [1, 0, along]])
+        lines = np.array(lines, dtype=float)
+        lines[0::2, :, 0] -= shift[0]
+        lines[1::2, :, 2] -= shift[2]
+        return lines

@@ -1,0 +1,87 @@
+"""A strip: poses of a motion side by side, as on a roll of film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.viz.camera import below, bones, seen
+from numpy_cae.viz.colours import PLAIN
+
+
+@dataclass(frozen=True)
+class Actor:
+    """One motion to be drawn.
+
+    Parameters
+    ----------
+    positions : (F, J, 3) array of float
+        World positions in metres.
+    parents : tuple of J int
+    label : str
+    colour : str
+    """
+
+    positions: np.ndarray
+    parents: tuple[int, ...]
+    label: str = ""
+    colour: str = PLAIN
+
+
+def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
+    """A row of poses for each motion, at the same moments in every row.
+
+    Each pose stands at its own place on the strip; where it travelled to is not shown.
+
+    Parameters
+    ----------
+    actors : list of Actor, of the same number of frames
+    rate : float
+        Frames a second, for the times below.
+    poses : int
+        How many.
+    azimuth : float
+        Degrees from which the camera looks, 0 from the front of a body that faces +Z.
+    """
+    frames = len(actors[0].positions)
+    moments = np.unique(np.linspace(0, frames - 1, poses).round().astype(int))
+    drawn = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
+    # The last row is the truth where there is one: stray joints of others must not shrink it.
+    reach = np.concatenate([pose.reshape(-1, 2) for pose in drawn[-1]])
+    wide = 1.12 * max(np.ptp(reach[:, 0]), 0.5)
+    low, high = reach[:, 1].min() - 0.12, reach[:, 1].max() + 0.15
+    width = 1.25 * len(moments)
+    figure = Figure(figsize=(width, len(actors) * width * (high - low) / (wide * len(moments))))
+    figure.subplots_adjust(0, 0, 1, 1, 0, 0)
+    for row, (actor, pictures) in enumerate(zip(actors, drawn, strict=True)):
+        axes = figure.add_subplot(len(actors), 1, row + 1)
+        for place, (frame, picture) in enumerate(zip(moments, pictures, strict=True)):
+            lines = picture + np.array([place * wide, 0.0])
+            axes.add_collection(
+                LineCollection(lines, colors=actor.colour, linewidths=2.2, capstyle="round")
+            )
+            time = f"{frame / rate:.1f} s"
+            axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
+        if actor.label:
+            name = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
+            axes.text(0.004, 0.98, actor.label, transform=axes.transAxes, va="top", **name)
+        axes.set(xlim=(-0.55 * wide, (len(moments) - 0.45) * wide), ylim=(low, high))
+        axes.set_aspect("equal")
+        axes.axis("off")
+    return figure
+
+
+def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
+    points = actor.positions[frame]
+    return bones(seen(points - below(points), azimuth), actor.parents)
+
+
+def save_figure(figure: Figure, path: str | Path, dpi: int = 110) -> None:
+    """Write a figure as PNG, beside first and then moved into place."""
+    with whole_file(path) as beside:
+        figure.savefig(beside, format="png", dpi=dpi, facecolor="white")
