@@ -132,8 +132,8 @@ def gru(
 
     References
     ----------
-    jang2018, section 2, the recurrent encoder and decoders; Werbos, "Backpropagation through
-    time: what it does and how to do it", Proceedings of the IEEE 78, 1990.
+    jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer"; Werbos, "Backpropagation
+    through time: what it does and how to do it", Proceedings of the IEEE 78, 1990.
     """
     require_shape("x", x, ("batch", "frames", "in"))
     batch, frames, channels = x.shape

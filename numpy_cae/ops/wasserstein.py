@@ -53,7 +53,8 @@ def sliced_wasserstein(
 
     References
     ----------
-    jang2018, section 2; Kolouri et al., "Sliced Wasserstein Auto-Encoders", ICLR 2019, equation 13.
+    jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer"; the sliced form from Kolouri
+    et al., "Sliced Wasserstein Auto-Encoders", ICLR 2019.
     """
     require_shape("z", z, ("points", "dimensions"))
     require_shape("prior", prior, z.shape)
