@@ -1,8 +1,9 @@
-"""The bounded nonlinearity of holden2015 and its inverse.
+"""The bounded nonlinearities, and the inverse of one.
 
-tanh places the hidden units in [-1, 1], the parametrisation of the manifold (section 3); the
-decoder undoes it with arctanh (equation 2). arctanh is infinite at ±1, and a decoded layer below
-can be anything, so it takes a bound: see "Where equation 2 breaks" in lessons/papers_to_code.md.
+tanh places the hidden units in [-1, 1], the parametrisation of the manifold (holden2015, section
+3); the decoder undoes it with arctanh (equation 2). arctanh is infinite at ±1, and a decoded layer
+below can be anything, so it takes a bound: see "Where equation 2 breaks" in
+lessons/papers_to_code.md. The gates of jang2018's recurrent networks are sigmoids.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.special import expit
 
 from numpy_cae.ops.shapes import require_shape
 
@@ -80,3 +82,29 @@ def arctanh(y: np.ndarray, bound: float) -> tuple[np.ndarray, Pullback]:
         return dx * inside / (1 - clipped * clipped)
 
     return x, pullback
+
+
+def sigmoid(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y = 1 / (1 + exp(-x)), elementwise.   dL/dx = y (1 - y) · dL/dy
+
+    Parameters
+    ----------
+    x : array of float, any shape
+
+    Returns
+    -------
+    y : array of the same shape
+    pullback : dy -> dx
+
+    References
+    ----------
+    The gates of the GRU; Cho et al., "Learning Phrase Representations using RNN Encoder-Decoder
+    for Statistical Machine Translation", EMNLP 2014.
+    """
+    y = expit(x)
+
+    def pullback(dy: np.ndarray) -> np.ndarray:
+        require_shape("dy", dy, y.shape)
+        return dy * y * (1 - y)
+
+    return y, pullback

@@ -1,0 +1,170 @@
+"""The gated recurrent unit of jang2018's encoder and decoders, one step and a whole sequence.
+
+Three conventions of the GRU are in use; this is the arithmetic of PyTorch and cuDNN, where the
+reset gate acts after the product h · Un, and z keeps the old state. `gru` is `gru_step` repeated,
+and its pullback is that of `gru_step` repeated backwards: backpropagation through time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.ops.activations import sigmoid
+from numpy_cae.ops.linear import linear
+from numpy_cae.ops.shapes import require_shape
+
+Pullback = Callable[[np.ndarray], tuple[np.ndarray, ...]]
+
+
+def gru_step(
+    x: np.ndarray, h: np.ndarray, w: np.ndarray, u: np.ndarray, b: np.ndarray, c: np.ndarray
+) -> tuple[np.ndarray, Pullback]:
+    """One step of the recurrence, h -> h'. Gates in the order reset, update, new.
+
+        a = x · W + b,   s = h · U + c        each in three parts: a_r, a_z, a_n and s_r, s_z, s_n
+        r = σ(a_r + s_r)                      reset: how much of the past the new state looks at
+        z = σ(a_z + s_z)                      update: how much of the past is kept
+        n = tanh(a_n + r ∘ s_n)               new
+        h' = (1 - z) ∘ n + z ∘ h
+
+    The state h reaches h' along four paths: directly (z ∘ h), and through each of s_r, s_z, s_n.
+    With dh' short for dL/dh', from the last line to the first:
+
+        dn   = dh' ∘ (1 - z)
+        dz   = dh' ∘ (h - n)
+        da_n = dn ∘ (1 - n²)
+        ds_n = da_n ∘ r
+        dr   = da_n ∘ s_n
+        da_z = ds_z = dz ∘ z ∘ (1 - z)
+        da_r = ds_r = dr ∘ r ∘ (1 - r)
+        dx = da · Wᵀ,   dW = Σ_rows xᵀ · da,   db = Σ_rows da
+        dh = dh' ∘ z + ds · Uᵀ,   dU = Σ_rows hᵀ · ds,   dc = Σ_rows ds
+
+    Parameters
+    ----------
+    x : (B, C) array of float
+        The input of this step.
+    h : (B, H) array of float
+        The state before it.
+    w : (C, 3H) array of float
+    u : (H, 3H) array of float
+    b, c : (3H,) arrays of float
+
+    Returns
+    -------
+    h_next : (B, H) array
+    pullback : dh_next -> (dx, dh, dw, du, db, dc)
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit.
+
+    References
+    ----------
+    Cho et al., EMNLP 2014; the reset gate after the product as in cuDNN and PyTorch's `GRU`.
+    """
+    require_shape("h", h, ("batch", "hidden"))
+    batch, hidden = h.shape
+    require_shape("x", x, (batch, "in"))
+    _require_weights(x.shape[-1], hidden, w, u, b, c)
+
+    a, a_pullback = linear(x, w, b)
+    s, s_pullback = linear(h, u, c)
+    a_r, a_z, a_n = np.split(a, 3, axis=-1)
+    s_r, s_z, s_n = np.split(s, 3, axis=-1)
+    r, _ = sigmoid(a_r + s_r)
+    z, _ = sigmoid(a_z + s_z)
+    n = np.tanh(a_n + r * s_n)
+    h_next = (1 - z) * n + z * h
+
+    def pullback(dh_next: np.ndarray) -> tuple[np.ndarray, ...]:
+        require_shape("dh_next", dh_next, h_next.shape)
+        dn = dh_next * (1 - z)
+        dz = dh_next * (h - n)
+        da_n = dn * (1 - n * n)
+        ds_n = da_n * r
+        dr = da_n * s_n
+        da_z = dz * z * (1 - z)
+        da_r = dr * r * (1 - r)
+        dx, dw, db = a_pullback(np.concatenate([da_r, da_z, da_n], axis=-1))
+        dh_through_s, du, dc = s_pullback(np.concatenate([da_r, da_z, ds_n], axis=-1))
+        dh = dh_next * z + dh_through_s
+        return dx, dh, dw, du, db, dc
+
+    return h_next, pullback
+
+
+def gru(
+    x: np.ndarray, h0: np.ndarray, w: np.ndarray, u: np.ndarray, b: np.ndarray, c: np.ndarray
+) -> tuple[np.ndarray, Pullback]:
+    """h_t = gru_step(x_t, h_(t-1)) for each frame in turn, beginning with h_0.
+
+    The weights are the same at every step, so their gradients are summed over the steps. A state
+    acts on the loss along two paths, as the output of its frame and as the state of the next step,
+    so its gradient is the sum of both. From the last frame to the first:
+
+        dh_t          = dy_t + (dh_t as the next step's pullback returns it; 0 after the last)
+        dx_t, dh_(t-1), dW, dU, db, dc  from the pullback of step t at dh_t
+
+    and what is left after the first frame is the gradient for h_0.
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+    h0 : (B, H) array of float
+    w : (C, 3H) array of float
+    u : (H, 3H) array of float
+    b, c : (3H,) arrays of float
+
+    Returns
+    -------
+    y : (B, T, H) array
+        The state after each frame.
+    pullback : dy -> (dx, dh0, dw, du, db, dc)
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit.
+
+    References
+    ----------
+    jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer"; Werbos, "Backpropagation
+    through time: what it does and how to do it", Proceedings of the IEEE 78, 1990.
+    """
+    require_shape("x", x, ("batch", "frames", "in"))
+    batch, frames, channels = x.shape
+    require_shape("h0", h0, (batch, "hidden"))
+    hidden = h0.shape[1]
+    _require_weights(channels, hidden, w, u, b, c)
+
+    y = np.empty((batch, frames, hidden), dtype=h0.dtype)
+    pullbacks = []
+    h = h0
+    for t in range(frames):
+        h, step_pullback = gru_step(x[:, t], h, w, u, b, c)
+        y[:, t] = h
+        pullbacks.append(step_pullback)
+
+    def pullback(dy: np.ndarray) -> tuple[np.ndarray, ...]:
+        require_shape("dy", dy, y.shape)
+        dx = np.empty(x.shape, dtype=x.dtype)
+        dw, du, db, dc = (np.zeros_like(weight) for weight in (w, u, b, c))
+        dh = np.zeros_like(h0)
+        for t in reversed(range(frames)):
+            dx[:, t], dh, *of_weights = pullbacks[t](dy[:, t] + dh)
+            for total, term in zip((dw, du, db, dc), of_weights, strict=True):
+                total += term
+        return dx, dh, dw, du, db, dc
+
+    return y, pullback
+
+
+def _require_weights(channels: int, hidden: int, w, u, b, c) -> None:
+    require_shape("w", w, (channels, 3 * hidden))
+    require_shape("u", u, (hidden, 3 * hidden))
+    require_shape("b", b, (3 * hidden,))
+    require_shape("c", c, (3 * hidden,))

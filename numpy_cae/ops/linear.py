@@ -1,0 +1,53 @@
+"""The affine map of one frame: what a GRU is built from, and what leads into and out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.ops.shapes import require_shape
+
+Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+def linear(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y = x · W + b, along the last axis.
+
+    With dy short for dL/dy, and every axis but the last counted as rows,
+
+        dL/dx = dy · Wᵀ
+        dL/dW = Σ_rows xᵀ · dy
+        dL/db = Σ_rows dy
+
+    Parameters
+    ----------
+    x : (…, C) array of float
+    w : (C, D) array of float
+    b : (D,) array of float
+
+    Returns
+    -------
+    y : (…, D) array
+    pullback : dy -> (dx, dw, db)
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit.
+    """
+    require_shape("w", w, ("in", "out"))
+    channels, features = w.shape
+    require_shape("x", x, (*np.shape(x)[:-1], channels))
+    require_shape("b", b, (features,))
+    y = x @ w + b
+
+    def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        require_shape("dy", dy, y.shape)
+        dy_rows = dy.reshape(-1, features)
+        dx = dy @ w.T
+        dw = x.reshape(-1, channels).T @ dy_rows
+        db = dy_rows.sum(axis=0)
+        return dx, dw, db
+
+    return y, pullback

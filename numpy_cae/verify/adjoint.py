@@ -1,0 +1,51 @@
+"""The exact test of a linear operation's pullback: no differences, no step, no truncation.
+
+A linear map A and its adjoint A' satisfy <A x, y> = <x, A' y> for every x and y, and the pullback
+of a linear operation is its adjoint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+
+def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
+    """Raise unless <f(x), y> = <x, pullback(y)>.
+
+    Parameters
+    ----------
+    f : x -> (value, pullback)
+        Linear in x. An affine operation such as `conv1d` is linear once its bias is 0 and closed
+        over: `lambda x: (y := conv1d(x, w, zeros))[0], lambda dy: y[1](dy)[0]`.
+    x : array of float64
+    y : array of float64
+        In the shape of f(x).
+    tolerance : float
+        Relative to |f(x)| |y| + |x| |pullback(y)|, which rounding is proportional to.
+
+    Raises
+    ------
+    AssertionError
+        With both inner products, or the shapes where they do not fit.
+    """
+    value, pullback = f(x)
+    if np.shape(value) != np.shape(y):
+        raise AssertionError(
+            f"the value has shape {np.shape(value)}, but y has shape {np.shape(y)}"
+        )
+    pulled = pullback(y)
+    if isinstance(pulled, tuple) and len(pulled) == 1:
+        (pulled,) = pulled
+    if np.shape(pulled) != np.shape(x):
+        raise AssertionError(
+            f"the pullback returns shape {np.shape(pulled)} for an argument of shape {np.shape(x)}"
+        )
+    forward, backward = float(np.sum(value * y)), float(np.sum(x * pulled))
+    scale = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
+    if not abs(forward - backward) <= tolerance * scale:
+        raise AssertionError(
+            f"the pullback is not the adjoint: <A x, y> = {forward:.12g}, "
+            f"but <x, A' y> = {backward:.12g}"
+        )

@@ -1,0 +1,57 @@
+"""One example to try a property on: a few sizes and a seed.
+
+The sizes are what hypothesis draws and shrinks, so that a counterexample reads "batch 1, frames 2,
+taps 3"; the arrays follow from them and the seed. Their entries are a shuffled even grid: distinct
+and never 0, so that no pair ties and no entry sits on a kink, and short to write down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+WORTH_PRINTING = 24
+
+
+@dataclass(frozen=True)
+class Case:
+    """Sizes by name, such as (("batch", 1), ("frames", 4)), and the seed of the entries."""
+
+    sizes: tuple[tuple[str, int], ...]
+    seed: int
+
+    def __getitem__(self, name: str) -> int:
+        return dict(self.sizes)[name]
+
+    def rng(self) -> np.random.Generator:
+        return np.random.default_rng(self.seed)
+
+    def __str__(self) -> str:
+        return ", ".join(f"{name} {size}" for name, size in self.sizes) + f", seed {self.seed}"
+
+
+def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0) -> np.ndarray:
+    """Distinct entries, none of them 0, evenly spaced between -reach and reach, shuffled."""
+    count = int(np.prod(shape))
+    even = count + count % 2
+    grid = (2 * np.arange(even) + 1 - even) * (reach / max(even, 1))
+    return rng.permutation(grid)[:count].reshape(shape)
+
+
+def described(case: Case, arguments: Mapping[str, object]) -> str:
+    """The case and, where they are short, its arrays: something to type in and try."""
+    arrays = [a for a in arguments.values() if isinstance(a, np.ndarray)]
+    if sum(a.size for a in arrays) > WORTH_PRINTING:
+        return str(case)
+    lines = [f"{name} = {_written(value)}" for name, value in arguments.items()]
+    return "\n".join([str(case), *lines])
+
+
+def _written(value: object) -> str:
+    if not isinstance(value, np.ndarray):
+        return repr(value)
+    if value.size == 0:
+        return f"np.empty({value.shape})"
+    return np.array2string(value, precision=4, separator=", ").replace("\n", "")

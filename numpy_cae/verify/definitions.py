@@ -1,0 +1,141 @@
+"""Every operation once more, loop by loop, one number at a time.
+
+Slow, and so plain that it can be believed on sight: what `value` properties compare with.
+"""
+
+from __future__ import annotations
+
+from math import atanh, exp, tanh
+
+import numpy as np
+
+from numpy_cae.verify.convention import PYTORCH, Convention
+
+
+def conv1d(x, w, b):
+    (batch, frames, channels), (taps, _, filters) = x.shape, w.shape
+    y = np.zeros((batch, frames, filters))
+    for i, t, d in np.ndindex(y.shape):
+        y[i, t, d] = b[d]
+        for k in range(taps):
+            for c in range(channels):
+                if 0 <= t + k - taps // 2 < frames:
+                    y[i, t, d] += x[i, t + k - taps // 2, c] * w[k, c, d]
+    return y
+
+
+def transpose_filters(w):
+    taps, channels, filters = w.shape
+    w_tilde = np.zeros((taps, filters, channels))
+    for k, c, d in np.ndindex(w.shape):
+        w_tilde[taps - 1 - k, d, c] = w[k, c, d]
+    return w_tilde
+
+
+def max_pool(x):
+    batch, frames, channels = x.shape
+    y = np.zeros((batch, frames // 2, channels))
+    for i, t, c in np.ndindex(y.shape):
+        y[i, t, c] = max(x[i, 2 * t, c], x[i, 2 * t + 1, c])
+    return y
+
+
+def unpool_even(y):
+    batch, frames, channels = y.shape
+    x = np.zeros((batch, 2 * frames, channels))
+    for i, t, c in np.ndindex(x.shape):
+        x[i, t, c] = y[i, t // 2, c] / 2
+    return x
+
+
+def unpool_random(y, first):
+    batch, frames, channels = y.shape
+    x = np.zeros((batch, 2 * frames, channels))
+    for i, t, c in np.ndindex(y.shape):
+        x[i, 2 * t + (0 if first[i, t, c] else 1), c] = y[i, t, c]
+    return x
+
+
+def tanh_(x):
+    return _each(tanh, x)
+
+
+def sigmoid(x):
+    return _each(_sigmoid, x)
+
+
+def arctanh(y, bound):
+    return _each(lambda entry: atanh(min(max(entry, -bound), bound)), y)
+
+
+def linear(x, w, b):
+    y = np.zeros((*x.shape[:-1], w.shape[1]))
+    for index in np.ndindex(y.shape):
+        row, d = index[:-1], index[-1]
+        y[index] = b[d] + sum(x[(*row, c)] * w[c, d] for c in range(w.shape[0]))
+    return y
+
+
+def gru_step(x, h, w, u, b, c, convention: Convention = PYTORCH):
+    batch, hidden = h.shape
+    h_next = np.zeros((batch, hidden))
+    reset, update, new = (convention.order.index(gate) for gate in ("reset", "update", "new"))
+
+    def from_input(i, column):
+        return b[column] + sum(x[i, k] * w[k, column] for k in range(x.shape[1]))
+
+    def from_state(state, column):
+        return c[column] + sum(state[k] * u[k, column] for k in range(hidden))
+
+    for i in range(batch):
+        r = np.zeros(hidden)
+        for j in range(hidden):
+            column = reset * hidden + j
+            r[j] = _sigmoid(from_input(i, column) + from_state(h[i], column))
+        for j in range(hidden):
+            column = update * hidden + j
+            z = _sigmoid(from_input(i, column) + from_state(h[i], column))
+            column = new * hidden + j
+            if convention.reset_after:
+                n = tanh(from_input(i, column) + r[j] * from_state(h[i], column))
+            else:
+                n = tanh(from_input(i, column) + from_state(r * h[i], column))
+            kept = z if convention.update_keeps else 1 - z
+            h_next[i, j] = (1 - kept) * n + kept * h[i, j]
+    return h_next
+
+
+def gru(x, h0, w, u, b, c, convention: Convention = PYTORCH):
+    y = np.zeros((*x.shape[:2], h0.shape[1]))
+    h = h0
+    for t in range(x.shape[1]):
+        h = y[:, t] = gru_step(x[:, t], h, w, u, b, c, convention)
+    return y
+
+
+def mean_squared_error(x_hat, x):
+    return sum((x_hat[index] - x[index]) ** 2 for index in np.ndindex(x.shape)) / x.size
+
+
+def mean_absolute(y):
+    return sum(abs(y[index]) for index in np.ndindex(y.shape)) / y.size
+
+
+def sliced_wasserstein(z, prior, directions):
+    total = 0.0
+    for theta in directions:
+        p = sorted(sum(point * theta) for point in z)
+        q = sorted(sum(point * theta) for point in prior)
+        total += sum((a - b) ** 2 for a, b in zip(p, q, strict=True))
+    return total / (len(directions) * len(z))
+
+
+def _sigmoid(number):
+    return 1 / (1 + exp(-number))
+
+
+def _each(function, x):
+    y = np.zeros(x.shape)
+    for index in np.ndindex(x.shape):
+        y[index] = function(x[index])
+    return y

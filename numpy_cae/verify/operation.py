@@ -1,0 +1,209 @@
+"""What is to be known about an operation before its properties can be stated.
+
+Which sizes its arguments have, what they are called, which of them get a gradient, in which of
+them it is linear, and what its value is by definition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from numpy_cae.verify import definitions
+from numpy_cae.verify.case import Case, spread
+from numpy_cae.verify.convention import PYTORCH, Convention
+
+Sizes = Mapping[str, tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Operation:
+    """An operation as its properties see it."""
+
+    name: str
+    sizes: Sizes  # the sizes to draw from, the simplest first
+    arguments: Callable[[Case], dict[str, object]]  # by name, in the order of the call
+    differentiated: tuple[str, ...]
+    definition: Callable[..., np.ndarray | float]
+    linear_in: tuple[str, ...] = ()
+    convention: Convention = PYTORCH
+
+    def in_convention(self, convention: Convention) -> Operation:
+        """The same operation with its definition in another convention of the GRU."""
+        definition = partial(getattr(definitions, self.name), convention=convention)
+        return replace(self, definition=definition, convention=convention)
+
+
+WINDOW = {"batch": (1, 2, 3), "frames": (1, 2, 3, 4, 5, 6), "channels": (1, 2, 3)}
+GRU_SIZES = {"batch": (1, 2, 3), "channels": (1, 2, 3), "hidden": (1, 2, 3)}
+WEIGHT_REACH = 0.9
+ARCTANH_REACH = 1.31  # no entry of the grid falls on a bound of 0.5 or 0.9
+
+
+def _window(case: Case) -> tuple[int, int, int]:
+    return case["batch"], case["frames"], case["channels"]
+
+
+def _conv1d(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    filters = case["filters"]
+    return {
+        "x": spread(rng, _window(case)),
+        "w": spread(rng, (case["taps"], case["channels"], filters)),
+        "b": spread(rng, (filters,)),
+    }
+
+
+def _transpose_filters(case: Case) -> dict[str, object]:
+    return {"w": spread(case.rng(), (case["taps"], case["channels"], case["filters"]))}
+
+
+def _max_pool(case: Case) -> dict[str, object]:
+    batch, frames, channels = _window(case)
+    return {"x": spread(case.rng(), (batch, 2 * frames, channels))}
+
+
+def _unpool_even(case: Case) -> dict[str, object]:
+    return {"y": spread(case.rng(), _window(case))}
+
+
+def _unpool_random(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    return {"y": spread(rng, _window(case)), "first": rng.random(_window(case)) < 0.5}
+
+
+def _elementwise(case: Case) -> dict[str, object]:
+    return {"x": spread(case.rng(), _window(case))}
+
+
+def _arctanh(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    return {
+        "y": spread(rng, _window(case), ARCTANH_REACH),
+        "bound": float(rng.choice([0.5, 0.9, 0.99])),
+    }
+
+
+def _linear(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    leading = (case["batch"], case["frames"])[: case["axes"]]
+    return {
+        "x": spread(rng, (*leading, case["channels"])),
+        "w": spread(rng, (case["channels"], case["features"])),
+        "b": spread(rng, (case["features"],)),
+    }
+
+
+def _gru_weights(case: Case, rng: np.random.Generator) -> dict[str, object]:
+    gates = 3 * case["hidden"]
+    return {
+        "w": spread(rng, (case["channels"], gates), WEIGHT_REACH),
+        "u": spread(rng, (case["hidden"], gates), WEIGHT_REACH),
+        "b": spread(rng, (gates,), WEIGHT_REACH),
+        "c": spread(rng, (gates,), WEIGHT_REACH),
+    }
+
+
+def _gru_step(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    x = spread(rng, (case["batch"], case["channels"]))
+    h = spread(rng, (case["batch"], case["hidden"]), 1.0)
+    return {"x": x, "h": h, **_gru_weights(case, rng)}
+
+
+def _gru(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    x = spread(rng, _window(case))
+    h0 = spread(rng, (case["batch"], case["hidden"]), 1.0)
+    return {"x": x, "h0": h0, **_gru_weights(case, rng)}
+
+
+def _mean_squared_error(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    return {"x_hat": spread(rng, _window(case)), "x": spread(rng, _window(case))}
+
+
+def _mean_absolute(case: Case) -> dict[str, object]:
+    return {"y": spread(case.rng(), _window(case))}
+
+
+def _sliced_wasserstein(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    shape = (case["points"], case["dimensions"])
+    directions = rng.standard_normal((case["directions"], case["dimensions"]))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return {"z": spread(rng, shape), "prior": spread(rng, shape), "directions": directions}
+
+
+FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3), "taps": (1, 3, 5, 7, 9)}
+GRU_ARGUMENTS = ("w", "u", "b", "c")
+
+OPERATIONS: dict[str, Operation] = {
+    operation.name: operation
+    for operation in (
+        Operation(
+            "conv1d",
+            WINDOW | FILTERS,
+            _conv1d,
+            ("x", "w", "b"),
+            definitions.conv1d,
+            linear_in=("x", "w"),
+        ),
+        Operation(
+            "transpose_filters",
+            FILTERS,
+            _transpose_filters,
+            ("w",),
+            definitions.transpose_filters,
+            linear_in=("w",),
+        ),
+        Operation("max_pool", WINDOW, _max_pool, ("x",), definitions.max_pool),
+        Operation("unpool_even", WINDOW, _unpool_even, ("y",), definitions.unpool_even, ("y",)),
+        Operation(
+            "unpool_random", WINDOW, _unpool_random, ("y",), definitions.unpool_random, ("y",)
+        ),
+        Operation("tanh", WINDOW, _elementwise, ("x",), definitions.tanh_),
+        Operation("sigmoid", WINDOW, _elementwise, ("x",), definitions.sigmoid),
+        Operation("arctanh", WINDOW, _arctanh, ("y",), definitions.arctanh),
+        Operation(
+            "linear",
+            WINDOW | {"features": (1, 2, 3), "axes": (0, 1, 2)},
+            _linear,
+            ("x", "w", "b"),
+            definitions.linear,
+            linear_in=("x", "w"),
+        ),
+        Operation(
+            "gru_step",
+            GRU_SIZES,
+            _gru_step,
+            ("x", "h", *GRU_ARGUMENTS),
+            definitions.gru_step,
+        ),
+        Operation(
+            "gru",
+            GRU_SIZES | {"frames": (1, 2, 3, 4)},
+            _gru,
+            ("x", "h0", *GRU_ARGUMENTS),
+            definitions.gru,
+        ),
+        Operation(
+            "mean_squared_error",
+            WINDOW,
+            _mean_squared_error,
+            ("x_hat",),
+            definitions.mean_squared_error,
+        ),
+        Operation("mean_absolute", WINDOW, _mean_absolute, ("y",), definitions.mean_absolute),
+        Operation(
+            "sliced_wasserstein",
+            {"points": (1, 2, 3, 4, 5, 6), "dimensions": (1, 2, 3), "directions": (1, 2, 3)},
+            _sliced_wasserstein,
+            ("z",),
+            definitions.sliced_wasserstein,
+        ),
+    )
+}

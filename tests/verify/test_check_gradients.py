@@ -1,0 +1,123 @@
+import numpy as np
+import pytest
+
+from numpy_cae import ops
+from numpy_cae.verify import check_adjoint, check_gradients
+
+
+@pytest.fixture
+def conv_arguments():
+    rng = np.random.default_rng(1)
+    return (
+        rng.standard_normal((2, 6, 3)),
+        rng.standard_normal((5, 3, 2)),
+        rng.standard_normal(2),
+    )
+
+
+def test_accepts_a_right_pullback(conv_arguments):
+    check_gradients(ops.conv1d, *conv_arguments)
+
+
+def test_accepts_a_scalar_loss():
+    x_hat, x = np.random.default_rng(0).standard_normal((2, 3, 4, 5))
+    check_gradients(lambda x_hat: ops.mean_squared_error(x_hat, x), x_hat)
+
+
+def test_accepts_large_inputs_along_random_directions():
+    rng = np.random.default_rng(0)
+    x, w = rng.standard_normal((4, 40, 12)), rng.standard_normal((15, 12, 20)) * 0.05
+    check_gradients(ops.conv1d, x, w, np.zeros(20))
+
+
+def test_traces_one_wrong_entry_of_a_large_input():
+    def squares(x):
+        def pullback(dy):
+            dx = 2 * x * dy
+            dx[3, 7, 1] += 0.5
+            return dx
+
+        return x * x, pullback
+
+    x = np.random.default_rng(0).standard_normal((5, 20, 3))
+    with pytest.raises(AssertionError, match=r"for x, .* wrong at index \(3, 7, 1\)"):
+        check_gradients(squares, x)
+
+
+@pytest.mark.parametrize("bound", [0.9, 0.999, 0.99999])
+def test_accepts_a_derivative_that_bends_quickly(bound):
+    y = np.linspace(-bound, bound, 25) * (1 - 1e-6)
+    check_gradients(lambda y: ops.arctanh(y, bound), y)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e6])
+def test_steps_suit_the_scale_of_the_input(scale):
+    x = scale * np.random.default_rng(0).standard_normal((2, 3))
+    check_gradients(lambda x: (np.sin(x / scale), lambda dy: dy * np.cos(x / scale) / scale), x)
+
+
+def test_excuses_one_kink_but_not_a_wrong_slope_there():
+    x = np.random.default_rng(0).standard_normal(30)
+    x[4] = 0.0
+    check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.sign(x)), x)
+    with pytest.raises(AssertionError, match=r"index \(4,\)"):
+        check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.where(x, np.sign(x), 3)), x)
+
+
+def test_excuses_a_kink_nearer_than_the_smallest_step():
+    x = np.random.default_rng(0).standard_normal(30)
+    x[4] = 1e-9
+    check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.sign(x)), x)
+
+
+def test_does_not_excuse_many_kinks():
+    x = np.zeros(30)
+    with pytest.raises(AssertionError, match="does not settle in 30 of 30"):
+        check_gradients(lambda x: (np.maximum(x, 0), lambda dy: dy * (x >= 0)), x)
+
+
+def test_says_argument_index_numbers_and_mistake(conv_arguments):
+    def no_flip(x, w, b):
+        y, pullback = ops.conv1d(x, w, b)
+
+        def wrong(dy):
+            _, dw, db = pullback(dy)
+            return ops.conv1d(x, w[::-1], b)[1](dy)[0], dw, db
+
+        return y, wrong
+
+    with pytest.raises(AssertionError) as failure:
+        check_gradients(no_flip, *conv_arguments)
+    report = str(failure.value)
+    assert "the gradient for x, shape (2, 6, 3), is wrong at index (" in report
+    assert "by the pullback" in report and "by central differences" in report
+    assert "Likely mistake: the filters are not flipped in time" in report
+
+
+def test_rejects_an_altered_argument(conv_arguments):
+    def greedy(x, w, b):
+        y, pullback = ops.conv1d(x, w, b)
+
+        def wrong(dy):
+            gradients = pullback(dy)
+            dy *= 0
+            return gradients
+
+        return y, wrong
+
+    with pytest.raises(AssertionError, match="the upstream gradient was altered"):
+        check_gradients(greedy, *conv_arguments)
+
+
+def test_asks_for_float64(conv_arguments):
+    x, w, b = conv_arguments
+    with pytest.raises(TypeError, match="w must be an array of float64"):
+        check_gradients(ops.conv1d, x, w.astype(np.float32), b)
+
+
+def test_adjoint_of_the_unpooling_holds_and_of_half_of_it_does_not():
+    rng = np.random.default_rng(0)
+    y, dx = rng.standard_normal((2, 4, 3)), rng.standard_normal((2, 8, 3))
+    check_adjoint(ops.unpool_even, y, dx)
+    with pytest.raises(AssertionError, match="not the adjoint"):
+        check_adjoint(lambda y: (np.repeat(y / 2, 2, axis=1), lambda dx: dx[:, ::2]), y, dx)
