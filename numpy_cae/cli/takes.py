@@ -41,7 +41,7 @@ def read_takes(
         notes[motion.unit_note.split(" (")[0]] += 1
     if test is not None and not testing:
         raise MotionFileError(
-            folder, None, f"no motion file matches {test!r}, none is left to test"
+            folder, None, f"no file matches {test!r}, none is left to test"
         )
     if not training:
         raise MotionFileError(folder, None, f"every file matches {test!r}, none is left to train")

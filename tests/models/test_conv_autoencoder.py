@@ -1,0 +1,174 @@
+"""The whole loss of holden2015, equation 3, through the models' own `loss_and_gradients`."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from numpy_cae import ops
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.verify import check_gradients
+
+FILTERS = (4, 3, 5)
+
+
+def drawn_model(rng, features=3, filters=FILTERS, taps=3):
+    """A small float64 network with biases that are not zero."""
+    model = ConvAutoencoder(features, filters, taps, bound=0.9, rng=rng, dtype=np.float64)
+    for layer in model.layers:
+        layer.w = rng.normal(scale=0.4, size=layer.w.shape)
+        layer.b = rng.normal(scale=0.2, size=layer.b.shape)
+    return model
+
+
+def masks_for(layers, batch, frames, rng):
+    return [
+        rng.random((batch, frames // 2 ** (k + 1), len(layer.b))) < 0.5
+        for k, layer in enumerate(layers)
+    ]
+
+
+def as_function_of_parameters(model, x, corrupted, alpha, first, layer):
+    """The loss as an operation on all weights and biases, for `check_gradients`."""
+    layers = model.layers if layer is None else [model.layers[layer]]
+
+    def loss(*parameters):
+        for each, w, b in zip(layers, parameters[0::2], parameters[1::2], strict=True):
+            each.w, each.b = w, b
+        value, gradients = model.loss_and_gradients(x, corrupted, alpha, first, layer)
+        flat = [gradient for pair in gradients for gradient in pair]
+        return np.float64(value), lambda dloss: tuple(dloss * gradient for gradient in flat)
+
+    start = [array.copy() for each in layers for array in (each.w, each.b)]
+    names = [f"{kind}{k + 1}" for k in range(len(layers)) for kind in "wb"]
+    return loss, start, names
+
+
+@given(seed=st.integers(0, 2**32 - 1), random_unpooling=st.booleans(), alpha=st.floats(0, 0.5))
+def test_gradients_of_the_stack(seed, random_unpooling, alpha):
+    rng = np.random.default_rng(seed)
+    model = drawn_model(rng)
+    x = rng.normal(scale=0.5, size=(2, 16, 3))
+    corrupted = x * (rng.random(x.shape) > 0.1)
+    first = masks_for(model.layers, 2, 16, rng) if random_unpooling else None
+    loss, start, names = as_function_of_parameters(model, x, corrupted, alpha, first, None)
+    check_gradients(loss, *start, names=names, rng=rng)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    random_unpooling=st.booleans(),
+    alpha=st.floats(0, 0.5),
+    layer=st.integers(0, 2),
+)
+def test_gradients_of_one_layer(seed, random_unpooling, alpha, layer):
+    rng = np.random.default_rng(seed)
+    model = drawn_model(rng)
+    channels = model.layers[layer].w.shape[1]
+    x = rng.normal(scale=0.5, size=(3, 8, channels))
+    corrupted = x * (rng.random(x.shape) > 0.1)
+    first = masks_for([model.layers[layer]], 3, 8, rng) if random_unpooling else None
+    loss, start, names = as_function_of_parameters(model, x, corrupted, alpha, first, layer)
+    check_gradients(loss, *start, names=names, rng=rng)
+
+
+def test_a_layer_encodes_by_equation_1_and_decodes_by_equation_2():
+    rng = np.random.default_rng(3)
+    layer = drawn_model(rng, filters=(4,)).layers[0]
+    x = rng.normal(size=(2, 8, 3))
+    y, _ = layer.encode(x)
+    convolved = ops.conv1d(x, layer.w, layer.b)[0]
+    np.testing.assert_allclose(y, np.tanh(np.maximum(convolved[:, ::2], convolved[:, 1::2])))
+
+    decoded, _ = layer.decode(y)
+    activated = np.arctanh(np.clip(y, -layer.bound, layer.bound))
+    inside = np.repeat(activated / 2, 2, axis=1) - layer.b
+    w_tilde = ops.transpose_filters(layer.w)[0]
+    np.testing.assert_allclose(decoded, ops.conv1d(inside, w_tilde, np.zeros(3))[0])
+
+
+@given(seed=st.integers(0, 2**32 - 1), random_unpooling=st.booleans())
+def test_gradients_of_a_layers_input_and_parameters(seed, random_unpooling):
+    rng = np.random.default_rng(seed)
+    layer = drawn_model(rng, filters=(4,)).layers[0]
+    y = rng.uniform(-1.1, 1.1, size=(2, 3, 4))
+    first = rng.random(y.shape) < 0.5 if random_unpooling else None
+
+    def decode(y, w, b):
+        layer.w, layer.b = w, b
+        return layer.decode(y, first)
+
+    def encode(x, w, b):
+        layer.w, layer.b = w, b
+        return layer.encode(x)
+
+    w, b = layer.w.copy(), layer.b.copy()
+    check_gradients(decode, y, w, b, rng=rng)
+    check_gradients(encode, rng.normal(size=(2, 6, 3)), w, b, rng=rng)
+
+
+def test_loss_is_equation_3():
+    rng = np.random.default_rng(5)
+    model = drawn_model(rng)
+    x = rng.normal(size=(2, 16, 3))
+    corrupted = x * (rng.random(x.shape) > 0.1)
+    loss, _ = model.loss_and_gradients(x, corrupted, alpha=0.3)
+    y = model.encode(corrupted)
+    expected = np.mean((model.decode(y) - x) ** 2) + 0.3 * np.mean(np.abs(y))
+    assert loss == pytest.approx(expected, rel=1e-12)
+
+
+def test_default_shapes_are_the_papers():
+    model = ConvAutoencoder()
+    assert [layer.w.shape for layer in model.layers] == [
+        (15, 63, 64),
+        (15, 64, 128),
+        (15, 128, 256),
+    ]
+    x = np.random.default_rng(0).normal(size=(2, 160, 63)).astype(np.float32)
+    y = model.encode(x)
+    assert y.shape == (2, 20, 256)
+    assert y.dtype == np.float32
+    assert model.project(x).shape == x.shape
+    np.testing.assert_array_equal(model.project(x), model.decode(y))
+
+
+def test_initial_filters_are_bounded_by_fan_in_and_fan_out_and_biases_are_zero():
+    model = ConvAutoencoder(rng=np.random.default_rng(1))
+    for layer in model.layers:
+        taps, channels, filters = layer.w.shape
+        width = np.sqrt(6 / (taps * (channels + filters)))
+        assert np.abs(layer.w).max() <= width
+        assert layer.w.std() == pytest.approx(width / np.sqrt(3), rel=0.02)
+        assert not layer.b.any()
+
+
+def test_gradients_leave_the_input_alone():
+    rng = np.random.default_rng(2)
+    model = drawn_model(rng)
+    x = rng.normal(size=(1, 8, 3))
+    corrupted, before = x * 0.5, x.copy()
+    weights = [layer.w.copy() for layer in model.layers]
+    model.loss_and_gradients(x, corrupted)
+    np.testing.assert_array_equal(x, before)
+    np.testing.assert_array_equal(corrupted, before * 0.5)
+    for layer, w in zip(model.layers, weights, strict=True):
+        np.testing.assert_array_equal(layer.w, w)
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [((2, 16, 4), "(2, 16, 4)"), ((2, 12, 3), "even number of frames"), ((16, 3), "(16, 3)")],
+)
+def test_a_window_that_does_not_fit_is_named(shape, said):
+    model = drawn_model(np.random.default_rng(0))
+    with pytest.raises(ValueError, match="x has shape") as error:
+        model.encode(np.zeros(shape))
+    assert said in str(error.value)
+
+
+def test_one_mask_a_layer():
+    model = drawn_model(np.random.default_rng(0))
+    x = np.zeros((1, 8, 3))
+    with pytest.raises(ValueError, match="first has 1 masks, expected 3"):
+        model.loss_and_gradients(x, x, first=[np.zeros((1, 4, 4), dtype=bool)])

@@ -1,0 +1,204 @@
+"""Section 4 of holden2015: the 63 features, the way back, heading, lengths and windows."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from numpy_cae.motion import (
+    JOINTS,
+    PARENTS,
+    POSITIONS,
+    TURN,
+    VELOCITY,
+    Place,
+    bone_lengths,
+    change_lengths,
+    cut_windows,
+    features_to_positions,
+    fit_motion,
+    hold_last_pose,
+    joint_slice,
+    positions_to_features,
+)
+from numpy_cae.motion.fit import body_skeleton
+from numpy_cae.motion.heading import heading
+
+LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
+
+
+def body(frames=40, seed=0, turn=0.0, speed=0.02):
+    """A body in a T-pose with moving limbs, walking along its heading and turning."""
+    rng = np.random.default_rng(seed)
+    skeleton = body_skeleton(LENGTHS)
+    pose = np.zeros((len(JOINTS), 3))
+    for joint, parent in enumerate(PARENTS):
+        pose[joint] = (pose[parent] if parent >= 0 else [0, 0.95, 0]) + skeleton.offsets[joint]
+    swing = rng.normal(scale=0.05, size=(1, len(JOINTS), 3)) * np.sin(np.arange(frames) / 4)[
+        :, None, None
+    ]
+    angle = rng.uniform(-3, 3) + turn * np.arange(frames)
+    forward = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
+    path = np.cumsum(speed * forward, axis=0) + [rng.normal(), 0, rng.normal()]
+    c, s, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 0 * angle + 1
+    about_y = np.array([[c, zero, s], [zero, one, zero], [-s, zero, c]]).transpose(2, 0, 1)
+    return (pose + swing) @ about_y.transpose(0, 2, 1) + path[:, None], angle
+
+
+@given(
+    frames=st.integers(1, 60),
+    seed=st.integers(0, 2**32 - 1),
+    turn=st.floats(-0.2, 0.2),
+)
+def test_there_and_back_is_exact(frames, seed, turn):
+    positions, _ = body(frames, seed, turn)
+    features, start = positions_to_features(positions, 30.0)
+    assert features.shape == (frames, 63)
+    np.testing.assert_allclose(features_to_positions(features, start), positions, atol=1e-9)
+
+
+@given(seed=st.integers(0, 2**32 - 1), shift=st.floats(-5, 5), angle=st.floats(-6, 6))
+def test_features_do_not_know_where_the_body_stands_and_faces(seed, shift, angle):
+    positions, _ = body(30, seed, 0.05)
+    c, s = np.cos(angle), np.sin(angle)
+    moved = positions @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]) + [shift, 0, -2 * shift]
+    features, start = positions_to_features(positions, 30.0)
+    same, elsewhere = positions_to_features(moved, 30.0)
+    np.testing.assert_allclose(same, features, atol=1e-9)
+    assert np.sin(elsewhere.heading - start.heading - angle) == pytest.approx(0, abs=1e-9)
+
+
+def test_the_named_slices_hold_what_they_say():
+    """A body that walks 2 cm a frame straight ahead and turns 3° a frame."""
+    positions, _ = body(60, turn=np.radians(3), speed=0.02)
+    features, _ = positions_to_features(positions, 30.0)
+    middle = slice(20, 40)  # smoothing has nothing to see beyond the ends
+    np.testing.assert_allclose(features[middle, TURN], np.radians(3), atol=2e-3)
+    x, z = features[middle, VELOCITY].T
+    np.testing.assert_allclose(x, 0, atol=2e-3)
+    np.testing.assert_allclose(z, 0.02, atol=1e-4)
+    local = features[:, POSITIONS].reshape(60, 20, 3)
+    np.testing.assert_allclose(local[:, 0, [0, 2]], 0, atol=1e-12)
+    np.testing.assert_allclose(local[:, :, 1], positions[:, :, 1])
+    wrist = JOINTS.index("left_wrist")
+    np.testing.assert_array_equal(features[:, joint_slice("left_wrist")], local[:, wrist])
+    assert np.all(local[:, wrist, 0] > 0), "the left hand is on the body's +X"
+
+
+def test_heading_follows_the_body_and_never_jumps():
+    positions, angle = body(200, turn=0.15)
+    found = heading(positions, 30.0)
+    off = found - angle
+    off -= 2 * np.pi * np.round(off[100] / (2 * np.pi))
+    np.testing.assert_allclose(off[30:-30], 0, atol=0.05)
+    assert np.abs(np.diff(found)).max() < 0.3
+
+
+def test_integration_starts_at_the_given_place():
+    features, _ = positions_to_features(body(10)[0], 30.0)
+    there = features_to_positions(features, Place(2.0, -3.0, np.pi / 2))
+    here = features_to_positions(features)
+    np.testing.assert_allclose(here[0, 0, [0, 2]], 0, atol=1e-12)
+    np.testing.assert_allclose(there[0, 0, [0, 2]], [2, -3])
+    # A quarter turn takes +Z to +X and +X to -Z.
+    np.testing.assert_allclose(there[..., 0] - 2, here[..., 2], atol=1e-12)
+    np.testing.assert_allclose(there[..., 2] + 3, -here[..., 0], atol=1e-12)
+
+
+def test_lengths_are_changed_and_changed_back():
+    positions, _ = body(20)
+    own, wanted = bone_lengths(positions), LENGTHS * 1.2
+    changed = change_lengths(positions, own, wanted)
+    np.testing.assert_allclose(bone_lengths(changed), wanted, atol=1e-12)
+    np.testing.assert_allclose(change_lengths(changed, wanted, own), positions, atol=1e-12)
+
+
+def test_directions_of_bones_stay_and_the_hips_move_with_the_legs():
+    positions, _ = body(20)
+    own = bone_lengths(positions)
+    wanted = own.copy()
+    wanted[[JOINTS.index(f"{side}_{j}") for side in ("left", "right") for j in ("knee", "ankle")]] *= 1.5
+    changed = change_lengths(positions, own, wanted)
+    np.testing.assert_allclose(changed[:, 0], 1.5 * positions[:, 0])
+    knee, hip = JOINTS.index("left_knee"), JOINTS.index("left_hip")
+    np.testing.assert_allclose(
+        changed[:, knee] - changed[:, hip], 1.5 * (positions[:, knee] - positions[:, hip])
+    )
+
+
+def test_a_bone_without_length_continues_the_one_above():
+    """The CMU BVH files put both collars exactly on the chest."""
+    positions, _ = body(20)
+    chest, collar = JOINTS.index("chest"), JOINTS.index("left_collar")
+    positions[:, collar] = positions[:, chest]
+    own = bone_lengths(positions)
+    changed = change_lengths(positions, own, LENGTHS)
+    assert np.all(np.isfinite(changed))
+    assert bone_lengths(changed)[collar] == pytest.approx(LENGTHS[collar], rel=0.05)
+    np.testing.assert_allclose(change_lengths(changed, LENGTHS, own), positions, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("frames", "starts"),
+    [(160, [0]), (240, [0, 80]), (400, [0, 80, 160, 240]), (190, [0, 30]), (161, [0, 1])],
+)
+def test_windows_overlap_by_half_and_show_every_frame(frames, starts):
+    features = np.arange(frames)[:, None] * np.ones(63)
+    windows, real = cut_windows(features)
+    assert list(windows[:, 0, 0]) == starts
+    assert windows.shape == (len(starts), 160, 63)
+    assert real.all()
+
+
+def test_a_short_take_holds_its_last_pose():
+    features, start = positions_to_features(body(50)[0], 30.0)
+    windows, real = cut_windows(features)
+    assert windows.shape == (1, 160, 63)
+    np.testing.assert_array_equal(real[0], np.arange(160) < 50)
+    held = features_to_positions(windows[0], start)
+    moving = features_to_positions(features, start)
+    np.testing.assert_allclose(held[:50], moving, atol=1e-9)
+    np.testing.assert_allclose(held[50:], np.repeat(moving[-1:], 110, axis=0), atol=1e-9)
+
+
+def test_windows_of_other_lengths_and_overlaps():
+    windows, _ = cut_windows(np.zeros((100, 63)), length=32, overlap=8)
+    assert len(windows) == 4
+    with pytest.raises(ValueError, match="overlap is 32"):
+        cut_windows(np.zeros((100, 63)), length=32, overlap=32)
+    with pytest.raises(ValueError, match="no frames"):
+        cut_windows(np.zeros((0, 63)))
+
+
+def test_holding_nothing_changes_nothing():
+    features = np.random.default_rng(0).normal(size=(7, 63))
+    np.testing.assert_array_equal(hold_last_pose(features, 7), features)
+
+
+def test_fitted_bones_follow_the_positions():
+    """A body of rigid fans comes back exactly, whatever pose it takes."""
+    rng = np.random.default_rng(0)
+    skeleton = body_skeleton(LENGTHS)
+    from scipy.spatial.transform import Rotation
+
+    from numpy_cae.motion import Motion
+
+    turns = Rotation.from_rotvec(rng.normal(scale=0.4, size=(15 * 20, 3))).as_quat()
+    rotations = turns.reshape(15, 20, 4)
+    translations = np.repeat(skeleton.offsets[None], 15, axis=0)
+    translations[:, 0] = rng.normal(size=(15, 3))
+    truth = Motion(skeleton, 30.0, rotations, translations).positions()
+    fitted = fit_motion(truth, LENGTHS, 30.0)
+    np.testing.assert_allclose(fitted.positions(), truth, atol=5e-4)
+
+
+def test_fitted_bones_have_the_given_lengths_and_directions():
+    positions, _ = body(25, seed=3)
+    positions = positions + np.random.default_rng(1).normal(scale=0.01, size=positions.shape)
+    fitted = fit_motion(positions, LENGTHS, 30.0).positions()
+    for joint in ("left_elbow", "right_ankle", "left_wrist"):
+        child, parent = JOINTS.index(joint), PARENTS[JOINTS.index(joint)]
+        bone, wanted = (p[:, child] - p[:, parent] for p in (fitted, positions))
+        np.testing.assert_allclose(np.linalg.norm(bone, axis=1), LENGTHS[child])
+        cosine = np.sum(bone * wanted, axis=1) / np.linalg.norm(wanted, axis=1) / LENGTHS[child]
+        np.testing.assert_allclose(cosine, 1)

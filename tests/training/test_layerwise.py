@@ -1,0 +1,152 @@
+"""Training: what each stage sees, that it learns, and that a seed settles everything."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training import (
+    DivergedError,
+    Schedule,
+    Stage,
+    decayed_rate,
+    descend,
+    train_autoencoder,
+    zero_values,
+)
+from numpy_cae.training import layerwise
+
+
+def waves(windows=12, frames=16, features=5, seed=0):
+    """Sums of two shared sines: easy to reproduce, hard to guess."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(frames)
+    phases = rng.uniform(0, 2 * np.pi, size=(windows, 1, 1))
+    mixing = rng.normal(size=(1, 2, features)) * 0.3
+    sines = np.concatenate(
+        [np.sin(time[None, :, None] / 3 + phases), np.cos(time[None, :, None] / 5 + phases)], 2
+    )
+    return (sines @ mixing).astype(np.float32)
+
+
+def small_model(seed=0):
+    rng = np.random.default_rng(seed)
+    return ConvAutoencoder(5, (6, 7), taps=5, bound=0.9, rng=rng)
+
+
+def trained(seed=0, **changes):
+    schedule = Schedule(layer=Stage(epochs=4), fine_tuning=Stage(4, 0.05, 0.9, 0.0), **changes)
+    model = small_model()
+    rng = np.random.default_rng(seed)
+    history = train_autoencoder(model, waves(), schedule, rng, show_progress=False)
+    return model, history
+
+
+def test_the_defaults_are_the_papers():
+    schedule = Schedule()
+    assert schedule.layer == Stage(epochs=25, rate=0.5, decay=0.9, alpha=0.01)
+    assert schedule.fine_tuning.rate == 0.01
+    assert schedule.fine_tuning.alpha == 0
+    assert schedule.zeroed == 0.1
+    assert schedule.batch == 1
+
+
+def test_every_stage_lowers_its_loss():
+    _, history = trained()
+    assert list(history.losses) == ["layer 1", "layer 2", "fine tuning"]
+    for losses in history.losses.values():
+        assert len(losses) == 4
+        assert losses[-1] < losses[0]
+
+
+def test_same_seed_same_bits_other_seed_other_weights():
+    (one, _), (two, _), (other, _) = trained(1), trained(1), trained(2)
+    for a, b, c in zip(one.layers, two.layers, other.layers, strict=True):
+        np.testing.assert_array_equal(a.w, b.w)
+        np.testing.assert_array_equal(a.b, b.b)
+        assert np.any(a.w != c.w)
+
+
+def test_training_keeps_float32():
+    model, _ = trained(batch=5)
+    for layer in model.layers:
+        assert layer.w.dtype == layer.b.dtype == np.float32
+
+
+def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
+    """Layer 2 learns from what layer 1 makes of the clean windows, corrupted anew (Vincent)."""
+    model, windows, calls = small_model(), waves(), []
+    original = model.loss_and_gradients
+
+    def recorded(x, corrupted, alpha, first, layer):
+        below = windows if layer is None or layer == 0 else model.layers[0].encode(windows)[0]
+        whole = {window.tobytes() for window in below}
+        if layer != 0:  # layer 1 is still moving while it trains, those above it are not
+            assert all(window.tobytes() in whole for window in x)
+        lost = corrupted != x
+        assert np.all(corrupted[lost] == 0)
+        calls.append((layer, alpha, first is not None, lost.mean()))
+        return original(x, corrupted, alpha, first, layer)
+
+    monkeypatch.setattr(model, "loss_and_gradients", recorded)
+    stages = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(2, 0.01, 0.9, 0.0))
+    train_autoencoder(model, windows, stages, np.random.default_rng(0), show_progress=False)
+    assert [call[:3] for call in calls] == (
+        [(0, 0.01, True)] * 36 + [(1, 0.01, True)] * 36 + [(None, 0.0, False)] * 24
+    )
+    assert np.mean([call[3] for call in calls]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_an_epoch_shows_every_window_once_in_a_new_order():
+    rng = np.random.default_rng(0)
+    first, second = (layerwise._batches(10, 3, rng) for _ in range(2))
+    assert [len(batch) for batch in first] == [3, 3, 3, 1]
+    assert sorted(np.concatenate(first)) == list(range(10))
+    assert list(np.concatenate(first)) != list(np.concatenate(second))
+
+
+def test_a_batch_steps_along_the_mean_of_its_gradients():
+    """Two windows in one step move the weights by the mean of what each would do."""
+    windows, rate = waves(2), 0.1
+    moved = []
+    for chosen in ([0], [1], [0, 1]):
+        model = small_model()
+        before = model.layers[0].w.copy()
+        rng = np.random.default_rng(0)
+        layerwise._step(model, windows[chosen], 0.0, rate, 0.0, rng, None)
+        moved.append(model.layers[0].w - before)
+    np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
+
+
+def test_a_loss_that_is_not_finite_stops_with_the_stage_and_the_epoch():
+    schedule = Schedule(layer=Stage(epochs=3, rate=1e30))
+    with pytest.raises(DivergedError, match="layer 1, epoch 1"), np.errstate(all="ignore"):
+        train_autoencoder(small_model(), waves(), schedule, show_progress=False)
+
+
+def test_descent_moves_against_the_gradient_in_place():
+    w, b = np.array([1.0, 2.0]), np.array([3.0])
+    descend((w, b), (np.array([0.5, -1.0]), np.array([2.0])), rate=0.1)
+    np.testing.assert_allclose(w, [0.95, 2.1])
+    np.testing.assert_allclose(b, [2.8])
+
+
+def test_the_rate_decays_from_the_first_epoch_on():
+    assert decayed_rate(0.5, 0.9, 0) == 0.5
+    assert decayed_rate(0.5, 0.9, 2) == pytest.approx(0.405)
+
+
+@pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 1.0])
+def test_corruption_zeroes_a_share_p_and_touches_nothing_else(p):
+    x = np.random.default_rng(1).normal(size=(50, 160, 3)).astype(np.float32)
+    before = x.copy()
+    corrupted = zero_values(x, p, np.random.default_rng(0))
+    lost = corrupted == 0
+    assert lost.mean() == pytest.approx(p, abs=0.01)
+    np.testing.assert_array_equal(corrupted[~lost], x[~lost])
+    np.testing.assert_array_equal(x, before)
+    assert corrupted.dtype == np.float32
+
+
+def test_a_probability_beyond_one_is_refused():
+    with pytest.raises(ValueError, match="p is 1.5"):
+        zero_values(np.zeros(3), 1.5, np.random.default_rng(0))
