@@ -49,7 +49,9 @@ def load_motion(
     if suffix == ".amc":
         return read_amc(path, skeleton, unit=unit)
     if suffix != ".bvh":
-        raise MotionFileError(path, None, f"{suffix or 'no suffix'} is not supported; {SUPPORTED}")
+        raise MotionFileError(
+            path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
+        )
     if skeleton is not None:
         raise MotionFileError(
             path, None, "a BVH file holds its own skeleton, expected no .asf file"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from numpy_cae.motion.error import MotionFileError
@@ -37,4 +37,5 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         raise MotionFileError(path, None, f"cannot be written: {error.strerror}") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink()
