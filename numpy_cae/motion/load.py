@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from numpy_cae.motion.error import MotionFileError
@@ -38,9 +39,9 @@ def load_motion(
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if path.is_dir():
+    if os.path.isdir(path):
         raise MotionFileError(path, None, f"is a folder, expected one motion file; {SUPPORTED}")
-    if not path.exists():
+    if not os.path.exists(path):
         raise MotionFileError(path, None, f"there is no such file; {SUPPORTED}")
     if suffix == ".asf":
         raise MotionFileError(
