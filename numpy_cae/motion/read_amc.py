@@ -32,6 +32,9 @@ def read_amc(
 ) -> Motion:
     """Read an Acclaim motion.
 
+    The format does not say how many frames there are, so that frames cut off at the end of the
+    file are noticed only where the last one is not whole.
+
     Parameters
     ----------
     path : path of the .amc file
