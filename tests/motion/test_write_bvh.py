@@ -194,6 +194,21 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_file_is_moved_into_place_in_one_step(tmp_path, monkeypatch):
+    path = tmp_path / "take.bvh"
+    path.write_text("what was there")
+
+    def power_cut(source, target):
+        assert source.read_text().endswith("\n") and "MOTION" in source.read_text()
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("os.replace", power_cut)
+    with pytest.raises(MotionFileError, match="Input/output error"):
+        write_bvh(drawn_motion(0), path)
+    assert path.read_text() == "what was there"
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_a_written_file_has_the_usual_rights(tmp_path):
     (tmp_path / "usual").touch()
     write_bvh(drawn_motion(0), tmp_path / "take.bvh")
