@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from numpy_cae.motion.error import MotionFileError
@@ -38,9 +39,9 @@ def load_motion(
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if path.is_dir():
+    if os.path.isdir(path):
         raise MotionFileError(path, None, f"is a folder, expected one motion file; {SUPPORTED}")
-    if not path.exists():
+    if not os.path.exists(path):
         raise MotionFileError(path, None, f"there is no such file; {SUPPORTED}")
     if suffix == ".asf":
         raise MotionFileError(
@@ -49,7 +50,9 @@ def load_motion(
     if suffix == ".amc":
         return read_amc(path, skeleton, unit=unit)
     if suffix != ".bvh":
-        raise MotionFileError(path, None, f"{suffix or 'no suffix'} is not supported; {SUPPORTED}")
+        raise MotionFileError(
+            path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
+        )
     if skeleton is not None:
         raise MotionFileError(
             path, None, "a BVH file holds its own skeleton, expected no .asf file"

@@ -32,6 +32,9 @@ def read_amc(
 ) -> Motion:
     """Read an Acclaim motion.
 
+    The format does not say how many frames there are, so that frames cut off at the end of the
+    file are noticed only where the last one is not whole.
+
     Parameters
     ----------
     path : path of the .amc file
@@ -52,13 +55,19 @@ def read_amc(
     ------
     MotionFileError
         If either file is damaged or the two do not fit: never is a motion shortened or filled.
+    ValueError
+        If `rate` or `unit` is not above 0.
     """
+    if rate is not None and not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"rate is {rate}, expected frames a second above 0")
     motion_file = TextFile.read(path)
     if skeleton_path is None:
         skeleton_path = find_skeleton(path)
         log.info("%s: skeleton from %s", path, skeleton_path)
     acclaim = read_asf(skeleton_path, unit)
     degrees, said_rate, start = _read_header(motion_file, acclaim.degrees)
+    if rate is None:
+        rate = said_rate or CMU_RATE
     values = _read_frames(motion_file, acclaim, start)
     rotations, translations = _pose(acclaim, values, degrees)
     source = ":units of the skeleton" if unit is None else "as given"
@@ -66,7 +75,7 @@ def read_amc(
     note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {tall:.1f} m tall)"
     return Motion(
         acclaim.skeleton,
-        _require_rate(rate or said_rate or CMU_RATE),
+        float(rate),
         rotations,
         translations,
         acclaim.unit,
@@ -97,12 +106,6 @@ def find_skeleton(path: str | Path) -> Path:
         f"its skeleton is not clear: the folder holds {there}, expected "
         f"{path.stem.split('_')[0]}.asf; name the .asf file that belongs to it",
     )
-
-
-def _require_rate(rate: float) -> float:
-    if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate is {rate}, expected frames a second above 0")
-    return float(rate)
 
 
 def _statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:

@@ -133,7 +133,7 @@ def _take_unit(file: TextFile, parts: _Parts, line: int, words: list[str]) -> No
     keyword, value = words[0].lower(), words[1:]
     if keyword == "length":
         numbers = file.numbers(line, value)
-        if len(numbers) != 1 or numbers[0] <= 0:
+        if len(numbers) != 1 or numbers[0] < 1e-9:
             raise file.error(line, "length of :units, expected one number above 0")
         parts.length = numbers[0]
     elif keyword == "angle":

@@ -1,7 +1,7 @@
 """Read a BVH file: a hierarchy of joints, then one line of channel values for every frame.
 
-Meredith and Maddock, Motion Capture File Formats Explained (2001), section 2.2. What that
-leaves open is taken as most programs do: rotations are about the joint's own axes in the order
+Meredith and Maddock, Motion Capture File Formats Explained (2001). What the format leaves open
+is taken as most programs do: rotations are about the joint's own axes in the order
 of its channels; a position channel stands in the place of the joint's offset, on any joint.
 """
 
@@ -18,7 +18,7 @@ from numpy_cae.motion.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.text_file import TextFile, shortened, whole_number
-from numpy_cae.motion.units import guess_unit, require_unit, stature, unit_name
+from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stature, unit_name
 
 log = logging.getLogger(__name__)
 
@@ -58,8 +58,14 @@ def read_bvh(path: str | Path, unit: float | None = None) -> Motion:
     if unit is None:
         # Lengths as they are in the motion: where there are position channels offsets may lie.
         lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
-        unit, note = guess_unit(stature(skeleton, lengths))
-        log.info("%s: lengths taken as %s", path, note)
+        height = stature(skeleton, lengths)
+        unit, note = guess_unit(height)
+        log.log(
+            logging.INFO if is_plausible(unit * height) else logging.WARNING,
+            "%s: lengths taken as %s",
+            path,
+            note,
+        )
     else:
         note = f"{unit_name(unit)}, as given"
     return Motion(_skeleton(joints, unit), rate, rotations, translations * unit, unit, note)

@@ -53,7 +53,9 @@ class TextFile:
         except UnicodeDecodeError:
             # Only names can hold such letters, and Latin-1 gives every byte a letter.
             text = data.decode("latin-1")
-        return cls(path, text.replace("\r\n", "\n").replace("\r", "\n").split("\n"))
+        # splitlines() would also split at letters that are no line end to an editor.
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
+        return cls(path, lines)
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
         """The error to raise for what stands on a line of this file."""

@@ -85,6 +85,11 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
     return longest / TIP_TO_TIP
 
 
+def is_plausible(metres: float) -> bool:
+    """Whether someone may be that tall."""
+    return PLAUSIBLE[0] <= metres <= PLAUSIBLE[1]
+
+
 def guess_unit(height: float) -> tuple[float, str]:
     """The unit in which someone `height` units tall comes nearest to a grown person.
 
@@ -105,6 +110,6 @@ def guess_unit(height: float) -> tuple[float, str]:
     name = min(UNITS, key=lambda name: abs(np.log(height * UNITS[name] / ADULT)))
     tall = height * UNITS[name]
     note = f"{name} (guessed: the skeleton would stand about {tall:.1f} m tall"
-    if not PLAUSIBLE[0] <= tall <= PLAUSIBLE[1]:
+    if not is_plausible(tall):
         note += ", which no grown person does; give the unit"
     return UNITS[name], note + ")"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from numpy_cae.motion.error import MotionFileError
@@ -26,9 +26,10 @@ def whole_file(path: str | Path) -> Iterator[Path]:
         If the folder of `path` is missing, `path` is a folder, or writing fails.
     """
     path = Path(path)
-    if path.is_dir():
+    # os.path, unlike pathlib, has an answer for every name, too long ones included.
+    if os.path.isdir(path):
         raise MotionFileError(path, None, "cannot be written: there is a folder of this name")
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise MotionFileError(path, None, f"cannot be written: there is no folder {path.parent}")
     beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
@@ -37,4 +38,5 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         raise MotionFileError(path, None, f"cannot be written: {error.strerror}") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink()

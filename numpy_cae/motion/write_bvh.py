@@ -25,6 +25,7 @@ EULER = "ZXY"
 ±90°: a trunk seldom bends that far about X, while a turn about Y, which a person makes all the
 way round, meets none. At a pole the angles are not unique, but the rotation they make still is."""
 
+POSITIONS = ["Xposition", "Yposition", "Zposition"]
 RESOLUTION = 1e-7
 """Metres. Positions are written to it; a joint that never leaves its offset further has no
 position channels."""
@@ -58,13 +59,13 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     unit = require_unit(motion.unit if unit is None else unit)
     _require_writable(motion)
     order = _depth_first(motion.skeleton)
-    moving = [joint for joint in order if joint == 0 or _leaves_its_offset(motion, joint)]
-    lines = ["HIERARCHY", *_joint_lines(motion.skeleton, 0, set(moving), unit), "MOTION"]
+    moving = {joint for joint in order if joint == 0 or _leaves_its_offset(motion, joint)}
+    lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
     lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
     with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as file:
         for line in lines:
             file.write(line + "\n")
-        for line in _frame_lines(motion, order, set(moving), unit):
+        for line in _frame_lines(motion, order, moving, unit):
             file.write(line + "\n")
 
 
@@ -84,8 +85,8 @@ def _require_writable(motion: Motion) -> None:
             )
 
 
-def _depth_first(skeleton: Skeleton, joint: int = 0) -> list[int]:
-    order, waiting = [], [joint]
+def _depth_first(skeleton: Skeleton) -> list[int]:
+    order, waiting = [], [0]
     while waiting:
         order.append(waiting.pop())
         waiting += reversed(skeleton.children(order[-1]))
@@ -103,28 +104,32 @@ def _length_format(unit: float) -> str:
 
 
 def _joint_lines(
-    skeleton: Skeleton, joint: int, moving: set[int], unit: float, depth: int = 0
+    skeleton: Skeleton, order: list[int], moving: set[int], unit: float
 ) -> Iterator[str]:
     def offset(vector: np.ndarray) -> str:
         return "OFFSET " + " ".join(_length_format(unit) % value for value in vector / unit)
 
-    outer, inner = "  " * depth, "  " * (depth + 1)
-    channels = [f"{axis}rotation" for axis in EULER]
-    if joint in moving:
-        channels = ["Xposition", "Yposition", "Zposition", *channels]
-    yield f"{outer}{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}"
-    yield f"{outer}{{"
-    yield f"{inner}{offset(skeleton.offsets[joint])}"
-    yield f"{inner}CHANNELS {len(channels)} {' '.join(channels)}"
-    children = skeleton.children(joint)
-    for child in children:
-        yield from _joint_lines(skeleton, child, moving, unit, depth + 1)
-    if joint in skeleton.end_sites or not children:
-        yield f"{inner}End Site"
-        yield f"{inner}{{"
-        yield f"{inner}  {offset(skeleton.end_sites.get(joint, np.zeros(3)))}"
-        yield f"{inner}}}"
-    yield f"{outer}}}"
+    rotations = [f"{axis}rotation" for axis in EULER]
+    still_open: list[int] = []
+    for joint in order:
+        while still_open and still_open[-1] != skeleton.parents[joint]:
+            still_open.pop()
+            yield "  " * len(still_open) + "}"
+        outer, inner = "  " * len(still_open), "  " * (len(still_open) + 1)
+        still_open.append(joint)
+        channels = POSITIONS + rotations if joint in moving else rotations
+        yield f"{outer}{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}"
+        yield f"{outer}{{"
+        yield f"{inner}{offset(skeleton.offsets[joint])}"
+        yield f"{inner}CHANNELS {len(channels)} {' '.join(channels)}"
+        if joint in skeleton.end_sites or not skeleton.children(joint):
+            yield f"{inner}End Site"
+            yield f"{inner}{{"
+            yield f"{inner}  {offset(skeleton.end_sites.get(joint, np.zeros(3)))}"
+            yield f"{inner}}}"
+    while still_open:
+        still_open.pop()
+        yield "  " * len(still_open) + "}"
 
 
 def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float) -> Iterator[str]:

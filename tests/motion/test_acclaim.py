@@ -1,0 +1,377 @@
+"""Acclaim files: bones turn about their own axes, files fit each other, and damage is refused."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from plain_bvh import about
+
+from numpy_cae.motion import MotionFileError, load_motion, read_amc, read_asf
+from numpy_cae.motion.units import CMU_UNIT
+
+ASF = """# a leg and a stump
+:version 1.10
+:name VICON
+:units
+  mass 1.0
+  length 0.45
+  angle deg
+:documentation
+   begin, end and length 3 mean nothing here
+:root
+   order TX TY TZ RX RY RZ
+   axis XYZ
+   position 0 0 0
+   orientation 0 0 0
+:bonedata
+  begin
+     id 1
+     name hip
+     direction 1 0 0
+     length 2
+     axis 0 0 0  XYZ
+  end
+  begin
+     id 2
+     name femur
+     direction 0.6 -0.8 0
+     length 7.5
+     axis 10 20 30  XYZ
+    dof rx ry rz
+    limits (-160.0 20.0)
+           (-70.0 70.0)
+           (-60.0 70.0)
+  end
+  begin
+     id 3
+     name tibia
+     direction 0 -1 0
+     length 7
+     axis 0 0 20 XYZ
+    dof rx
+    limits (-10.0 170.0)
+  end
+  begin
+     id 4
+     name stump
+     direction -1 0 0
+     length 2
+     axis 0 0 0 XYZ
+  end
+:hierarchy
+  begin
+    root hip stump
+    hip femur
+    femur tibia
+  end
+"""
+AMC = """#!OML:ASF somewhere
+:FULLY-SPECIFIED
+:DEGREES
+1
+root 1 2 3 10 20 30
+femur 40 50 60
+tibia 70
+2
+root 1.5 2.5 3.5 -10 -20 -30
+femur 1e1 -5.e-1 .5
+tibia 6.4e-014
+3
+root 0 0 0 0 0 0
+femur 0 0 0
+tibia 0
+"""
+
+
+@pytest.fixture
+def read_pair(tmp_path):
+    def read(asf: str = ASF, amc: str = AMC, **arguments):
+        (tmp_path / "02.asf").write_text(asf)
+        (tmp_path / "02_01.amc").write_text(amc)
+        return read_amc(tmp_path / "02_01.amc", **arguments)
+
+    return read
+
+
+def fixed(order: str, *angles: float) -> np.ndarray:
+    """Rotations about fixed axes, the first letter's first."""
+    turned = np.eye(3)
+    for axis, angle in zip(order, angles, strict=True):
+        turned = about(axis, angle) @ turned
+    return turned
+
+
+def test_positions_are_those_of_explicit_matrices(read_pair):
+    motion = read_pair()
+    root = fixed("xyz", 10, 20, 30)
+    c = fixed("xyz", 10, 20, 30)
+    femur = root @ c @ fixed("xyz", 40, 50, 60) @ c.T
+    c = fixed("xyz", 0, 0, 20)
+    tibia = femur @ c @ fixed("x", 70) @ c.T
+    at_root = np.array([1, 2, 3])
+    at_hip = at_root + root @ [2, 0, 0]
+    at_knee = at_hip + femur @ np.array([0.6, -0.8, 0]) * 7.5
+    expected = {"root": at_root, "hip": at_root, "femur": at_hip, "tibia": at_knee}
+    expected["stump"] = at_root
+    assert motion.skeleton.names == ("root", "hip", "femur", "tibia", "stump")
+    for name, place in expected.items():
+        np.testing.assert_allclose(
+            motion.positions()[0, motion.skeleton.index(name)], CMU_UNIT * place, atol=1e-12
+        )
+    positions, turned = motion.forward_kinematics()
+    tip = positions[0, 3] + turned[3].apply(motion.skeleton.end_sites[3])[0]
+    np.testing.assert_allclose(tip, CMU_UNIT * (at_knee + tibia @ [0, -7, 0]), atol=1e-12)
+
+
+def test_the_skeleton_is_in_metres(read_pair):
+    skeleton = read_pair().skeleton
+    np.testing.assert_allclose(skeleton.offsets[3], CMU_UNIT * 7.5 * np.array([0.6, -0.8, 0]))
+    assert skeleton.end_sites.keys() == {3, 4}
+    np.testing.assert_allclose(skeleton.end_sites[4], [-2 * CMU_UNIT, 0, 0])
+
+
+def test_units_come_from_the_skeleton_unless_given(read_pair):
+    motion = read_pair(ASF.replace("length 0.45", "length 2.54"))
+    assert motion.unit == pytest.approx(0.01)
+    assert motion.unit_note.startswith("centimetres (:units of the skeleton; ")
+    np.testing.assert_allclose(motion.translations[0, 0], [0.01, 0.02, 0.03])
+    motion = read_pair(unit=0.1)
+    assert motion.unit_note.startswith("units of 0.1 m (as given")
+    np.testing.assert_allclose(motion.translations[0, 0], [0.1, 0.2, 0.3])
+
+
+def test_the_rate_is_cmus_unless_said_or_given(read_pair):
+    said = AMC.replace(":DEGREES", ":DEGREES\n:SAMPLES-PER-SECOND 60")
+    assert read_pair().rate == 120
+    assert read_pair(amc=said).rate == 60
+    assert read_pair(amc=said, rate=30).rate == 30
+    with pytest.raises(ValueError, match="rate is 0"):
+        read_pair(rate=0)
+
+
+def test_radians_are_read_where_each_file_says_so(read_pair):
+    expected = read_pair().positions()
+
+    def turned(text: str, words: tuple[str, ...], first: int) -> str:
+        lines = []
+        for line in text.splitlines():
+            parts = line.split()
+            if parts and parts[0] in words:
+                last = first + 3 if parts[0] == "axis" else len(parts)
+                skip = 4 if parts[0] == "root" else first
+                for at in range(skip, min(last, len(parts))):
+                    parts[at] = repr(float(np.radians(float(parts[at]))))
+            lines.append(" ".join(parts))
+        return "\n".join(lines) + "\n"
+
+    asf = ASF.replace("   axis XYZ\n", "")
+    radian_asf = turned(asf, ("axis",), 1).replace("angle deg", "angle rad")
+    radian_amc = turned(AMC, ("root", "femur", "tibia"), 1).replace(":DEGREES", ":RADIANS")
+    for pair in ((radian_asf, AMC), (asf, radian_amc), (radian_asf, radian_amc)):
+        np.testing.assert_allclose(read_pair(*pair).positions(), expected, atol=1e-12)
+    # Where the motion says neither, the skeleton's word holds.
+    silent = radian_amc.replace(":RADIANS\n", "")
+    np.testing.assert_allclose(read_pair(radian_asf, silent).positions(), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [" ".join(order) for order in permutations(("rx", "ry", "rz"))])
+def test_dof_orders_values_and_rotations(read_pair, order):
+    motion = read_pair(ASF.replace("dof rx ry rz", f"dof {order}"))
+    c = fixed("xyz", 10, 20, 30)
+    expected = c @ fixed(order.replace("r", "").replace(" ", ""), 40, 50, 60) @ c.T
+    _, turned = motion.forward_kinematics()
+    root = fixed("xyz", 10, 20, 30)
+    np.testing.assert_allclose(turned[2].as_matrix()[0], root @ expected, atol=1e-12)
+
+
+def test_axis_orders_its_rotations(read_pair):
+    motion = read_pair(ASF.replace("axis 10 20 30  XYZ", "axis 10 20 30 ZXY"))
+    c = fixed("zxy", 30, 10, 20)
+    _, turned = motion.forward_kinematics()
+    expected = fixed("xyz", 10, 20, 30) @ c @ fixed("xyz", 40, 50, 60) @ c.T
+    np.testing.assert_allclose(turned[2].as_matrix()[0], expected, atol=1e-12)
+
+
+def test_the_roots_order_position_and_orientation_are_honoured(read_pair):
+    asf = ASF.replace("order TX TY TZ RX RY RZ", "order rz TZ ry TX rx TY")
+    asf = asf.replace("position 0 0 0", "position 5 6 7").replace("axis XYZ", "axis YZX", 1)
+    motion = read_pair(asf.replace("orientation 0 0 0", "orientation 11 12 13"))
+    # The values 1 2 3 10 20 30 are now rz tz ry tx rx ty.
+    expected = fixed("yzx", 12, 13, 11) @ fixed("zyx", 1, 3, 20)
+    positions, turned = motion.forward_kinematics()
+    np.testing.assert_allclose(turned[0].as_matrix()[0], expected, atol=1e-12)
+    np.testing.assert_allclose(positions[0, 0], CMU_UNIT * np.array([5 + 10, 6 + 30, 7 + 2]))
+    np.testing.assert_allclose(motion.skeleton.offsets[0], CMU_UNIT * np.array([5, 6, 7]))
+
+
+def test_comments_line_ends_and_blanks_do_not_matter(read_pair):
+    expected = read_pair().positions()
+    asf = ASF.replace("\n", " # so it is\n").replace("limits", "\nlimits").replace("\n", "\r\n")
+    amc = AMC.replace("\n2\n", "\n\n# half way\n2\n").replace(" ", "\t").replace("\n", " # x\r\n")
+    np.testing.assert_array_equal(read_pair(asf, amc).positions(), expected)
+
+
+def test_a_motion_may_begin_at_any_frame_and_order_bones_anyhow(read_pair):
+    expected = read_pair().positions()
+    amc = AMC.replace("\n1\n", "\n41\n").replace("\n2\n", "\n42\n").replace("\n3\n", "\n43\n")
+    amc = amc.replace("femur 40 50 60\ntibia 70", "tibia 70\nfemur 40 50 60")
+    np.testing.assert_array_equal(read_pair(amc=amc).positions(), expected)
+
+
+def amc(old: str, new: str) -> tuple[str, str]:
+    assert old in AMC
+    return ASF, AMC.replace(old, new, 1)
+
+
+def asf(old: str, new: str) -> tuple[str, str]:
+    assert old in ASF
+    return ASF.replace(old, new, 1), AMC
+
+
+AMC_DAMAGES = {
+    "a frame left out": (amc("\n2\n", "\n3\n"), 8, ["frame 3 follows frame 1", "expected 2"]),
+    "a frame twice": (amc("\n2\n", "\n1\n"), 8, ["frame 1 follows frame 1"]),
+    "a bone left out": (amc("tibia 70\n", ""), 4, ["frame 1", "no values for tibia"]),
+    "a bone left out at the end": (amc("0 0 0\ntibia 0\n", "0 0 0\n"), 12, ["frame 3", "tibia"]),
+    "a frame cut off": (amc("root 0 0 0 0 0 0\nfemur 0 0 0\ntibia 0\n", ""), 12, ["root, femur"]),
+    "a bone twice": (
+        amc("tibia 70\n", "tibia 70\ntibia 70\n"),
+        8,
+        ["'tibia'", "second", "frame 1"],
+    ),
+    "an unknown bone": (amc("tibia 70", "tail 70"), 7, ["no bone 'tail'", "root, hip, femur"]),
+    "an unknown bare word": (amc("tibia 70", "tail"), 7, ["'tail'", "number of a frame"]),
+    "a stiff bone with values": (amc("tibia 70", "hip 1\ntibia 70"), 7, ["'hip'", "no dof"]),
+    "too few values": (amc("40 50 60", "40 50"), 6, ["'femur' has 2", "expected 3 (rx ry rz)"]),
+    "too many values": (amc("tibia 70", "tibia 70 8"), 7, ["'tibia' has 2", "expected 1 (rx)"]),
+    "no values": (amc("tibia 70", "tibia"), 7, ["'tibia' has 0", "expected 1"]),
+    "NaN": (amc("40 50 60", "40 nan 60"), 6, ["'nan'", "finite"]),
+    "not a number": (amc("40 50 60", "40 5O 60"), 6, ["'5O'", "not a number"]),
+    "frame number with a point": (amc("\n2\n", "\n2.0\n"), 8, ["'2.0'", "number of a frame"]),
+    "no frame number": (amc("\n1\n", "\n"), 4, ["'root'", "before the number"]),
+    "no frames": ((ASF, ":FULLY-SPECIFIED\n:DEGREES\n"), 2, ["before the first frame"]),
+    "rate zero": (amc(":DEGREES", ":SAMPLES-PER-SECOND 0"), 3, ["above 0"]),
+    "empty": ((ASF, ""), None, ["empty"]),
+    "binary": ((ASF, "1\nroot \0\0"), None, ["binary"]),
+}
+ASF_DAMAGES = {
+    "empty": (("", AMC), None, ["empty"]),
+    "another kind of file": (("HIERARCHY\nROOT hips\n", AMC), 2, ["without :bonedata", ".asf"]),
+    "cut off": ((ASF[: ASF.index(":hierarchy")], AMC), 49, ["without :hierarchy"]),
+    "cut off in the hierarchy": ((ASF[: ASF.index("    femur")], AMC), 34, ["'tibia'", "nowhere"]),
+    "length 0": (asf("length 0.45", "length 0"), 6, ["length of :units", "above 0"]),
+    "length of words": (asf("length 0.45", "length inch"), 6, ["'inch'", "number"]),
+    "angle unknown": (asf("angle deg", "angle grad"), 7, ["'grad'", "deg or rad"]),
+    "order unknown": (asf("TX TY", "TX TW"), 11, ["'tw'", "tx ty tz"]),
+    "order twice": (asf("TX TY", "TX TX"), 11, ["twice"]),
+    "root axis": (asf("axis XYZ", "axis XYY"), 12, ["'XYY'", "X, Y and Z"]),
+    "position of two": (asf("position 0 0 0", "position 0 0"), 13, ["position", "2 values"]),
+    "direction of two": (asf("direction 1 0 0", "direction 1 0"), 19, ["direction", "2 values"]),
+    "no direction": (asf("     direction 1 0 0\n", ""), 16, ["'hip'", "no direction"]),
+    "no length": (asf("     length 2\n", ""), 16, ["'hip'", "no length"]),
+    "no axis": (asf("     axis 0 0 0  XYZ\n", ""), 16, ["'hip'", "no axis"]),
+    "no name": (asf("     name hip\n", ""), 16, ["no name"]),
+    "length NaN": (asf("length 7.5", "length nan"), 27, ["'nan'", "finite"]),
+    "length of two": (asf("length 7.5", "length 7.5 8"), 27, ["2 values", "one number"]),
+    "axis without order": (asf("10 20 30  XYZ", "10 20 30"), 28, ["axis order ''"]),
+    "axis of two": (asf("10 20 30  XYZ", "10 20 XYZ"), 28, ["'XYZ'", "number"]),
+    "a bone that stretches": (asf("dof rx\n", "dof rx l\n"), 40, ["'l'", "not supported"]),
+    "a bone that slides": (asf("dof rx\n", "dof tx rx\n"), 40, ["'tx'", "not supported"]),
+    "unknown dof": (asf("dof rx\n", "dof rw\n"), 40, ["'rw'", "unknown"]),
+    "dof twice": (asf("dof rx\n", "dof rx rx\n"), 40, ["twice"]),
+    "no end": (asf("  end\n  begin\n     id 2", "  begin\n     id 2"), 16, ["'hip'", "no end"]),
+    "no last end": (asf("  end\n:hier", ":hier"), 43, ["'stump'", "no end"]),
+    "no begin": (asf("  begin\n     id 1", "     id 1"), 16, ["'id'", "outside begin"]),
+    "name twice": (asf("name femur", "name hip"), 23, ["'hip'", "second time"]),
+    "a bone named root": (asf("name femur", "name root"), 23, ["'root'", "second time"]),
+    "unknown bone": (asf("root hip stump", "root hip tail"), 52, ["'tail'", "lacks"]),
+    "a bone of two parents": (asf("hip femur", "hip femur stump"), 53, ["'stump'", "line 52"]),
+    "the root hung": (asf("hip femur", "hip femur root"), 53, ["'root'", "second time"]),
+    "a bone not hung": (asf("root hip stump", "root hip"), 43, ["'stump'", "nowhere"]),
+    "a ring": (asf("root hip stump\n    hip femur", "root stump\n    tibia hip\n    hip femur"),
+               16, ["'hip'", "nowhere"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", AMC_DAMAGES)
+def test_damage_to_a_motion_is_refused_with_its_line(read_pair, tmp_path, damage):
+    pair, line, words = AMC_DAMAGES[damage]
+    with pytest.raises(MotionFileError) as refused:
+        read_pair(*pair)
+    assert refused.value.path == tmp_path / "02_01.amc"
+    assert refused.value.line == line, refused.value
+    assert all(word in str(refused.value) for word in words), refused.value
+
+
+@pytest.mark.parametrize("damage", ASF_DAMAGES)
+def test_damage_to_a_skeleton_is_refused_with_its_line(read_pair, tmp_path, damage):
+    pair, line, words = ASF_DAMAGES[damage]
+    with pytest.raises(MotionFileError) as refused:
+        read_pair(*pair)
+    assert refused.value.path == tmp_path / "02.asf"
+    assert refused.value.line == line, refused.value
+    assert all(word in str(refused.value) for word in words), refused.value
+
+
+@pytest.mark.parametrize("lines", [n for n in range(1, AMC.count("\n")) if n not in (7, 11)])
+def test_a_motion_cut_off_within_a_frame_is_refused(read_pair, lines):
+    with pytest.raises(MotionFileError):
+        read_pair(amc="".join(AMC.splitlines(keepends=True)[:lines]))
+
+
+@pytest.mark.parametrize("line", [n for n in range(AMC.count("\n")) if n > 3])
+def test_a_motion_that_lost_any_line_is_refused(read_pair, line):
+    lines = AMC.splitlines(keepends=True)
+    with pytest.raises(MotionFileError):
+        read_pair(amc="".join(lines[:line] + lines[line + 1 :]))
+
+
+def test_the_skeleton_is_found_by_the_subject(tmp_path):
+    (tmp_path / "02_01.amc").write_text(AMC)
+    with pytest.raises(MotionFileError, match=r"02_01.amc: .*no .asf file, expected 02.asf"):
+        load_motion(tmp_path / "02_01.amc")
+    (tmp_path / "other.ASF").write_text(ASF.replace("length 2", "length 4"))
+    assert load_motion(tmp_path / "02_01.amc").skeleton.offsets[2, 0] == pytest.approx(4 * CMU_UNIT)
+    (tmp_path / "another.asf").write_text("")
+    with pytest.raises(MotionFileError, match=r"another.asf, other.ASF, expected 02.asf"):
+        load_motion(tmp_path / "02_01.amc")
+    (tmp_path / "02.asf").write_text(ASF)
+    assert load_motion(tmp_path / "02_01.amc").skeleton.offsets[2, 0] == pytest.approx(2 * CMU_UNIT)
+    (tmp_path / "02_01.asf").write_text(ASF.replace("length 2", "length 8"))
+    assert load_motion(tmp_path / "02_01.amc").skeleton.offsets[2, 0] == pytest.approx(8 * CMU_UNIT)
+    given = load_motion(tmp_path / "02_01.amc", skeleton=tmp_path / "02.asf")
+    assert given.skeleton.offsets[2, 0] == pytest.approx(2 * CMU_UNIT)
+    with pytest.raises(MotionFileError, match=r"none\.asf: there is no such file"):
+        load_motion(tmp_path / "02_01.amc", skeleton=tmp_path / "none.asf")
+
+
+def test_conventions_against_a_conversion_by_others(data_folder):
+    """The BVH of trial 02_03 begins with an added T-pose; then both files agree to 0.001 of a
+    unit from the lower spine down. Above, the conversion lost the thorax."""
+    acclaim = load_motion(data_folder / "cmu" / "asfamc" / "02" / "02_03.amc")
+    bvh = load_motion(data_folder / "cmu" / "bvh" / "02_03_first_frames.bvh")
+    pairs = {"root": "Hips", "upperback": "Spine", "thorax": "Spine1"}
+    for side, name in (("l", "Left"), ("r", "Right")):
+        pairs |= {
+            f"{side}femur": f"{name}UpLeg",
+            f"{side}tibia": f"{name}Leg",
+            f"{side}foot": f"{name}Foot",
+            f"{side}toes": f"{name}ToeBase",
+        }
+    frames = len(bvh) - 1
+    assert frames == 3 and acclaim.rate == bvh.rate == 120 and acclaim.unit == bvh.unit == CMU_UNIT
+    ours, theirs = acclaim.positions()[:frames], bvh.positions()[1:]
+    for bone, joint in pairs.items():
+        apart = ours[:, acclaim.skeleton.index(bone)] - theirs[:, bvh.skeleton.index(joint)]
+        assert np.abs(apart).max() < 0.001 * CMU_UNIT, bone
+
+
+def test_real_acclaim_files(data_folder):
+    for subject, trial in (("01", "01_01"), ("02", "02_01"), ("03", "03_02")):
+        folder = data_folder / "cmu" / "asfamc" / subject
+        motion = load_motion(folder / f"{trial}.amc")
+        text = (folder / f"{trial}.amc").read_text().split()
+        assert len(motion) == text.count("root") and len(motion.skeleton.names) == 31
+        assert read_asf(folder / f"{subject}.asf").unit == motion.unit == CMU_UNIT

@@ -1,0 +1,67 @@
+"""One door for every kind of file, and a plain word at it for what cannot come in."""
+
+from __future__ import annotations
+
+import pytest
+
+from numpy_cae.motion import MotionFileError, find_motion_files, load_motion
+
+BVH = """HIERARCHY
+ROOT Hips
+{
+OFFSET 0 0 0
+CHANNELS 3 Zrotation Xrotation Yrotation
+}
+MOTION
+Frames: 1
+Frame Time: 0.04
+0 0 0
+"""
+
+
+def test_suffixes_in_capitals_are_known(tmp_path):
+    path = tmp_path / "TAKE.BVH"
+    path.write_text(BVH)
+    assert load_motion(str(path), unit=1.0).rate == 25
+
+
+@pytest.mark.parametrize("name", ["take.fbx", "take", "take.txt"])
+def test_other_kinds_are_refused_with_what_is_supported(tmp_path, name):
+    (tmp_path / name).write_text(BVH)
+    with pytest.raises(MotionFileError, match=r"not supported; supported are .bvh .* .amc"):
+        load_motion(tmp_path / name)
+
+
+def test_missing_files_and_folders_are_said(tmp_path):
+    with pytest.raises(MotionFileError, match="no such file"):
+        load_motion(tmp_path / "take.bvh")
+    with pytest.raises(MotionFileError, match="is a folder, expected one motion file"):
+        load_motion(tmp_path)
+
+
+def test_a_skeleton_alone_asks_for_its_motion(tmp_path):
+    (tmp_path / "02.asf").write_text(":version 1.10")
+    with pytest.raises(MotionFileError, match=r"expected the .amc file"):
+        load_motion(tmp_path / "02.asf")
+
+
+def test_a_bvh_file_takes_no_skeleton(tmp_path):
+    (tmp_path / "take.bvh").write_text(BVH)
+    with pytest.raises(MotionFileError, match=r"expected no .asf file"):
+        load_motion(tmp_path / "take.bvh", skeleton=tmp_path / "02.asf")
+
+
+def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
+    (tmp_path / "b" / "deep").mkdir(parents=True)
+    (tmp_path / "folder.bvh").mkdir()
+    wanted = [tmp_path / name for name in ("a.bvh", "b/deep/c.AMC", "b/z.bvh")]
+    for path in [*wanted, tmp_path / "02.asf", tmp_path / "._a.bvh", tmp_path / "notes.txt"]:
+        path.touch()
+    assert find_motion_files(tmp_path) == wanted
+
+
+def test_folders_without_motion_are_said(tmp_path):
+    with pytest.raises(MotionFileError, match="holds no motion file"):
+        find_motion_files(tmp_path)
+    with pytest.raises(MotionFileError, match="no such folder"):
+        find_motion_files(tmp_path / "none")

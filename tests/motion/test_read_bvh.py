@@ -1,0 +1,222 @@
+"""A whole BVH file is read as it stands, however its program spaced, cased or ordered it."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_bvh import PlainJoint, bvh_text, plain_positions
+
+from numpy_cae.motion import find_motion_files, read_bvh
+
+numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))
+CHANNELS = [axis + kind for kind in ("position", "rotation") for axis in "XYZ"]
+
+
+@st.composite
+def drawn_files(draw):
+    """A tree depth first, every joint with its own channels in its own order, and a motion."""
+    joints = []
+    for index in range(draw(st.integers(1, 7))):
+        # Depth first: a joint hangs on the joint before it or on one of that one's ancestors.
+        line_up = [index - 1]
+        while line_up[-1] > 0:
+            line_up.append(joints[line_up[-1]].parent)
+        channels = draw(st.lists(st.sampled_from(CHANNELS), unique=True, min_size=index == 0))
+        joints.append(
+            PlainJoint(
+                name=draw(st.sampled_from(["bone", "mixamorig:Hips", "Left Arm", "骨"]))
+                + str(index),
+                parent=draw(st.sampled_from(line_up)) if index else -1,
+                offset=draw(st.lists(numbers, min_size=3, max_size=3)),
+                channels=channels,
+                tip=draw(st.none() | st.lists(numbers, min_size=3, max_size=3)),
+            )
+        )
+    row = st.lists(numbers, min_size=(n := sum(len(j.channels) for j in joints)), max_size=n)
+    return joints, draw(st.lists(row, min_size=1, max_size=3))
+
+
+@settings(max_examples=150, deadline=None)
+@given(drawn_files())
+def test_positions_are_those_of_explicit_matrices(tmp_path_factory, drawn):
+    joints, values = drawn
+    path = tmp_path_factory.mktemp("drawn") / "drawn.bvh"
+    path.write_text(bvh_text(joints, values), encoding="utf-8")
+    motion = read_bvh(path, unit=0.5)
+    np.testing.assert_allclose(
+        motion.positions(), 0.5 * plain_positions(joints, values), rtol=0, atol=1e-9
+    )
+    assert motion.skeleton.names == tuple(joint.name for joint in joints)
+    assert motion.skeleton.parents == tuple(joint.parent for joint in joints)
+    np.testing.assert_allclose(motion.skeleton.offsets, [0.5 * np.array(j.offset) for j in joints])
+    tips = {index: joint.tip for index, joint in enumerate(joints) if joint.tip is not None}
+    assert motion.skeleton.end_sites.keys() == tips.keys()
+    for index, tip in tips.items():
+        np.testing.assert_allclose(motion.skeleton.end_sites[index], 0.5 * np.array(tip))
+
+
+TIDY = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 1 2 3
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT mixamorig:Left Leg
+  {
+    OFFSET 0 -40 0
+    CHANNELS 3 Yrotation Xrotation Zrotation
+    End Site
+    {
+      OFFSET 0 -45 1e-5
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: .0083333
+10 90 20 1 2 3 4 5 6
+1e1 9.1e+1 20. -1 -2 -3 -4 -5 -.6
+"""
+
+
+@pytest.fixture
+def read_text(tmp_path):
+    def read(text: str | bytes, **arguments):
+        path = tmp_path / "take.bvh"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return read_bvh(path, **arguments)
+
+    return read
+
+
+@pytest.mark.parametrize(
+    "untidied",
+    [
+        TIDY.replace("\n", "\r\n"),
+        TIDY.replace("\n", "\r"),
+        "\ufeff" + TIDY,
+        TIDY.replace("\n", "\n\n \t\n"),
+        TIDY.replace("  ", "\t").replace(" ", "\t").replace("Left\tLeg", "Left Leg"),
+        TIDY.replace("\n", "  \t\n"),
+        TIDY.rstrip("\n"),
+        TIDY.replace("\n  {", " {").replace("\n{", "{"),
+        TIDY.replace("Frames: 2", "FRAMES :2").replace("Frame Time: ", "frame  time:"),
+        TIDY.replace("Frames: 2", "Frames:\t2").replace("Frame Time: ", "Frame Time:\t"),
+        TIDY.replace("Hips", "HIPS")
+        .upper()
+        .replace("HIPS", "Hips")
+        .replace("LEFT LEG", "Left Leg")
+        .replace("MIXAMORIG", "mixamorig"),
+        TIDY.replace("Xrotation", "xrotation")
+        .replace("ROOT", "Root")
+        .replace("End Site", "End site"),
+        TIDY.replace("End Site", "End Site toe"),
+        TIDY.replace("    OFFSET 0 -40 0\n", "").replace(
+            "Xrotation Zrotation\n", "Xrotation Zrotation\n    OFFSET 0 -40 0\n"
+        ),
+    ],
+    ids=[
+        "CRLF",
+        "CR",
+        "byte order mark",
+        "blank lines",
+        "tabs",
+        "trailing blanks",
+        "no last newline",
+        "brace on the same line",
+        "spacing of headers",
+        "tabs in headers",
+        "capitals",
+        "small letters",
+        "named End Site",
+        "CHANNELS before OFFSET",
+    ],
+)
+def test_spacing_and_case_do_not_matter(read_text, untidied):
+    tidy, motion = read_text(TIDY, unit=0.01), read_text(untidied, unit=0.01)
+    assert motion.skeleton.names == tidy.skeleton.names == ("Hips", "mixamorig:Left Leg")
+    assert motion.rate == tidy.rate
+    np.testing.assert_array_equal(motion.positions(), tidy.positions())
+    np.testing.assert_array_equal(motion.skeleton.end_sites[1], tidy.skeleton.end_sites[1])
+
+
+def test_numbers_are_read_in_every_notation(read_text):
+    motion = read_text(TIDY, unit=1.0)
+    np.testing.assert_allclose(motion.translations[1, 0], [10, 91, 20])
+    np.testing.assert_allclose(motion.skeleton.end_sites[1], [0, -45, 1e-5])
+
+
+@pytest.mark.parametrize(
+    "time, rate",
+    [
+        (".0083333", 120),
+        ("0.0333333", 30),
+        ("0.033367", 1 / 0.033367),
+        ("0.04", 25),
+        ("1e-3", 1000),
+    ],
+)
+def test_the_rounding_of_a_frame_time_is_undone(read_text, time, rate):
+    assert read_text(TIDY.replace(".0083333", time), unit=1.0).rate == rate
+
+
+def test_position_channels_stand_in_for_the_offset_axis_by_axis(read_text):
+    text = TIDY.replace("CHANNELS 3 Yrotation Xrotation Zrotation", "CHANNELS 1 Yposition")
+    text = text.replace("4 5 6", "7").replace("-4 -5 -.6", "8").replace("0 -40 0", "11 -40 13")
+    motion = read_text(text, unit=1.0)
+    np.testing.assert_array_equal(motion.translations[:, 1], [[11, 7, 13], [11, 8, 13]])
+
+
+@pytest.mark.parametrize("channels", ["    CHANNELS 0\n", ""])
+def test_a_joint_without_channels_is_stiff(read_text, channels):
+    text = TIDY.replace("    CHANNELS 3 Yrotation Xrotation Zrotation\n", channels)
+    motion = read_text(text.replace(" 4 5 6", "").replace(" -4 -5 -.6", ""), unit=1.0)
+    np.testing.assert_array_equal(motion.rotations[:, 1], [[0, 0, 0, 1]] * 2)
+    np.testing.assert_array_equal(motion.translations[:, 1], [[0, -40, 0]] * 2)
+
+
+def test_names_beyond_utf8_are_kept_as_latin_1(read_text):
+    motion = read_text(TIDY.replace("Hips", "Hüfte").encode("latin-1"), unit=1.0)
+    assert motion.skeleton.names[0] == "Hüfte"
+
+
+@pytest.mark.parametrize("unit", [0, -1, np.nan, np.inf])
+def test_a_unit_must_be_a_length(read_text, unit):
+    with pytest.raises(ValueError, match="unit is"):
+        read_text(TIDY, unit=unit)
+
+
+def test_a_given_unit_is_said(read_text):
+    motion = read_text(TIDY, unit=0.01)
+    assert motion.unit == 0.01 and motion.unit_note == "centimetres, as given"
+
+
+def test_the_guessed_unit_is_logged(data_folder, caplog):
+    path = data_folder / "cmu" / "bvh" / "02_03_first_frames.bvh"
+    with caplog.at_level(logging.INFO, logger="numpy_cae.motion.read_bvh"):
+        motion = read_bvh(path)
+    assert str(path) in caplog.text and motion.unit_note in caplog.text
+    assert "guessed" in motion.unit_note
+
+
+def test_an_unlikely_guess_is_a_warning(read_text, caplog):
+    with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.read_bvh"):
+        motion = read_text(TIDY)  # one leg alone has no way from tip to tip
+    assert "assumed" in motion.unit_note and motion.unit_note in caplog.text
+
+
+def test_real_bandai_files(data_folder):
+    for path in find_motion_files(data_folder / "bandai")[::25]:
+        motion = read_bvh(path)
+        lines = path.read_text().splitlines()
+        assert motion.rate == 30
+        assert len(motion) == len(lines) - lines.index("MOTION") - 3
+        assert motion.unit == 0.01 and motion.unit_note.startswith("centimetres (guessed")
+        # The position channels of the hips replace their offset, which lies metres away.
+        row = [float(word) for word in lines[-1].split()]
+        np.testing.assert_allclose(motion.positions()[-1, 1], 0.01 * np.array(row[6:9]), atol=1e-6)
+        heights = motion.positions()[..., 1]
+        assert -0.1 < heights.min() and 1.2 < heights.max() < 2.5

@@ -1,0 +1,77 @@
+"""The unit of a BVH file is guessed from its bones, whatever the pose and wherever the root."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from numpy_cae.motion import Skeleton, find_motion_files, load_motion, write_bvh
+from numpy_cae.motion.units import CMU_UNIT, TIP_TO_TIP, UNITS, guess_unit, stature, unit_name
+
+
+def test_the_longest_way_from_tip_to_tip():
+    #   root - hips - leg - (toe)        10 below the hips the root counts in no way
+    #               - spine - (head), spine - arm - (finger)
+    skeleton = Skeleton(
+        ("root", "hips", "leg", "spine", "arm"),
+        (-1, 0, 1, 1, 3),
+        np.array([[0, 0, 0], [10, 0, 0], [0, 3, 0], [4, 0, 0], [0, 0, 5]], dtype=float),
+        {2: np.array([1.0, 0, 0]), 3: np.array([2.0, 0, 0]), 4: np.array([0, 0.5, 0])},
+    )
+    assert stature(skeleton) == pytest.approx((1 + 3 + 4 + 5 + 0.5) / TIP_TO_TIP)
+
+
+def test_lengths_of_the_motion_go_before_offsets():
+    skeleton = Skeleton(("hips", "left", "right"), (-1, 0, 0), np.zeros((3, 3)))
+    assert stature(skeleton) == 0
+    assert stature(skeleton, np.array([9.0, 1.0, 2.0])) == pytest.approx(3 / TIP_TO_TIP)
+
+
+@pytest.mark.parametrize("name", UNITS)
+@given(tall=st.floats(1.4, 2.0))
+@settings(max_examples=20)
+def test_a_grown_person_is_measured_in_the_right_unit(name, tall):
+    unit, note = guess_unit(tall / UNITS[name])
+    assert unit == UNITS[name]
+    assert note == f"{name} (guessed: the skeleton would stand about {tall:.1f} m tall)"
+
+
+def test_giants_and_dwarfs_are_doubted():
+    assert guess_unit(4.0)[1].endswith(
+        "about 4.0 m tall, which no grown person does; give the unit)"
+    )
+    assert "give the unit" in guess_unit(20_000.0)[1]
+    assert guess_unit(0.0) == (
+        1.0,
+        "metres (assumed: the skeleton has no two limbs to measure)",
+    )
+
+
+def test_units_have_names():
+    assert unit_name(0.01) == "centimetres"
+    assert unit_name(CMU_UNIT) == "CMU's units of 1/0.45 inch"
+    assert unit_name(0.3048) == "units of 0.3048 m"
+
+
+def test_every_real_file_is_measured_right(data_folder):
+    for path in find_motion_files(data_folder / "bandai")[::10]:
+        assert load_motion(path).unit == 0.01, path
+    for path in find_motion_files(data_folder / "cmu" / "bvh"):
+        assert load_motion(path).unit == CMU_UNIT, path
+
+
+@pytest.mark.parametrize("unit", UNITS.values())
+@pytest.mark.parametrize(
+    "take",
+    ["cmu/bvh/02_03_first_frames.bvh", "bandai/dataset-2_run_normal_001.bvh"]
+    + [f"cmu/asfamc/{trial}" for trial in ("01/01_01.amc", "02/02_01.amc", "03/03_01.amc")],
+)
+def test_real_skeletons_in_any_unit_are_measured_right(data_folder, tmp_path, take, unit):
+    motion = load_motion(data_folder / take)
+    short = replace(motion, rotations=motion.rotations[:5], translations=motion.translations[:5])
+    write_bvh(short, tmp_path / "take.bvh", unit)
+    assert load_motion(tmp_path / "take.bvh").unit == unit

@@ -1,0 +1,265 @@
+"""What is written reads back the same, opens in Blender, and never leaves half a file."""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_bvh import PlainJoint, plain_positions
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion import Motion, MotionFileError, Skeleton, load_motion, read_bvh, write_bvh
+from numpy_cae.motion.units import CMU_UNIT
+
+
+def drawn_motion(seed: int, joints: int = 6, frames: int = 5, unit: float = 0.01) -> Motion:
+    """Any tree, depth first or not; every other joint leaves its offset; every tip once in two."""
+    rng = np.random.default_rng(seed)
+    parents = (-1, *(int(rng.integers(0, joint)) for joint in range(1, joints)))
+    skeleton = Skeleton(
+        tuple(f"joint {joint}" for joint in range(joints)),
+        parents,
+        rng.normal(size=(joints, 3)),
+        {joint: rng.normal(size=3) for joint in range(0, joints, 2)},
+    )
+    translations = np.tile(skeleton.offsets, (frames, 1, 1))
+    translations[:, ::2] += rng.normal(size=translations[:, ::2].shape)
+    turned = Rotation.random(frames * joints, random_state=seed).as_quat()
+    return Motion(skeleton, 30.0, turned.reshape(frames, joints, 4), translations, unit)
+
+
+def positions_by_name(motion: Motion) -> dict[str, np.ndarray]:
+    return dict(zip(motion.skeleton.names, motion.positions().transpose(1, 0, 2), strict=True))
+
+
+def assert_same_motion(one: Motion, other: Motion, within: float = 1e-5) -> None:
+    assert one.rate == pytest.approx(other.rate, rel=1e-9)
+    one_by_name, other_by_name = positions_by_name(one), positions_by_name(other)
+    assert one_by_name.keys() == other_by_name.keys()
+    for name, positions in one_by_name.items():
+        np.testing.assert_allclose(positions, other_by_name[name], rtol=0, atol=within)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**31),
+    joints=st.integers(1, 12),
+    unit=st.sampled_from([1.0, 0.01, 0.001, CMU_UNIT, 0.0254, 3.0]),
+)
+def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
+    path = tmp_path_factory.mktemp("written") / "take.bvh"
+    motion = drawn_motion(seed, joints)
+    write_bvh(motion, path, unit)
+    again = read_bvh(path, unit)
+    assert_same_motion(again, motion)
+    for joint, name in enumerate(motion.skeleton.names):
+        there = again.skeleton.index(name)
+        np.testing.assert_allclose(
+            again.skeleton.offsets[there], motion.skeleton.offsets[joint], atol=1e-6
+        )
+        if joint in motion.skeleton.end_sites:
+            np.testing.assert_allclose(
+                again.skeleton.end_sites[there], motion.skeleton.end_sites[joint], atol=1e-6
+            )
+        elif not motion.skeleton.children(joint):
+            np.testing.assert_array_equal(again.skeleton.end_sites[there], [0, 0, 0])
+
+
+def test_a_depth_first_skeleton_keeps_its_order(tmp_path):
+    motion = drawn_motion(3)
+    skeleton = replace(motion.skeleton, parents=(-1, 0, 1, 1, 0, 4))
+    write_bvh(replace(motion, skeleton=skeleton), tmp_path / "take.bvh")
+    again = read_bvh(tmp_path / "take.bvh", 0.01).skeleton
+    assert again.names == skeleton.names and again.parents == skeleton.parents
+
+
+def test_only_joints_that_leave_their_offset_have_position_channels(tmp_path):
+    write_bvh(drawn_motion(1, joints=4), tmp_path / "take.bvh")
+    channels = [
+        line.split()[1]
+        for line in (tmp_path / "take.bvh").read_text().splitlines()
+        if "CHANNELS" in line
+    ]
+    assert sorted(channels) == ["3", "3", "6", "6"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    outer=st.floats(-180, 180),
+    inner=st.floats(-180, 180),
+    pole=st.sampled_from([90.0, -90.0]),
+    beside=st.sampled_from([0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3]),
+)
+def test_poles_of_the_angles_lose_nothing(tmp_path_factory, outer, inner, pole, beside):
+    path = tmp_path_factory.mktemp("pole") / "take.bvh"
+    motion = drawn_motion(0, joints=5, frames=1)
+    at_pole = Rotation.from_euler(
+        "ZXY", [outer, pole - np.sign(pole) * beside, inner], degrees=True
+    )
+    rotations = np.tile(at_pole.as_quat(), (1, 5, 1))
+    motion = replace(motion, rotations=rotations)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        write_bvh(motion, path)
+        again = read_bvh(path, 0.01)
+    assert_same_motion(again, motion, within=1e-5)
+
+
+def test_angles_run_on_without_leaps(tmp_path):
+    motion = drawn_motion(2, joints=1, frames=100)
+    turn = Rotation.from_euler("Y", np.linspace(0, 720, 100)[:, None], degrees=True)
+    write_bvh(replace(motion, rotations=turn.as_quat()[:, None]), tmp_path / "take.bvh")
+    rows = np.loadtxt((tmp_path / "take.bvh").read_text().splitlines()[-100:])
+    assert np.abs(np.diff(rows[:, 3:], axis=0)).max() < 10
+
+
+def read_as_blender(text: str) -> tuple[list[PlainJoint], list[list[float]], int, float]:
+    """Read BVH by the rules of Blender's importer, which looks where it expects things to stand.
+
+    One statement a line; '{', OFFSET and CHANNELS follow a joint on the next three lines; all
+    rotations of a joint or none; 'Frames:' is two words and 'Frame Time:' three.
+    """
+    lines = [line.split() for line in text.split("\n") if line.strip()]
+    assert lines[0] == ["HIERARCHY"]
+    joints: list[PlainJoint] = []
+    parents: list[int | None] = [-1]
+    at = 1
+    while lines[at] != ["MOTION"]:
+        words = lines[at]
+        if words[0] in ("ROOT", "JOINT"):
+            assert lines[at + 1] == ["{"]
+            assert lines[at + 2][0] == "OFFSET" and len(lines[at + 2]) == 4
+            keyword, count, *channels = lines[at + 3]
+            assert keyword == "CHANNELS" and int(count) == len(channels)
+            assert sum(channel.endswith("rotation") for channel in channels) in (0, 3)
+            assert sum(channel.endswith("position") for channel in channels) in (0, 3)
+            assert parents[-1] is not None, "a joint inside an End Site"
+            offset = [float(word) for word in lines[at + 2][1:]]
+            joints.append(PlainJoint(" ".join(words[1:]), parents[-1], offset, channels))
+            parents.append(len(joints) - 1)
+            at += 4
+        elif words == ["End", "Site"]:
+            assert lines[at + 1] == ["{"]
+            joints[parents[-1]].tip = [float(word) for word in lines[at + 2][1:]]
+            parents.append(None)
+            at += 3
+        else:
+            assert words == ["}"]
+            parents.pop()
+            at += 1
+    assert parents == [-1]
+    assert lines[at + 1][0] == "Frames:" and len(lines[at + 1]) == 2
+    assert lines[at + 2][:2] == ["Frame", "Time:"] and len(lines[at + 2]) == 3
+    values = [[float(word) for word in line] for line in lines[at + 3 :]]
+    return joints, values, int(lines[at + 1][1]), float(lines[at + 2][2])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_blender_sees_the_same_positions(tmp_path, seed):
+    path = tmp_path / "take.bvh"
+    motion = drawn_motion(seed, joints=9)
+    write_bvh(motion, path)
+    joints, values, frames, time = read_as_blender(path.read_text())
+    assert frames == len(values) == len(motion) and 1 / time == pytest.approx(30)
+    assert all(
+        joint.tip is not None or any(other.parent == index for other in joints)
+        for index, joint in enumerate(joints)
+    ), "Blender needs an end for every bone"
+    positions = 0.01 * plain_positions(joints, values)
+    expected = positions_by_name(motion)
+    for index, joint in enumerate(joints):
+        np.testing.assert_allclose(positions[:, index], expected[joint.name], rtol=0, atol=1e-5)
+
+
+def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
+    path = tmp_path / "take.bvh"
+    path.write_text("what was there")
+
+    def full_disk(*_arguments):
+        yield "1 2 3"
+        raise OSError(28, "No space left on device")
+
+    # The package's name write_bvh is the function, so the module has to be asked for.
+    module = importlib.import_module("numpy_cae.motion.write_bvh")
+    monkeypatch.setattr(module, "_frame_lines", full_disk)
+    with pytest.raises(MotionFileError, match="cannot be written: No space left") as failed:
+        write_bvh(drawn_motion(0), path)
+    assert failed.value.path == path
+    assert path.read_text() == "what was there"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_is_moved_into_place_in_one_step(tmp_path, monkeypatch):
+    path = tmp_path / "take.bvh"
+    path.write_text("what was there")
+
+    def power_cut(source, target):
+        assert source.read_text().endswith("\n") and "MOTION" in source.read_text()
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("os.replace", power_cut)
+    with pytest.raises(MotionFileError, match="Input/output error"):
+        write_bvh(drawn_motion(0), path)
+    assert path.read_text() == "what was there"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_written_file_has_the_usual_rights(tmp_path):
+    (tmp_path / "usual").touch()
+    write_bvh(drawn_motion(0), tmp_path / "take.bvh")
+    usual, written = (tmp_path / name for name in ("usual", "take.bvh"))
+    assert written.stat().st_mode == usual.stat().st_mode
+
+
+def test_places_that_cannot_be_written_are_said(tmp_path):
+    with pytest.raises(MotionFileError, match="no folder"):
+        write_bvh(drawn_motion(0), tmp_path / "nowhere" / "take.bvh")
+    with pytest.raises(MotionFileError, match="folder of this name"):
+        write_bvh(drawn_motion(0), tmp_path)
+    with pytest.raises(MotionFileError, match="cannot be written"):
+        write_bvh(drawn_motion(0), tmp_path / ("long" * 100 + ".bvh"))
+
+
+def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
+    path = tmp_path / "take.bvh"
+    motion = drawn_motion(0)
+    holed = motion.translations.copy()
+    holed[3, 2, 1] = np.nan
+    with pytest.raises(ValueError, match=r"translations.*frame 3, joint 'joint 2'"):
+        write_bvh(replace(motion, translations=holed), path)
+    with pytest.raises(ValueError, match="no frames"):
+        write_bvh(
+            replace(motion, rotations=motion.rotations[:0], translations=motion.translations[:0]),
+            path,
+        )
+    for name in ("", " hips", "a{b", "a\nb", "\ud800"):
+        names = (name, *motion.skeleton.names[1:])
+        with pytest.raises(ValueError, match="joint name"):
+            write_bvh(replace(motion, skeleton=replace(motion.skeleton, names=names)), path)
+    with pytest.raises(ValueError, match="unit is 0"):
+        write_bvh(motion, path, unit=0)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "take",
+    [
+        "bandai/dataset-2_walk_active_001.bvh",
+        "bandai/dataset-2_wave-both-hands_elderly_003.bvh",
+        "cmu/bvh/02_03_first_frames.bvh",
+        "cmu/asfamc/02/02_03.amc",
+    ],
+)
+@pytest.mark.parametrize("unit", [None, 1.0, 0.01])
+def test_real_motions_go_round(data_folder, tmp_path, take, unit):
+    motion = load_motion(data_folder / take)
+    write_bvh(motion, tmp_path / "take.bvh", unit)
+    again = read_bvh(tmp_path / "take.bvh")
+    assert again.unit == pytest.approx(unit or motion.unit), "the unit is guessed again"
+    assert again.skeleton.names == motion.skeleton.names
+    assert_same_motion(again, motion, within=1e-6)
