@@ -40,9 +40,7 @@ def read_takes(
         (testing if kept else training).append(positions)
         notes[motion.unit_note.split(" (")[0]] += 1
     if test is not None and not testing:
-        raise MotionFileError(
-            folder, None, f"no file matches {test!r}, none is left to test"
-        )
+        raise MotionFileError(folder, None, f"no file matches {test!r}, none is left to test")
     if not training:
         raise MotionFileError(folder, None, f"every file matches {test!r}, none is left to train")
     seconds = sum(map(len, training)) / 30

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae import ops
@@ -44,6 +44,7 @@ def as_function_of_parameters(model, x, corrupted, alpha, first, layer):
     return loss, start, names
 
 
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), random_unpooling=st.booleans(), alpha=st.floats(0, 0.5))
 def test_gradients_of_the_stack(seed, random_unpooling, alpha):
     rng = np.random.default_rng(seed)
@@ -170,5 +171,5 @@ def test_a_window_that_does_not_fit_is_named(shape, said):
 def test_one_mask_a_layer():
     model = drawn_model(np.random.default_rng(0))
     x = np.zeros((1, 8, 3))
-    with pytest.raises(ValueError, match="first has 1 masks, expected 3"):
+    with pytest.raises(ValueError, match="first has 1 masks, expected one for each of 3"):
         model.loss_and_gradients(x, x, first=[np.zeros((1, 4, 4), dtype=bool)])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import (
     JOINTS,
@@ -11,6 +12,7 @@ from numpy_cae.motion import (
     POSITIONS,
     TURN,
     VELOCITY,
+    Motion,
     Place,
     bone_lengths,
     change_lengths,
@@ -34,9 +36,10 @@ def body(frames=40, seed=0, turn=0.0, speed=0.02):
     pose = np.zeros((len(JOINTS), 3))
     for joint, parent in enumerate(PARENTS):
         pose[joint] = (pose[parent] if parent >= 0 else [0, 0.95, 0]) + skeleton.offsets[joint]
-    swing = rng.normal(scale=0.05, size=(1, len(JOINTS), 3)) * np.sin(np.arange(frames) / 4)[
-        :, None, None
-    ]
+    swing = (
+        rng.normal(scale=0.05, size=(1, len(JOINTS), 3))
+        * np.sin(np.arange(frames) / 4)[:, None, None]
+    )
     angle = rng.uniform(-3, 3) + turn * np.arange(frames)
     forward = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
     path = np.cumsum(speed * forward, axis=0) + [rng.normal(), 0, rng.normal()]
@@ -117,7 +120,9 @@ def test_directions_of_bones_stay_and_the_hips_move_with_the_legs():
     positions, _ = body(20)
     own = bone_lengths(positions)
     wanted = own.copy()
-    wanted[[JOINTS.index(f"{side}_{j}") for side in ("left", "right") for j in ("knee", "ankle")]] *= 1.5
+    wanted[
+        [JOINTS.index(f"{side}_{j}") for side in ("left", "right") for j in ("knee", "ankle")]
+    ] *= 1.5
     changed = change_lengths(positions, own, wanted)
     np.testing.assert_allclose(changed[:, 0], 1.5 * positions[:, 0])
     knee, hip = JOINTS.index("left_knee"), JOINTS.index("left_hip")
@@ -179,10 +184,6 @@ def test_fitted_bones_follow_the_positions():
     """A body of rigid fans comes back exactly, whatever pose it takes."""
     rng = np.random.default_rng(0)
     skeleton = body_skeleton(LENGTHS)
-    from scipy.spatial.transform import Rotation
-
-    from numpy_cae.motion import Motion
-
     turns = Rotation.from_rotvec(rng.normal(scale=0.4, size=(15 * 20, 3))).as_quat()
     rotations = turns.reshape(15, 20, 4)
     translations = np.repeat(skeleton.offsets[None], 15, axis=0)

@@ -10,10 +10,10 @@ from numpy_cae.training import (
     Stage,
     decayed_rate,
     descend,
+    layerwise,
     train_autoencoder,
     zero_values,
 )
-from numpy_cae.training import layerwise
 
 
 def waves(windows=12, frames=16, features=5, seed=0):
@@ -148,5 +148,5 @@ def test_corruption_zeroes_a_share_p_and_touches_nothing_else(p):
 
 
 def test_a_probability_beyond_one_is_refused():
-    with pytest.raises(ValueError, match="p is 1.5"):
+    with pytest.raises(ValueError, match=r"p is 1\.5"):
         zero_values(np.zeros(3), 1.5, np.random.default_rng(0))
