@@ -71,7 +71,7 @@ def learn_manifold(
     frames = np.concatenate(features)
     mean_pose = frames.mean(axis=0)
     spread = np.sqrt(np.mean((frames - mean_pose) ** 2))
-    if spread == 0:
+    if spread < 1e-9:
         raise ValueError("every frame of the takes is the same: there is nothing to learn")
     manifold = MotionManifold(network, mean_pose, NORMALISED_RMS / spread, lengths, RATE)
 

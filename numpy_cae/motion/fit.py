@@ -93,9 +93,9 @@ def _fitted(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> tuple[Rotat
 
 
 def _turns(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> Rotation:
-    # Bones along one line leave the turn about it open. The axes of the joint above, at a
-    # thousandth of the weight, settle that and hardly move anything else.
-    weights = [1.0] * len(rest) + [1e-3 * np.square(rest).sum()] * 3
+    # Bones along one line leave the turn about it open. The axes of the joint above, at a tiny
+    # weight, settle that and hardly move anything else.
+    weights = [1.0] * len(rest) + [1e-5 * np.square(rest).sum()] * 3
     axes = above.as_matrix().transpose(0, 2, 1)
     before = np.concatenate([rest, np.eye(3)])
     return Rotation.concatenate(

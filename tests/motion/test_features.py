@@ -26,6 +26,9 @@ from numpy_cae.motion import (
 from numpy_cae.motion.fit import body_skeleton
 from numpy_cae.motion.heading import heading
 
+SIDES = ("left", "right")
+STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]
+"""The joints that say where the body stands and faces."""
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 
 
@@ -36,10 +39,8 @@ def body(frames=40, seed=0, turn=0.0, speed=0.02):
     pose = np.zeros((len(JOINTS), 3))
     for joint, parent in enumerate(PARENTS):
         pose[joint] = (pose[parent] if parent >= 0 else [0, 0.95, 0]) + skeleton.offsets[joint]
-    swing = (
-        rng.normal(scale=0.05, size=(1, len(JOINTS), 3))
-        * np.sin(np.arange(frames) / 4)[:, None, None]
-    )
+    swing = np.sin(np.arange(frames) / 4)[:, None, None] * rng.normal(scale=0.05, size=(20, 3))
+    swing[:, STEADY] = 0.0
     angle = rng.uniform(-3, 3) + turn * np.arange(frames)
     forward = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
     path = np.cumsum(speed * forward, axis=0) + [rng.normal(), 0, rng.normal()]

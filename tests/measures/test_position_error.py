@@ -1,0 +1,23 @@
+"""The error in centimetres: only positions, only real frames."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.measures import position_error
+from numpy_cae.motion import POSITIONS
+
+
+def test_a_centimetre_everywhere_is_one():
+    truth = np.random.default_rng(0).normal(size=(2, 8, 63))
+    assert position_error(truth + 0.01, truth) == pytest.approx(1.0)
+
+
+def test_velocities_and_held_frames_do_not_count():
+    truth = np.zeros((2, 8, 63))
+    off = truth.copy()
+    off[..., POSITIONS.stop :] = 5.0
+    off[:, 6:] = 7.0
+    off[:, :6, 0] = 0.03
+    real = np.arange(8) < 6
+    measured = position_error(off, truth, np.stack([real, real]))
+    assert measured == pytest.approx(3 / np.sqrt(60))
