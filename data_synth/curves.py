@@ -1,0 +1,58 @@
+"""Smooth curves of time: ramps without a corner, drifts that never repeat, bridges between states.
+
+Every curve is a function of time in seconds, so that a motion can be sampled at any rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+Curve = Callable[[np.ndarray], np.ndarray]
+
+
+def ease(u: np.ndarray) -> np.ndarray:
+    """0 to 1 while u goes from 0 to 1, the minimum-jerk way: 10u³ - 15u⁴ + 6u⁵.
+
+    Hands and feet that move from rest to rest follow it closely (Flash & Hogan, 1985,
+    *J. Neurosci.* 5:1688). Velocity and acceleration are 0 at both ends.
+    """
+    u = np.clip(u, 0.0, 1.0)
+    return u**3 * (10 + u * (-15 + 6 * u))
+
+
+def hermite(u, span, value0, speed0, value1, speed1):
+    """The cubic with given values and speeds at both ends; u in 0..1 over `span` seconds."""
+    u2, u3 = u * u, u * u * u
+    return (
+        (2 * u3 - 3 * u2 + 1) * value0
+        + (u3 - 2 * u2 + u) * span * speed0
+        + (3 * u2 - 2 * u3) * value1
+        + (u3 - u2) * span * speed1
+    )
+
+
+def drift(
+    rng: np.random.Generator, size: float, slowest: float = 0.1, fastest: float = 0.6
+) -> Curve:
+    """A wandering curve of standard deviation `size`: eight sines of drawn frequency and phase.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    size : float
+    slowest, fastest : float
+        The band of frequencies, in Hz; slower ones are larger, as in quiet standing, whose
+        sway falls off with frequency (Winter, 2009, chapter 11).
+    """
+    frequencies = np.exp(rng.uniform(np.log(slowest), np.log(fastest), 8))
+    phases = rng.uniform(0, 2 * np.pi, 8)
+    sizes = frequencies**-0.5
+    sizes *= size * np.sqrt(2) / np.linalg.norm(sizes)
+
+    def curve(t: np.ndarray) -> np.ndarray:
+        angles = 2 * np.pi * frequencies * np.asarray(t)[..., None] + phases
+        return np.sin(angles) @ sizes
+
+    return curve

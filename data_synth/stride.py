@@ -1,0 +1,78 @@
+"""When each foot stands where: the stances of a walk, and the foot that rolls over them.
+
+A stance has four times. From the strike to foot flat the foot turns about its heel, to heel off
+it stands flat, to toe off it turns about its ball while the toes stay on the floor: Perry's heel,
+ankle and forefoot rockers (1992, chapter 3). So some point of the foot is at rest at any time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from data_synth.body import Body
+from data_synth.curves import hermite
+
+# Seconds before a walk that begins standing, and after one that ends so.
+LONG_AGO = 1e4
+
+
+@dataclass
+class Stances:
+    """The K stances of one foot, in order of time.
+
+    Parameters
+    ----------
+    strike, flat, heel_off, toe_off : (K,) arrays
+        Seconds; far off (`LONG_AGO`) where the walk begins and ends standing.
+    ankle : (K, 3) array
+        The ankle while the foot stands flat, in the world, metres.
+    yaw : (K,) array
+        The foot's direction about Y, radians.
+    pitch_strike, pitch_off : (K,) arrays
+        Toes up positive, at the strike and at toe off; with their speeds.
+    """
+
+    strike: np.ndarray
+    flat: np.ndarray
+    heel_off: np.ndarray
+    toe_off: np.ndarray
+    ankle: np.ndarray
+    yaw: np.ndarray
+    pitch_strike: np.ndarray
+    speed_strike: np.ndarray
+    pitch_off: np.ndarray
+    speed_off: np.ndarray
+
+    def pitch(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
+        """The foot's pitch at times within stance k, radians."""
+        flat, heel_off = self.flat[k], self.heel_off[k]
+        first = flat - self.strike[k]
+        last = np.maximum(self.toe_off[k] - heel_off, 1e-3)
+        u = np.clip((t - self.strike[k]) / first, 0.0, 1.0)
+        loading = hermite(u, first, self.pitch_strike[k], self.speed_strike[k], 0.0, 0.0)
+        v = np.clip((t - heel_off) / last, 0.0, 1.0)
+        pushing = hermite(v, last, 0.0, 0.0, self.pitch_off[k], self.speed_off[k])
+        return np.where(t < flat, loading, np.where(t > heel_off, pushing, 0.0))
+
+    def ankle_at(self, t: np.ndarray, k: np.ndarray, body: Body) -> np.ndarray:
+        """The ankle at times within stance k, (F, 3): turned about the heel or the ball."""
+        pitch = self.pitch(t, k)
+        pivot = np.where((t < self.flat[k])[:, None], body.heel, body.ball)
+        moved = pivot - pitched(pivot, pitch)
+        return self.ankle[k] + turned(moved, self.yaw[k])
+
+
+def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+    """The ways (F, 3) with their front lifted by `pitch` radians: Rx(-pitch)."""
+    c, s = np.cos(pitch), np.sin(pitch)
+    x, y, z = np.moveaxis(np.broadcast_to(way, (*pitch.shape, 3)), -1, 0)
+    return np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
+
+
+def turned(way: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """The ways (F, 3) turned about Y by `yaw` radians, from Z towards X."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, y, z = np.moveaxis(np.broadcast_to(way, (*np.shape(yaw), 3)), -1, 0)
+    return np.stack([c * x + s * z, y, c * z - s * x], axis=-1)
