@@ -144,7 +144,7 @@ class Gait:
         for side in (0, 1):
             hip = place + pelvis.apply(self.body.hip(side))
             k, standing, _ = self._locate(t, side)
-            ankle = self.stances[side].ankle_at(t, k, self.body)
+            ankle = self._standing_ankle(t, k, side)
             flat = np.sum((ankle - hip)[:, [0, 2]] ** 2, axis=-1)
             highest = np.sqrt(np.maximum((0.9955 * self.body.leg) ** 2 - flat, 1e-4))
             need = np.maximum(need, np.where(standing, hip[:, 1] - ankle[:, 1] - highest, 0.0))
@@ -159,20 +159,19 @@ class Gait:
         """One leg at each time, and whether the ball of its foot stands still, (F,) bool."""
         stances = self.stances[side]
         k, standing, u = self._locate(t, side)
-        ankle = stances.ankle_at(t, k, self.body)
-        pitch = stances.pitch(t, k)
+        pitch = self._standing_pitch(t, k, side)
+        ankle = stances.ankle_at(t, k, pitch, self.body)
         yaw = stances.yaw[k].copy()
         toes = np.where(t > stances.heel_off[k], np.maximum(-pitch, 0.0), 0.0)
         swing = ~standing
         if swing.any():
             ts, ks, us = t[swing], k[swing], u[swing]
             yaw[swing] += (stances.yaw[ks + 1] - stances.yaw[ks]) * ease(us)
-            pitch[swing] = self._swing_pitch(ts, side)
+            pitch[swing] = self._free_pitch(ts, side)
             ankle[swing] = self._swing(ts, ks, us, side)
             relax = np.clip(us / 0.45, 0.0, 1.0)
-            span = 0.45 * (stances.strike[ks + 1] - stances.toe_off[ks])
-            bend = np.maximum(-stances.pitch_off[ks], 0.0)
-            toes[swing] = hermite(relax, span, bend, 0.0, 0.0, 0.0)
+            bend = np.maximum(-self._free_pitch(stances.toe_off[ks], side), 0.0)
+            toes[swing] = bend * (1 - ease(relax))
         foot = Rotation.from_euler("YX", np.stack([yaw, -pitch], axis=-1))
         splay = np.full(len(t), np.radians(2.0))
         ball_rests = standing & (t >= stances.flat[k])
@@ -202,8 +201,15 @@ class Gait:
         pitch = self.manner.roll * fullness * self.manner.curves.foot_pitch(phase)
         return np.where(pitch < 0, -_STEEPEST * np.tanh(-pitch / _STEEPEST * 1.06), pitch)
 
-    def _swing_pitch(self, t: np.ndarray, side: int) -> np.ndarray:
+    def _free_pitch(self, t: np.ndarray, side: int) -> np.ndarray:
         return self._pitch(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
+
+    def _standing_pitch(self, t: np.ndarray, k: np.ndarray, side: int) -> np.ndarray:
+        return self._free_pitch(t, side) * self.stances[side].rolling(t, k)
+
+    def _standing_ankle(self, t: np.ndarray, k: np.ndarray, side: int) -> np.ndarray:
+        pitch = self._standing_pitch(t, k, side)
+        return self.stances[side].ankle_at(t, k, pitch, self.body)
 
     def _nominal(self, t: np.ndarray, side: int) -> np.ndarray:
         """The ankle by the angles alone, (F, 3), in the world."""
@@ -241,24 +247,17 @@ class Gait:
         ankle[:, [0, 2]] += route.place(passing)
         ankle[:, 1] = self.body.ankle_height
         yaw = heading + sign * (m.toe_out + np.radians(1.5) * rng.normal(size=count).clip(-2, 2))
-        pitches = []
-        for when in (strike, toe_off):
-            pitches += self._pitch_and_speed(np.clip(when, route.times[0], route.times[-1]), side)
-        return Stances(strike, flat, heel_off, toe_off, ankle, yaw, *pitches)
-
-    def _pitch_and_speed(self, t: np.ndarray, side: int, h: float = 0.004) -> list[np.ndarray]:
-        before, now, after = (self._swing_pitch(s, side) for s in (t - h, t, t + h))
-        return [now, (after - before) / (2 * h)]
+        return Stances(strike, flat, heel_off, toe_off, ankle, yaw)
 
     def _bridge(self, side: int, h: float = 0.004):
         """For each swing, the correction and its speed at toe off and at the strike."""
-        stances, body = self.stances[side], self.body
+        stances = self.stances[side]
         k = np.arange(len(stances.strike) - 1)
         off, strike = stances.toe_off[:-1], stances.strike[1:]
         ends = []
         for t, stance, step in ((off, k, -h), (strike, k + 1, h)):
-            here = stances.ankle_at(t, stance, body) - self._nominal(t, side)
-            there = stances.ankle_at(t + step, stance, body) - self._nominal(t + step, side)
+            here = self._standing_ankle(t, stance, side) - self._nominal(t, side)
+            there = self._standing_ankle(t + step, stance, side) - self._nominal(t + step, side)
             ends += [here, (there - here) / step]
         lift = self._lift(k, ends, side)
         return (*ends, lift)
@@ -273,7 +272,7 @@ class Gait:
         t = (off[:, None] + u * span[:, None]).ravel()
         ks, us = np.repeat(k, len(u)), np.tile(u, len(k))
         ankle = self._swing_unlifted(t, ks, us, side, ends)
-        pitch = self._swing_pitch(t, side)
+        pitch = self._free_pitch(t, side)
         sole = (ankle + pitched(self.body.heel, pitch))[:, 1]
         for point, since in ((self.body.ball_sole, 0.0), (self.body.toe_tip, 0.45)):
             height = (ankle + pitched(point, pitch))[:, 1]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from data_synth.body import Body
-from data_synth.curves import hermite
+from data_synth.curves import ease
 
 # Seconds before a walk that begins standing, and after one that ends so.
 LONG_AGO = 1e4
@@ -30,8 +30,6 @@ class Stances:
         The ankle while the foot stands flat, in the world, metres.
     yaw : (K,) array
         The foot's direction about Y, radians.
-    pitch_strike, pitch_off : (K,) arrays
-        Toes up positive, at the strike and at toe off; with their speeds.
     """
 
     strike: np.ndarray
@@ -40,25 +38,16 @@ class Stances:
     toe_off: np.ndarray
     ankle: np.ndarray
     yaw: np.ndarray
-    pitch_strike: np.ndarray
-    speed_strike: np.ndarray
-    pitch_off: np.ndarray
-    speed_off: np.ndarray
 
-    def pitch(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """The foot's pitch at times within stance k, radians."""
-        flat, heel_off = self.flat[k], self.heel_off[k]
-        first = flat - self.strike[k]
-        last = np.maximum(self.toe_off[k] - heel_off, 1e-3)
-        u = np.clip((t - self.strike[k]) / first, 0.0, 1.0)
-        loading = hermite(u, first, self.pitch_strike[k], self.speed_strike[k], 0.0, 0.0)
-        v = np.clip((t - heel_off) / last, 0.0, 1.0)
-        pushing = hermite(v, last, 0.0, 0.0, self.pitch_off[k], self.speed_off[k])
-        return np.where(t < flat, loading, np.where(t > heel_off, pushing, 0.0))
+    def rolling(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
+        """What share of its free pitch the foot has: 1 at the strike, 0 while flat, 1 at toe off."""
+        loading = 1 - ease((t - self.strike[k]) / (self.flat[k] - self.strike[k]))
+        # The heel is free to rise as it would in two thirds of the time from heel off to toe off.
+        span = np.maximum(self.toe_off[k] - self.heel_off[k], 1e-3)
+        return loading + ease((t - self.heel_off[k]) / (0.65 * span))
 
-    def ankle_at(self, t: np.ndarray, k: np.ndarray, body: Body) -> np.ndarray:
+    def ankle_at(self, t: np.ndarray, k: np.ndarray, pitch: np.ndarray, body: Body) -> np.ndarray:
         """The ankle at times within stance k, (F, 3): turned about the heel or the ball."""
-        pitch = self.pitch(t, k)
         pivot = np.where((t < self.flat[k])[:, None], body.heel, body.ball)
         moved = pivot - pitched(pivot, pitch)
         return self.ankle[k] + turned(moved, self.yaw[k])
