@@ -22,15 +22,9 @@ def ease(u: np.ndarray) -> np.ndarray:
     return u**3 * (10 + u * (-15 + 6 * u))
 
 
-def hermite(u, span, value0, speed0, value1, speed1):
-    """The cubic with given values and speeds at both ends; u in 0..1 over `span` seconds."""
-    u2, u3 = u * u, u * u * u
-    return (
-        (2 * u3 - 3 * u2 + 1) * value0
-        + (u3 - 2 * u2 + u) * span * speed0
-        + (3 * u2 - 2 * u3) * value1
-        + (u3 - u2) * span * speed1
-    )
+def fading(since: np.ndarray, over: float = 0.18) -> np.ndarray:
+    """s (1 - s/τ)², 0 from τ on: where something comes to that starts at speed 1 and is stopped."""
+    return since * np.maximum(1 - since / over, 0.0) ** 2
 
 
 def drift(

@@ -17,7 +17,7 @@ from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIGN, Body
-from data_synth.curves import drift, ease, hermite
+from data_synth.curves import drift, ease, fading
 from data_synth.manner import Manner, in_radians
 from data_synth.pose import Leg
 from data_synth.route import Route
@@ -26,7 +26,7 @@ from data_synth.stride import LONG_AGO, Stances, pitched, turned
 # Standing at ease: thigh slightly forwards, knee slightly bent, foot flat.
 _STANDING_THIGH, _STANDING_KNEE = np.radians(3.5), np.radians(7.0)
 # The toes bend no further than this against the foot, so the foot stands no steeper at toe off.
-_STEEPEST = np.radians(62.0)
+_STEEPEST = np.radians(72.0)
 _GRAVITY = 9.81
 
 
@@ -143,10 +143,12 @@ class Gait:
         need = np.zeros(len(t))
         for side in (0, 1):
             hip = place + pelvis.apply(self.body.hip(side))
-            k, standing, _ = self._locate(t, side)
+            k, _, _ = self._locate(t, side)
+            # A little beyond toe off, which falls between two of these times.
+            standing = t < self.stances[side].toe_off[k] + 1 / rate
             ankle = self._standing_ankle(t, k, side)
             flat = np.sum((ankle - hip)[:, [0, 2]] ** 2, axis=-1)
-            highest = np.sqrt(np.maximum((0.9955 * self.body.leg) ** 2 - flat, 1e-4))
+            highest = np.sqrt(np.maximum((0.990 * self.body.leg) ** 2 - flat, 1e-4))
             need = np.maximum(need, np.where(standing, hip[:, 1] - ankle[:, 1] - highest, 0.0))
         width = 23
         window = np.hanning(width + 2)[1:-1]
@@ -191,15 +193,19 @@ class Gait:
         """From hip to ankle, forwards and upwards, by the angles of the laboratory."""
         m, body = self.manner, self.body
         thigh = _STANDING_THIGH + fullness * (m.curves.thigh(phase) - _STANDING_THIGH)
-        knee = _STANDING_KNEE + fullness * (m.curves.knee(phase) - _STANDING_KNEE) + m.crouch
+        bending = _bending(fullness)
+        knee = _STANDING_KNEE + bending * (m.curves.knee(phase) - _STANDING_KNEE) + m.crouch
         thigh = thigh + 0.5 * m.crouch
         shank = thigh - knee
         ahead = body.thigh * np.sin(thigh) + body.shank * np.sin(shank)
         return ahead, -body.thigh * np.cos(thigh) - body.shank * np.cos(shank)
 
     def _pitch(self, phase: np.ndarray, fullness) -> np.ndarray:
-        pitch = self.manner.roll * fullness * self.manner.curves.foot_pitch(phase)
-        return np.where(pitch < 0, -_STEEPEST * np.tanh(-pitch / _STEEPEST * 1.06), pitch)
+        curves = self.manner.curves
+        pitch = fullness * (curves.thigh(phase) + curves.ankle(phase))
+        pitch = self.manner.roll * (pitch - _bending(fullness) * curves.knee(phase))
+        steep = np.where(pitch < 0, pitch / _STEEPEST, 0.0)
+        return pitch / (1 + steep**4) ** 0.25
 
     def _free_pitch(self, t: np.ndarray, side: int) -> np.ndarray:
         return self._pitch(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
@@ -283,12 +289,20 @@ class Gait:
 
     def _swing_unlifted(self, t, k, u, side, ends):
         stances = self.stances[side]
-        span = (stances.strike[k + 1] - stances.toe_off[k])[:, None]
+        span = stances.strike[k + 1] - stances.toe_off[k]
         value0, speed0, value1, speed1 = (end[k] for end in ends)
-        return self._nominal(t, side) + hermite(u[:, None], span, value0, speed0, value1, speed1)
+        since, left = u * span, (1 - u) * span
+        correction = value0 + (value1 - value0) * ease(u)[:, None]
+        correction += fading(since)[:, None] * speed0 - fading(left)[:, None] * speed1
+        return self._nominal(t, side) + correction
 
     def _swing(self, t, k, u, side):
         *ends, lift = self._bridges[side]
         ankle = self._swing_unlifted(t, k, u, side, ends)
         ankle[:, 1] += lift[k] * np.sin(np.pi * u) ** 2
         return ankle
+
+
+def _bending(fullness):
+    """How full the knee's angles are: they grow less with speed than the thigh's (Winter, 1991)."""
+    return np.tanh(fullness) / np.tanh(1.0)

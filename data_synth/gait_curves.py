@@ -102,20 +102,16 @@ class LegCurves:
     heel_off: float
     toe_off: float
 
-    def foot_pitch(self, phase: np.ndarray) -> np.ndarray:
-        """The foot against the floor, toes up positive: thigh - knee + ankle, radians."""
-        return self.thigh(phase) - self.knee(phase) + self.ankle(phase)
-
 
 WALK = LegCurves(
     **{joint: fourier_series(degrees) for joint, degrees in _WALK.items()},
     foot_flat=0.08,
-    heel_off=0.36,
-    toe_off=0.61,
+    heel_off=0.34,
+    toe_off=0.58,
 )
 RUN = LegCurves(
     **{joint: fourier_series(degrees) for joint, degrees in _RUN.items()},
     foot_flat=0.06,
-    heel_off=0.18,
-    toe_off=0.37,
+    heel_off=0.16,
+    toe_off=0.36,
 )

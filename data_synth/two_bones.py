@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 # Beyond this share of its length a limb yields smoothly instead of snapping straight.
-YIELDS_AT = 0.9985
+YIELDS_AT, YIELDS_FOR = 0.985, 0.010
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -37,12 +37,12 @@ def reach(
     Returns
     -------
     middle, end : (F, 3) arrays
-        The end is the target where that is within 0.9985 of the limb's length, else on the way.
+        The end is the target where that is within 0.985 of the limb's length, else on the way.
     """
     span = target - start
     distance = np.linalg.norm(span, axis=-1, keepdims=True)
     along = span / np.maximum(distance, 1e-9)
-    longest, slack = YIELDS_AT * (upper + lower), 0.0012 * (upper + lower)
+    longest, slack = YIELDS_AT * (upper + lower), YIELDS_FOR * (upper + lower)
     beyond = longest + slack * np.tanh((distance - longest) / slack)
     distance = np.where(distance > longest, beyond, distance)
     hinge = unit(hinge - np.sum(hinge * along, axis=-1, keepdims=True) * along)
