@@ -1,0 +1,52 @@
+"""Smooth curves of time: ramps without a corner, drifts that never repeat, bridges between states.
+
+Every curve is a function of time in seconds, so that a motion can be sampled at any rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+Curve = Callable[[np.ndarray], np.ndarray]
+
+
+def ease(u: np.ndarray) -> np.ndarray:
+    """0 to 1 while u goes from 0 to 1, the minimum-jerk way: 10u³ - 15u⁴ + 6u⁵.
+
+    Hands and feet that move from rest to rest follow it closely (Flash & Hogan, 1985,
+    *J. Neurosci.* 5:1688). Velocity and acceleration are 0 at both ends.
+    """
+    u = np.clip(u, 0.0, 1.0)
+    return u**3 * (10 + u * (-15 + 6 * u))
+
+
+def fading(since: np.ndarray, over: float = 0.18) -> np.ndarray:
+    """s (1 - s/τ)², 0 from τ on: where something comes to that starts at speed 1 and is stopped."""
+    return since * np.maximum(1 - since / over, 0.0) ** 2
+
+
+def drift(
+    rng: np.random.Generator, size: float, slowest: float = 0.1, fastest: float = 0.6
+) -> Curve:
+    """A wandering curve of standard deviation `size`: eight sines of drawn frequency and phase.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    size : float
+    slowest, fastest : float
+        The band of frequencies, in Hz; slower ones are larger, as in quiet standing, whose
+        sway falls off with frequency (Winter, 2009, chapter 11).
+    """
+    frequencies = np.exp(rng.uniform(np.log(slowest), np.log(fastest), 8))
+    phases = rng.uniform(0, 2 * np.pi, 8)
+    sizes = frequencies**-0.5
+    sizes *= size * np.sqrt(2) / np.linalg.norm(sizes)
+
+    def curve(t: np.ndarray) -> np.ndarray:
+        angles = 2 * np.pi * frequencies * np.asarray(t)[..., None] + phases
+        return np.sin(angles) @ sizes
+
+    return curve

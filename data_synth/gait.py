@@ -1,0 +1,308 @@
+"""Walking and running: the laboratory's joint angles, corrected so that no standing foot slides.
+
+The angles of `gait_curves` give where each ankle would go under the moving pelvis. While a foot
+stands, its ankle is where the floor holds it (`stride`); while it swings, it follows the angles
+plus a correction that joins the two,
+
+    ankle(t) = nominal(t) + c(t),     c = stance - nominal, with equal speeds, at toe off and strike
+
+and the leg is bent to it by two-bone inverse kinematics.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import convolve1d, maximum_filter1d
+from scipy.spatial.transform import Rotation
+
+from data_synth.body import SIGN, Body
+from data_synth.curves import drift, ease, fading
+from data_synth.manner import Manner, in_radians
+from data_synth.pose import Leg
+from data_synth.route import Route
+from data_synth.stride import LONG_AGO, Stances, pitched, turned
+
+# Standing at ease: thigh slightly forwards, knee slightly bent, foot flat.
+_STANDING_THIGH, _STANDING_KNEE = np.radians(3.5), np.radians(7.0)
+# The toes bend no further than this against the foot, so the foot stands no steeper at toe off.
+_STEEPEST = np.radians(72.0)
+_GRAVITY = 9.81
+
+
+class Gait:
+    """Someone's legs and pelvis on a route.
+
+    Parameters
+    ----------
+    body : Body
+    manner : Manner
+        In degrees, as listed.
+    route : Route
+    phase : (N,) array
+        Strides done at each of `route.times`, whole numbers at left heel strikes. The walker
+        stands where it begins and where it ends.
+    rng : numpy.random.Generator
+        For what differs from step to step.
+    """
+
+    def __init__(
+        self, body: Body, manner: Manner, route: Route, phase: np.ndarray, rng: np.random.Generator
+    ):
+        self.body, self.route, self._phase = body, route, phase
+        self.manner = in_radians(manner)
+        self.full_speed = max(float(route.speeds.max()), 1e-6)
+        self.rate = float(np.max(np.diff(phase)) / (route.times[1] - route.times[0]))
+        ticking = np.flatnonzero(np.diff(phase) > 1e-9)
+        ticking = np.append(ticking, ticking[-1] + 1)
+        self._clock = phase[ticking], route.times[ticking]
+        self._fit_pelvis()
+        self._drifts = [drift(rng, 1.0) for _ in range(4)]
+        self.stances = [self._plan(side, rng) for side in (0, 1)]
+        self._lowered = lambda t: 0.0
+        self._lowered = self._lowering()
+        self._bridges = [self._bridge(side) for side in (0, 1)]
+
+    # -- the pelvis ------------------------------------------------------------------------
+
+    def phase(self, t: np.ndarray) -> np.ndarray:
+        """Strides done at each time."""
+        return np.interp(t, self.route.times, self._phase)
+
+    def vigour(self, t: np.ndarray) -> np.ndarray:
+        """0 standing, 1 at full speed."""
+        return self.route.speed(t) / self.full_speed
+
+    def pelvis_angles(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Heading with the pelvis's own turning, tilt forwards and drop, radians."""
+        m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
+        turn = -m.pelvis_turn * vigour * np.cos(angle - 0.10)
+        drop = m.pelvis_drop * vigour * np.cos(angle - 2 * np.pi * 0.16)
+        tilt = 0.35 * m.lean + np.radians(1.2) * vigour * np.cos(2 * angle - 0.6)
+        return self.route.heading(t) + turn, tilt, drop
+
+    def pelvis(self, t: np.ndarray) -> tuple[np.ndarray, Rotation]:
+        """Where the root is, (F, 3), and how the pelvis is turned."""
+        m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
+        sway = m.sway * vigour * np.cos(angle - 2 * np.pi * 0.30)
+        sway = sway + 0.006 * (1 - vigour) * self._drifts[0](t)
+        twice = np.stack([np.cos(2 * angle), np.sin(2 * angle)], axis=-1)
+        surge = 0.012 * vigour * np.cos(2 * angle + 0.9) + 0.004 * (1 - vigour) * self._drifts[1](t)
+        bob = vigour**2 * (self._sink + twice @ self._bob)
+        place = turned(
+            np.stack([sway, self._height + bob - self._lowered(t), surge], axis=-1),
+            self.route.heading(t),
+        )
+        place[..., [0, 2]] += self.route.place(t)
+        yaw, tilt, drop = self.pelvis_angles(t)
+        return place, Rotation.from_euler("YXZ", np.stack([yaw, tilt, drop], axis=-1))
+
+    def _fit_pelvis(self) -> None:
+        """The fullness of the angles, and the pelvis's height and bob that they imply.
+
+        While a foot stands, its ankle is known and so is the way from the hip to it: their
+        difference is where the pelvis is. By least squares over the stance,
+        height = h + c cos 4πφ + s sin 4πφ and way ahead = z + L φ; the angles are as full as
+        makes the stride L the one that speed and cadence ask for.
+        """
+        body, curves = self.body, self.manner.curves
+        hip_below = -float(body.hip(0)[1])
+        phase = np.linspace(0.01, curves.toe_off - 0.06, 40)
+        waves = np.stack(
+            [np.ones(40), phase, np.cos(4 * np.pi * phase), np.sin(4 * np.pi * phase)], axis=-1
+        )
+        rolls = (phase < curves.foot_flat) | (phase > curves.heel_off)
+        pivots = np.where((phase < curves.foot_flat)[:, None], body.heel, body.ball)
+        low, high = 0.0, 2.0
+        for _ in range(24):
+            self.fullness = (low + high) / 2
+            pitch = np.where(rolls, self._pitch(phase, self.fullness), 0.0)
+            rolled = pivots - pitched(pivots, pitch)
+            ahead, down = self._leg_vector(phase, self.fullness)
+            self._ahead, stride = np.linalg.lstsq(waves[:, :2], rolled[:, 2] - ahead, rcond=None)[0]
+            if stride < self.full_speed / self.rate:
+                low = self.fullness
+            else:
+                high = self.fullness
+        height = body.ankle_height + rolled[:, 1] - down + hip_below
+        mean, *bob = np.linalg.lstsq(waves[:, [0, 2, 3]], height, rcond=None)[0]
+        _, down = self._leg_vector(np.zeros(1), 0.0)
+        self._height = body.ankle_height - float(down[0]) + hip_below
+        self._sink = mean - self._height
+        self._bob = self.manner.bob * np.array(bob)
+
+    def _lowering(self):
+        """How far the pelvis sinks so that both standing feet are within reach, a smooth curve.
+
+        The running maximum over a window, averaged over the same window, is never below the
+        need itself.
+        """
+        rate = 100.0
+        t = np.arange(self.route.times[0], self.route.times[-1] + 1 / rate, 1 / rate)
+        place, pelvis = self.pelvis(t)
+        need = np.zeros(len(t))
+        for side in (0, 1):
+            hip = place + pelvis.apply(self.body.hip(side))
+            k, _, _ = self._locate(t, side)
+            # A little beyond toe off, which falls between two of these times.
+            standing = t < self.stances[side].toe_off[k] + 1 / rate
+            ankle = self._standing_ankle(t, k, side)
+            flat = np.sum((ankle - hip)[:, [0, 2]] ** 2, axis=-1)
+            highest = np.sqrt(np.maximum((0.990 * self.body.leg) ** 2 - flat, 1e-4))
+            need = np.maximum(need, np.where(standing, hip[:, 1] - ankle[:, 1] - highest, 0.0))
+        width = 23
+        window = np.hanning(width + 2)[1:-1]
+        need = convolve1d(maximum_filter1d(need, width), window / window.sum(), mode="nearest")
+        return CubicSpline(t, need)
+
+    # -- the feet --------------------------------------------------------------------------
+
+    def leg(self, t: np.ndarray, side: int) -> tuple[Leg, np.ndarray]:
+        """One leg at each time, and whether the ball of its foot stands still, (F,) bool."""
+        stances = self.stances[side]
+        k, standing, u = self._locate(t, side)
+        pitch = self._standing_pitch(t, k, side)
+        ankle = stances.ankle_at(t, k, pitch, self.body)
+        yaw = stances.yaw[k].copy()
+        toes = np.where(t > stances.heel_off[k], np.maximum(-pitch, 0.0), 0.0)
+        swing = ~standing
+        if swing.any():
+            ts, ks, us = t[swing], k[swing], u[swing]
+            yaw[swing] += (stances.yaw[ks + 1] - stances.yaw[ks]) * ease(us)
+            pitch[swing] = self._free_pitch(ts, side)
+            ankle[swing] = self._swing(ts, ks, us, side)
+            relax = np.clip(us / 0.45, 0.0, 1.0)
+            bend = np.maximum(-self._free_pitch(stances.toe_off[ks], side), 0.0)
+            toes[swing] = bend * (1 - ease(relax))
+        foot = Rotation.from_euler("YX", np.stack([yaw, -pitch], axis=-1))
+        splay = np.full(len(t), np.radians(2.0))
+        ball_rests = standing & (t >= stances.flat[k])
+        return Leg(ankle, foot, toes, splay), ball_rests
+
+    def _locate(self, t: np.ndarray, side: int):
+        """The stance of each time or the one before its swing; whether standing; how far swung."""
+        stances = self.stances[side]
+        k = np.maximum(np.searchsorted(stances.strike, t, side="right") - 1, 0)
+        standing = t <= stances.toe_off[k]
+        after = np.minimum(k + 1, len(stances.strike) - 1)
+        span = np.where(standing, 1.0, stances.strike[after] - stances.toe_off[k])
+        u = np.where(standing, 0.0, (t - stances.toe_off[k]) / span)
+        return k, standing, u
+
+    def _leg_vector(self, phase: np.ndarray, fullness) -> tuple[np.ndarray, np.ndarray]:
+        """From hip to ankle, forwards and upwards, by the angles of the laboratory."""
+        m, body = self.manner, self.body
+        thigh = _STANDING_THIGH + fullness * (m.curves.thigh(phase) - _STANDING_THIGH)
+        bending = _bending(fullness)
+        knee = _STANDING_KNEE + bending * (m.curves.knee(phase) - _STANDING_KNEE) + m.crouch
+        thigh = thigh + 0.5 * m.crouch
+        shank = thigh - knee
+        ahead = body.thigh * np.sin(thigh) + body.shank * np.sin(shank)
+        return ahead, -body.thigh * np.cos(thigh) - body.shank * np.cos(shank)
+
+    def _pitch(self, phase: np.ndarray, fullness) -> np.ndarray:
+        curves = self.manner.curves
+        pitch = fullness * (curves.thigh(phase) + curves.ankle(phase))
+        pitch = self.manner.roll * (pitch - _bending(fullness) * curves.knee(phase))
+        steep = np.where(pitch < 0, pitch / _STEEPEST, 0.0)
+        return pitch / (1 + steep**4) ** 0.25
+
+    def _free_pitch(self, t: np.ndarray, side: int) -> np.ndarray:
+        return self._pitch(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
+
+    def _standing_pitch(self, t: np.ndarray, k: np.ndarray, side: int) -> np.ndarray:
+        return self._free_pitch(t, side) * self.stances[side].rolling(t, k)
+
+    def _standing_ankle(self, t: np.ndarray, k: np.ndarray, side: int) -> np.ndarray:
+        pitch = self._standing_pitch(t, k, side)
+        return self.stances[side].ankle_at(t, k, pitch, self.body)
+
+    def _nominal(self, t: np.ndarray, side: int) -> np.ndarray:
+        """The ankle by the angles alone, (F, 3), in the world."""
+        body, sign = self.body, SIGN[side]
+        place, pelvis = self.pelvis(t)
+        ahead, up = self._leg_vector(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
+        aside = np.full_like(ahead, sign * (self.manner.width - body.hip_width) / 2)
+        hip = place + pelvis.apply(body.hip(side))
+        return hip + turned(np.stack([aside, up, ahead], axis=-1), self.route.heading(t))
+
+    def _plan(self, side: int, rng: np.random.Generator) -> Stances:
+        curves, route, m, sign = self.manner.curves, self.route, self.manner, SIGN[side]
+        first, last = self._phase[0], self._phase[-1]
+        # The last strike before the walk begins, then every one until it ends.
+        strikes = np.arange(np.floor(first - 0.5 * side + 1e-9), last) + 0.5 * side
+        strikes = strikes[strikes < last - 0.04]
+        count = len(strikes)
+        jitter = np.clip(rng.normal(0.0, 0.006, (4, count)), -0.012, 0.012)
+
+        def time(after, row):
+            return np.interp(strikes + after + jitter[row], *self._clock)
+
+        strike, flat = time(0.0, 0), time(curves.foot_flat, 0)
+        heel_off, toe_off = time(curves.heel_off, 1), time(curves.toe_off, 2)
+        strike[0], flat[0] = -2 * LONG_AGO, -LONG_AGO
+        heel_off[-1], toe_off[-1] = LONG_AGO, 2 * LONG_AGO
+        middle_phase = 0.5 * (curves.foot_flat + curves.heel_off)
+        passing = np.interp(strikes + middle_phase, *self._clock)
+        heading, vigour = route.heading(passing), self.vigour(passing)
+        stride = self.full_speed / self.rate
+        ahead = self.body.hip(0)[2] - vigour * (self._ahead + stride * middle_phase)
+        ahead += (1 - vigour) * self._leg_vector(np.zeros(1), 0.0)[0]
+        aside = sign * (0.5 * m.width + np.clip(rng.normal(0, 0.008, count), -0.016, 0.016))
+        ankle = turned(np.stack([aside, np.zeros(count), ahead], axis=-1), heading)
+        ankle[:, [0, 2]] += route.place(passing)
+        ankle[:, 1] = self.body.ankle_height
+        yaw = heading + sign * (m.toe_out + np.radians(1.5) * rng.normal(size=count).clip(-2, 2))
+        return Stances(strike, flat, heel_off, toe_off, ankle, yaw)
+
+    def _bridge(self, side: int, h: float = 0.004):
+        """For each swing, the correction and its speed at toe off and at the strike."""
+        stances = self.stances[side]
+        k = np.arange(len(stances.strike) - 1)
+        off, strike = stances.toe_off[:-1], stances.strike[1:]
+        ends = []
+        for t, stance, step in ((off, k, -h), (strike, k + 1, h)):
+            here = self._standing_ankle(t, stance, side) - self._nominal(t, side)
+            there = self._standing_ankle(t + step, stance, side) - self._nominal(t + step, side)
+            ends += [here, (there - here) / step]
+        lift = self._lift(k, ends, side)
+        return (*ends, lift)
+
+    def _lift(self, k: np.ndarray, ends: list[np.ndarray], side: int) -> np.ndarray:
+        """How much each swing must be raised for the sole to clear the floor."""
+        stances = self.stances[side]
+        u = np.linspace(0.15, 0.85, 22)
+        if not len(k):
+            return np.zeros(0)
+        off, span = stances.toe_off[k], stances.strike[k + 1] - stances.toe_off[k]
+        t = (off[:, None] + u * span[:, None]).ravel()
+        ks, us = np.repeat(k, len(u)), np.tile(u, len(k))
+        ankle = self._swing_unlifted(t, ks, us, side, ends)
+        pitch = self._free_pitch(t, side)
+        sole = (ankle + pitched(self.body.heel, pitch))[:, 1]
+        for point, since in ((self.body.ball_sole, 0.0), (self.body.toe_tip, 0.45)):
+            height = (ankle + pitched(point, pitch))[:, 1]
+            sole = np.where(us >= since, np.minimum(sole, height), sole)
+        bump = np.sin(np.pi * us) ** 2
+        need = self.manner.clearance - sole / bump
+        return np.maximum(need.reshape(len(k), -1).max(axis=1), 0.0)
+
+    def _swing_unlifted(self, t, k, u, side, ends):
+        stances = self.stances[side]
+        span = stances.strike[k + 1] - stances.toe_off[k]
+        value0, speed0, value1, speed1 = (end[k] for end in ends)
+        since, left = u * span, (1 - u) * span
+        correction = value0 + (value1 - value0) * ease(u)[:, None]
+        correction += fading(since)[:, None] * speed0 - fading(left)[:, None] * speed1
+        return self._nominal(t, side) + correction
+
+    def _swing(self, t, k, u, side):
+        *ends, lift = self._bridges[side]
+        ankle = self._swing_unlifted(t, k, u, side, ends)
+        ankle[:, 1] += lift[k] * np.sin(np.pi * u) ** 2
+        return ankle
+
+
+def _bending(fullness):
+    """How full the knee's angles are: they grow less with speed than the thigh's (Winter, 1991)."""
+    return np.tanh(fullness) / np.tanh(1.0)

@@ -1,0 +1,67 @@
+"""When each foot stands where: the stances of a walk, and the foot that rolls over them.
+
+A stance has four times. From the strike to foot flat the foot turns about its heel, to heel off
+it stands flat, to toe off it turns about its ball while the toes stay on the floor: Perry's heel,
+ankle and forefoot rockers (1992, chapter 3). So some point of the foot is at rest at any time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from data_synth.body import Body
+from data_synth.curves import ease
+
+# Seconds before a walk that begins standing, and after one that ends so.
+LONG_AGO = 1e4
+
+
+@dataclass
+class Stances:
+    """The K stances of one foot, in order of time.
+
+    Parameters
+    ----------
+    strike, flat, heel_off, toe_off : (K,) arrays
+        Seconds; far off (`LONG_AGO`) where the walk begins and ends standing.
+    ankle : (K, 3) array
+        The ankle while the foot stands flat, in the world, metres.
+    yaw : (K,) array
+        The foot's direction about Y, radians.
+    """
+
+    strike: np.ndarray
+    flat: np.ndarray
+    heel_off: np.ndarray
+    toe_off: np.ndarray
+    ankle: np.ndarray
+    yaw: np.ndarray
+
+    def rolling(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
+        """What share of its free pitch the foot has: 1 at the strike, 0 while flat, 1 at toe off."""
+        loading = 1 - ease((t - self.strike[k]) / (self.flat[k] - self.strike[k]))
+        # The heel is free to rise as it would in two thirds of the time from heel off to toe off.
+        span = np.maximum(self.toe_off[k] - self.heel_off[k], 1e-3)
+        return loading + ease((t - self.heel_off[k]) / (0.65 * span))
+
+    def ankle_at(self, t: np.ndarray, k: np.ndarray, pitch: np.ndarray, body: Body) -> np.ndarray:
+        """The ankle at times within stance k, (F, 3): turned about the heel or the ball."""
+        pivot = np.where((t < self.flat[k])[:, None], body.heel, body.ball)
+        moved = pivot - pitched(pivot, pitch)
+        return self.ankle[k] + turned(moved, self.yaw[k])
+
+
+def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+    """The ways (F, 3) with their front lifted by `pitch` radians: Rx(-pitch)."""
+    c, s = np.cos(pitch), np.sin(pitch)
+    x, y, z = np.moveaxis(np.broadcast_to(way, (*pitch.shape, 3)), -1, 0)
+    return np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
+
+
+def turned(way: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """The ways (F, 3) turned about Y by `yaw` radians, from Z towards X."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, y, z = np.moveaxis(np.broadcast_to(way, (*np.shape(yaw), 3)), -1, 0)
+    return np.stack([c * x + s * z, y, c * z - s * x], axis=-1)

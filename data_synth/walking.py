@@ -1,0 +1,135 @@
+"""A whole walk: a drawn route, legs by `Gait`, and an upper body that works against them.
+
+The chest turns against the pelvis, each arm swings with the opposite leg, elbows follow the
+shoulders a little later, and the head undoes what the trunk does so that the eyes stay level
+(Pozzo, Berthoz & Lefort, 1990, *Exp. Brain Res.* 82:97).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from data_synth.body import SIGN, Body
+from data_synth.curves import drift, ease
+from data_synth.gait import Gait
+from data_synth.manner import Manner
+from data_synth.pose import Arm, Pose
+from data_synth.route import Route, grid
+
+
+def set_out(
+    rng: np.random.Generator,
+    manner: Manner,
+    stature: float,
+    headings: np.ndarray,
+    times: np.ndarray,
+    begin: float,
+    end: float,
+) -> tuple[Route, np.ndarray]:
+    """A route at the manner's speed from standing at `begin` to standing at `end`, and its phase.
+
+    Returns
+    -------
+    route : Route
+    phase : (N,) array
+        Strides done at `times`.
+    """
+    size = stature / 1.75
+    speed, steps = manner.speed * np.sqrt(size), manner.cadence / 60 / np.sqrt(size)
+    gather = 1.5 / steps * 2
+    go = ease((times - begin) / gather) * ease((end - times) / gather)
+    wander = drift(rng, 0.02, 0.1, 0.5)
+    # In a bend people slow down: a tenth at 40 degrees a second.
+    bend = np.abs(np.gradient(headings, times))
+    speeds = speed * go * (1 + wander(times)) / (1 + 0.15 * bend)
+    first = 0.5 * rng.integers(2)
+    ticking = ease((times - begin) / 0.35) * steps / 2 * (1 + 0.7 * wander(times))
+    step = times[1] - times[0]
+    phase = first + np.concatenate([[0.0], np.cumsum((ticking[1:] + ticking[:-1]) / 2) * step])
+    # The last foot comes down and only then the clock stops.
+    arrived = np.ceil(2 * np.interp(end - 0.3, times, phase)) / 2 + 0.1
+    return Route(times, speeds, headings), np.minimum(phase, arrived)
+
+
+def walk(
+    body: Body,
+    manner: Manner,
+    route: Route,
+    phase: np.ndarray,
+    t: np.ndarray,
+    rng: np.random.Generator,
+) -> tuple[Pose, np.ndarray]:
+    """The pose at each time t, and which foot's ball stands still, (F, 2) bool."""
+    gait = Gait(body, manner, route, phase, rng)
+    place, pelvis = gait.pelvis(t)
+    legs, contacts = zip(*(gait.leg(t, side) for side in (0, 1)), strict=True)
+    spine, neck = _trunk(gait, t, rng)
+    arms = tuple(_arm(gait, t, side, rng) for side in (0, 1))
+    return Pose(place, pelvis, spine, neck, legs, arms), np.stack(contacts, axis=-1)
+
+
+def _trunk(gait: Gait, t: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    m, angle, vigour = gait.manner, 2 * np.pi * gait.phase(t), gait.vigour(t)
+    yaw, tilt, drop = gait.pelvis_angles(t)
+    heading = gait.route.heading(t)
+    chest_turn = m.chest_turn * vigour * np.cos(angle - 0.35)
+    chest_lean = m.lean + np.radians(1.0) * vigour * np.cos(2 * angle - 1.8)
+    breath = np.radians(0.8) * np.sin(2 * np.pi * 0.25 * t + rng.uniform(0, 6))
+    aside = np.radians(1.3) * vigour * np.cos(angle - 2 * np.pi * 0.33)
+    wander = [np.radians(1.2) * drift(rng, 1.0, 0.08, 0.4)(t) for _ in range(5)]
+    spine = np.stack(
+        [
+            chest_lean - tilt + m.stoop + breath + wander[0],
+            0.95 * drop + aside + wander[1],
+            chest_turn - (yaw - heading) + wander[2],
+        ],
+        axis=-1,
+    )
+    # Eyes lead into a bend by a third of a second.
+    look = np.clip(gait.route.heading(t + 0.35) - heading, -0.6, 0.6)
+    neck = np.stack(
+        [
+            m.gaze - 0.85 * (chest_lean + m.stoop) + 2 * wander[3],
+            -0.8 * aside - wander[1],
+            look - 0.85 * chest_turn + 3 * wander[4],
+        ],
+        axis=-1,
+    )
+    return spine, neck
+
+
+def _arm(gait: Gait, t: np.ndarray, side: int, rng: np.random.Generator) -> Arm:
+    m, vigour, phase = gait.manner, gait.vigour(t), gait.phase(t)
+    # Furthest forwards a little after the strike of the other foot.
+    late = rng.normal(0.03, 0.012)
+    angle = 2 * np.pi * (phase - 0.5 * (1 - side) - late)
+    own = np.exp(rng.normal(0, 0.12))
+    wander = [drift(rng, np.radians(1.5), 0.1, 0.7)(t) for _ in range(4)]
+    swing = own * m.arm_swing * vigour * (np.cos(angle) + 0.08 * np.cos(2 * angle + 0.8))
+    bend = own * m.elbow_swing * vigour * np.cos(angle - 0.55)
+    rest = 0.55 + 0.45 * vigour
+    return Arm(
+        flexion=m.arm_rest + m.lean + 0.5 * m.stoop + swing + wander[0],
+        abduction=m.arm_out + np.radians(1.5) * vigour * np.cos(2 * angle) + wander[1],
+        turn=np.radians(8) + 0.25 * swing + 2 * wander[2],
+        elbow=np.maximum(m.elbow * rest + bend + wander[3], np.radians(6)),
+        pronation=np.radians(22) + 0.2 * bend + 2 * wander[1],
+        wrist=np.radians(6) - 0.25 * np.maximum(swing, -0.5) + wander[2],
+        raised=np.radians(1.5) * vigour * np.cos(2 * angle + 1.0),
+        forwards=0.10 * swing,
+        curl=np.full(len(t), np.radians(rng.uniform(18, 40))),
+    )
+
+
+def bends(rng: np.random.Generator, times: np.ndarray, most: float) -> np.ndarray:
+    """A heading that wanders by up to about `most` radians, and the way it begins."""
+    return rng.uniform(-np.pi, np.pi) + drift(rng, most / 2, 0.03, 0.15)(times)
+
+
+def turn_at(rng: np.random.Generator, times: np.ndarray, angle: float, when: float, over: float):
+    """A heading that turns once, by `angle` radians over `over` seconds around `when`."""
+    start = rng.uniform(-np.pi, np.pi)
+    return start + angle * ease((times - when) / over + 0.5) + drift(rng, 0.03, 0.05, 0.2)(times)
+
+
+__all__ = ["SIGN", "bends", "grid", "set_out", "turn_at", "walk"]
