@@ -51,8 +51,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     frames = len(actors[0].positions)
     moments = np.unique(np.linspace(0, frames - 1, poses).round().astype(int))
     drawn = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
-    # The last row is the truth where there is one: stray joints of others must not shrink it.
-    reach = np.concatenate([pose.reshape(-1, 2) for pose in drawn[-1]])
+    reach = np.concatenate([pose.reshape(-1, 2) for row in drawn for pose in row])
     wide = 1.12 * max(np.ptp(reach[:, 0]), 0.5)
     low, high = reach[:, 1].min() - 0.12, reach[:, 1].max() + 0.15
     width = 1.25 * len(moments)
