@@ -41,8 +41,7 @@ def run(args: argparse.Namespace) -> int:
     out = args.output
     motions = out / "motions"
     motions.mkdir(parents=True, exist_ok=True)
-    _make_motions(motions, args.seed)
-    training, testing = read_takes(motions, test="*_test.bvh")
+    training, testing = read_takes(_make_motions(motions, args.seed), test="*_test.bvh")
     manifold = learn_manifold(training, SCHEDULE, seed=args.seed, show_progress=not args.quiet)
     save_manifold(manifold, out / "model.npz")
 
@@ -62,10 +61,13 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _make_motions(folder: Path, seed: int) -> None:
+def _make_motions(folder: Path, seed: int) -> list[Path]:
     """Takes of every kind in turn, every sixth of a kind for testing, as BVH files."""
+    paths = []
     for number in range(TAKES):
         kind, round_ = KINDS[number % len(KINDS)], number // len(KINDS)
         take = make_take(kind, seed * TAKES + number, seconds=SECONDS, rate=30.0)
         suffix = "_test" if round_ % 6 == 5 else ""
-        write_bvh(take.motion, folder / f"{kind}_{round_ + 1:02d}{suffix}.bvh")
+        paths.append(folder / f"{kind}_{round_ + 1:02d}{suffix}.bvh")
+        write_bvh(take.motion, paths[-1], unit=0.01)
+    return paths

@@ -1,28 +1,29 @@
-"""A folder of motion files, read as takes, with a word about each unit that was guessed."""
+"""Motion files, read as takes, with a word about each unit that was guessed."""
 
 from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion import MotionFileError, find_motion_files, load_body
+from numpy_cae.motion import load_body
 
 
 def read_takes(
-    folder: Path,
+    paths: Sequence[Path],
     mapping: dict[str, str] | None = None,
     unit: float | None = None,
     test: str | None = None,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Every motion file below a folder as twenty joints at 30 frames a second.
+    """Each motion file as twenty joints at 30 frames a second.
 
     Parameters
     ----------
-    folder : path
+    paths : sequence of paths
     mapping, unit
         As `load_body` takes them.
     test : str, optional
@@ -31,18 +32,24 @@ def read_takes(
     Returns
     -------
     training, testing : lists of (F, 20, 3) arrays in metres
+
+    Raises
+    ------
+    MotionFileError, UnknownRigError
+        As `load_body` does.
+    ValueError
+        If the pattern leaves nothing to test or nothing to train on.
     """
     training, testing, notes = [], [], Counter()
-    paths = find_motion_files(folder)
     for path in paths:
         positions, motion = load_body(path, mapping, unit)
         kept = test is not None and fnmatch(path.name, test)
         (testing if kept else training).append(positions)
         notes[motion.unit_note.split(" (")[0]] += 1
     if test is not None and not testing:
-        raise MotionFileError(folder, None, f"no file matches {test!r}, none is left to test")
+        raise ValueError(f"no file matches {test!r}, none is left to test")
     if not training:
-        raise MotionFileError(folder, None, f"every file matches {test!r}, none is left to train")
+        raise ValueError(f"every file matches {test!r}, none is left to train")
     seconds = sum(map(len, training)) / 30
     print(
         f"{len(paths)} files read: {len(training)} takes to train on ({seconds / 60:.1f} min), "

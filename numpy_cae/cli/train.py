@@ -9,6 +9,7 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
+from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.windows import LENGTH, OVERLAP
 from numpy_cae.training import Schedule, Stage
 
@@ -82,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
     if not args.output.resolve().parent.is_dir():
         raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
     mapping = kinds.chosen_mapping(args)
-    training, testing = read_takes(args.folder, mapping, args.unit, args.test)
+    training, testing = read_takes(find_motion_files(args.folder), mapping, args.unit, args.test)
     manifold = learn_manifold(
         training,
         schedule_of(args),
