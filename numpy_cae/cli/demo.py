@@ -8,7 +8,8 @@ from pathlib import Path
 from data_synth import KINDS, make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed
+from numpy_cae.experiments import figure_1, half_zeroed, liveliest
+from numpy_cae.experiments.figure_1 import COLOURS
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
@@ -47,11 +48,11 @@ def run(args: argparse.Namespace) -> int:
 
     table = half_zeroed(manifold, training, testing, args.seed)
     print(f"\n{table.takes} takes that nothing was trained on:\n\n{table.text()}\n")
-    figure = figure_1(manifold, testing[0], args.seed)
+    figure = figure_1(manifold, liveliest(manifold, testing), args.seed)
     figure.save_picture(out / "figure_1.png")
     figure.save_gif(out / "figure_1.gif")
-    for name in ("corrupted", "projected", "truth"):
-        motion = fit_motion(getattr(figure, name), manifold.lengths, manifold.rate)
+    for name in COLOURS:
+        motion = fit_motion(figure.positions(name), manifold.lengths, manifold.rate)
         write_bvh(motion, out / f"{name}.bvh")
     print(
         f"{out}/figure_1.png and .gif: orange lost half of its values, blue is its projection, "

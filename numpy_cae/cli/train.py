@@ -7,7 +7,7 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed
+from numpy_cae.experiments import figure_1, half_zeroed, liveliest
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.windows import LENGTH, OVERLAP
@@ -101,6 +101,6 @@ def run(args: argparse.Namespace) -> int:
         table = half_zeroed(manifold, training, testing)
         print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
     if args.picture:
-        figure_1(manifold, max(testing, key=len)).save_picture(args.picture)
-        print(f"\n{args.picture}: figure 1 of the longest test take")
+        figure_1(manifold, liveliest(manifold, testing)).save_picture(args.picture)
+        print(f"\n{args.picture}: figure 1 of the liveliest test take")
     return 0

@@ -39,7 +39,7 @@ def save_gif(
     """
     step = max(1, round(rate / fps))
     moments = range(0, min(len(actors[0].positions), int(seconds * rate)), step)
-    figure = Figure(figsize=(2.6 * len(actors), 3.0))
+    figure = Figure(figsize=(2.2 * len(actors), 2.8))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     panels = [
         _Panel(figure.add_subplot(1, len(actors), place + 1), actor, azimuth)
@@ -66,7 +66,7 @@ class _Panel:
             LineCollection([], colors=actor.colour, linewidths=2.6, capstyle="round")
         )
         height = np.quantile(actor.positions[..., 1], 0.98)
-        axes.set(xlim=(-1.05, 1.05), ylim=(-0.35, max(height + 0.3, 1.9)))
+        axes.set(xlim=(-0.9, 0.9), ylim=(-0.3, max(height + 0.3, 1.9)))
         axes.set_aspect("equal")
         axes.axis("off")
         axes.text(0.5, 0.97, actor.label, transform=axes.transAxes, ha="center", va="top")

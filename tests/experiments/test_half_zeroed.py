@@ -50,8 +50,10 @@ def test_figure_1_shows_one_clip_three_times(measured, tmp_path):
     manifold, takes, _ = measured
     figure = figure_1(manifold, takes[7])
     assert figure.corrupted.shape == figure.projected.shape == figure.truth.shape
-    assert figure.projected_error != figure.corrupted_error > 0
-    bones = figure.truth[:, 1:] - figure.truth[:, list(PARENTS[1:])]
+    assert figure.error("truth") == 0
+    assert figure.error("projected") != figure.error("corrupted") > 0
+    truth = figure.positions("truth")
+    bones = truth[:, 1:] - truth[:, list(PARENTS[1:])]
     np.testing.assert_allclose(
         np.linalg.norm(bones, axis=-1).mean(axis=0), manifold.lengths[1:], atol=1e-9
     )
