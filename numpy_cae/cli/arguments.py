@@ -56,11 +56,11 @@ def bound(text: str) -> float:
     return value
 
 
-def metres(text: str) -> float:
-    """A finite length above 0."""
+def positive(text: str) -> float:
+    """A finite number above 0."""
     value = float(text)
     if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a length above 0")
+        raise argparse.ArgumentTypeError(f"{text} is not a finite number above 0")
     return value
 
 
@@ -74,7 +74,7 @@ def add_motion_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--unit",
-        type=metres,
+        type=positive,
         metavar="METRES",
         help="metres in one unit of length of the files, 0.01 for centimetres (default: guessed)",
     )

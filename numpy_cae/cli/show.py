@@ -25,7 +25,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--poses", type=kinds.positive_number, default=9, help="in the strip")
     parser.add_argument(
-        "--unit", type=kinds.metres, metavar="METRES", help="in one unit of the file"
+        "--unit", type=kinds.positive, metavar="METRES", help="in one unit of the file"
     )
     parser.set_defaults(run=run)
 

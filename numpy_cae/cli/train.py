@@ -9,6 +9,7 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed, liveliest
 from numpy_cae.manifold import learn_manifold, save_manifold
+from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.windows import LENGTH, OVERLAP
 from numpy_cae.training import Schedule, Stage
@@ -48,6 +49,7 @@ def _add_network_arguments(parser: argparse.ArgumentParser) -> None:
     add("--filters", type=kinds.positive_number, nargs="+", default=[64, 128, 256], help="a layer")
     add("--taps", type=kinds.odd_number, default=15, help="frames that a filter sees")
     add("--bound", type=kinds.bound, default=0.9, help="where arctanh is clipped")
+    add("--rms", type=kinds.positive, default=RMS, help="what the features are scaled to")
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
 
 
@@ -93,6 +95,7 @@ def run(args: argparse.Namespace) -> int:
         filters=args.filters,
         taps=args.taps,
         bound=args.bound,
+        rms=args.rms,
         show_progress=not args.quiet,
     )
     save_manifold(manifold, args.output)

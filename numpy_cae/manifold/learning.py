@@ -15,9 +15,9 @@ from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 from numpy_cae.training import Schedule, train_autoencoder
 
-NORMALISED_RMS = 0.25
-"""What the one scale brings the features to. The paper does not say; much smaller and the rate
-0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
+RMS = 0.25
+"""What the one scale brings the features to, root mean square. The paper does not say; much
+smaller and the rate 0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
 
 
 def learn_manifold(
@@ -29,6 +29,7 @@ def learn_manifold(
     filters: Sequence[int] = (64, 128, 256),
     taps: int = 15,
     bound: float = 0.9,
+    rms: float = RMS,
     show_progress: bool = True,
 ) -> MotionManifold:
     """Train a manifold on takes.
@@ -45,6 +46,8 @@ def learn_manifold(
         In frames; `window` is a multiple of 8 with three layers.
     filters, taps, bound
         Of `ConvAutoencoder`.
+    rms : float
+        What the features are scaled to, root mean square.
 
     Returns
     -------
@@ -73,7 +76,7 @@ def learn_manifold(
     spread = np.sqrt(np.mean((frames - mean_pose) ** 2))
     if spread < 1e-9:
         raise ValueError("every frame of the takes is the same: there is nothing to learn")
-    manifold = MotionManifold(network, mean_pose, NORMALISED_RMS / spread, lengths, RATE)
+    manifold = MotionManifold(network, mean_pose, rms / spread, lengths, RATE)
 
     windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])
     history = train_autoencoder(
