@@ -1,4 +1,4 @@
-"""lessons/papers_to_code.md tells the truth: every name in its maps exists, every operation is in."""
+"""lessons/papers_to_code.md tells the truth: names in its maps exist, every operation is in."""
 
 import importlib
 import re

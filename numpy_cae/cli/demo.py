@@ -8,7 +8,7 @@ from pathlib import Path
 from data_synth import KINDS, make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed, liveliest
+from numpy_cae.experiments import figure_1, half_zeroed, typical
 from numpy_cae.experiments.figure_1 import COLOURS
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
 
     table = half_zeroed(manifold, training, testing, args.seed)
     print(f"\n{table.takes} takes that nothing was trained on:\n\n{table.text()}\n")
-    figure = figure_1(manifold, liveliest(manifold, testing), args.seed)
+    figure = figure_1(manifold, typical(manifold, testing), args.seed)
     figure.save_picture(out / "figure_1.png")
     figure.save_gif(out / "figure_1.gif")
     for name in COLOURS:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed, liveliest
+from numpy_cae.experiments import figure_1, half_zeroed, typical
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
@@ -104,6 +104,6 @@ def run(args: argparse.Namespace) -> int:
         table = half_zeroed(manifold, training, testing)
         print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
     if args.picture:
-        figure_1(manifold, liveliest(manifold, testing)).save_picture(args.picture)
-        print(f"\n{args.picture}: figure 1 of the liveliest test take")
+        figure_1(manifold, typical(manifold, testing)).save_picture(args.picture)
+        print(f"\n{args.picture}: figure 1 of the typical test take")
     return 0

@@ -76,12 +76,12 @@ def figure_1(manifold: MotionManifold, take: np.ndarray, seed: int = 0) -> Figur
     return Figure1(corrupted, manifold.project(corrupted), features, start, manifold.rate)
 
 
-def liveliest(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
-    """The take that strays furthest from the mean pose: there is most to see in it, whatever the
-    network makes of it."""
+def typical(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
+    """The take in the middle of all by how far it strays from the mean pose: neither the easiest
+    nor the hardest, whatever the network makes of it."""
 
     def strays(take: np.ndarray) -> float:
         features, _ = manifold.features(take)
         return position_error(np.broadcast_to(manifold.mean_pose, features.shape), features)
 
-    return max(takes, key=strays)
+    return sorted(takes, key=strays)[len(takes) // 2]
