@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 try:
     from hypothesis import HealthCheck, Phase, given, settings
     from hypothesis import strategies as st
@@ -21,12 +23,13 @@ except ImportError as missing:  # pragma: no cover (hypothesis is there wherever
 from numpy_cae.verify.case import Case, described
 from numpy_cae.verify.diagnosis import mistake_in_error
 from numpy_cae.verify.operation import OPERATIONS, Sizes
-from numpy_cae.verify.property import Property
+from numpy_cae.verify.property import Property, drawn_upstream
 from numpy_cae.verify.witness import Witness
 from numpy_cae.verify.zoo import bugs_of
 
 EXAMPLES = 25
 FAILURES_KEPT = 3
+GENERAL_CASES = 8
 
 
 class Abandoned(BaseException):
@@ -103,27 +106,49 @@ def try_property(
         if not failures:  # then it is ours and not the implementation's
             raise
         case, error = failures[-1]
-        return _failed(tried, case, error, witnesses)
+        known = _known_bug(tried, implementation, witnesses)
+        return _failed(tried, case, error, known)
     return Outcome(tried, held=True)
 
 
-def _failed(tried: Property, case: Case, error: Exception, witnesses: list[Witness]) -> Outcome:
-    known = _known_bug(tried, witnesses)
+def _failed(tried: Property, case: Case, error: Exception, known: str | None) -> Outcome:
     mistake = known or getattr(error, "mistake", None) or mistake_in_error(error) or ""
     problem = getattr(error, "report", None) or str(error)
     if not isinstance(error, AssertionError):
         problem = f"{type(error).__name__}: {problem}"
-    arguments = tried.arguments(case)
-    return Outcome(tried, False, problem, described(case, arguments), mistake)
+    return Outcome(tried, False, problem, described(case, tried.arguments(case)), mistake)
 
 
-def _known_bug(tried: Property, witnesses: list[Witness]) -> str | None:
-    """The sentence of the bug in the zoo that behaves as was witnessed, if there is one."""
+def _known_bug(tried: Property, implementation: Callable, witnesses: list[Witness]) -> str | None:
+    """The sentence of the bug in the zoo that behaves as was witnessed, if there is one.
+
+    Where several do, the one that is likest in all its gradients at cases of any kind.
+    """
     names = OPERATIONS[tried.operation].differentiated
     argument = tried.name.rpartition(" ")[2]
     one_argument = tried.name.startswith(("gradient for", "adjoint in"))
     only = names.index(argument) if one_argument else None
-    for bug in bugs_of(tried.operation):
-        if all(witness.would_see_the_same(bug.implementation, only) for witness in witnesses):
-            return bug.sentence
-    return None
+    suspects = [
+        bug
+        for bug in bugs_of(tried.operation)
+        if all(witness.would_see_the_same(bug.implementation, only) for witness in witnesses)
+    ]
+    if len(suspects) > 1:
+        general = [_general_witness(tried, implementation, seed) for seed in range(GENERAL_CASES)]
+        suspects.sort(
+            key=lambda bug: -sum(w.would_see_the_same(bug.implementation) for w in general)
+        )
+    return suspects[0].sentence if suspects else None
+
+
+def _general_witness(tried: Property, implementation: Callable, seed: int) -> Witness:
+    """A witness of one plain call and its pullback at a case drawn at random."""
+    rng = np.random.default_rng(seed)
+    sizes = tuple((name, int(rng.choice(options))) for name, options in tried.sizes.items())
+    witness, case = Witness(implementation), Case(sizes, seed)
+    try:
+        value, pullback = witness(*tried.arguments(case).values())
+        pullback(drawn_upstream(case, value))
+    except Exception:  # then that is what was witnessed
+        pass
+    return witness
