@@ -102,46 +102,41 @@ def grade(
         return graded
     deadline = time.monotonic() + seconds
     try:
-        wanted = _functions(path, named, deadline, megabytes)
-        for operation, function in wanted.items():
-            _grade_function(graded, operation, function, deadline, megabytes)
+        todo = None
+        while todo is None or todo:  # a process that had to be ended is followed by another
+            with Student(path, deadline, megabytes) as student:
+                student.load()
+                todo = _functions(set(student.functions), named) if todo is None else todo
+                while todo and not student.ended:
+                    _grade_function(graded, student, *todo.pop(0))
     except Fault as fault:
         graded.faults.append(str(fault))
     return graded
 
 
-def _functions(path: Path, named: dict, deadline: float, megabytes: int) -> dict[str, str]:
-    """Operation to function name, for the functions that the file has."""
-    with Student(path, deadline, megabytes) as student:
-        student.load()
-        there = set(student.functions)
+def _functions(there: set[str], named: dict[str, str]) -> list[tuple[str, str]]:
+    """Operations and the functions to try as them, of those that the file has."""
     for operation, function in named.items():
         if function not in there:
             raise Fault(f"it has no function {function} to try as {operation}")
-    wanted = {name: name for name in properties if name in there and name not in named}
-    wanted |= named
+    wanted = {name: name for name in properties if name in there} | named
     if not wanted:
         raise Fault(
             f"no function bears an operation's name ({', '.join(properties)}); "
             "name one with --as conv1d=my_conv"
         )
-    return wanted
+    return list(wanted.items())
 
 
-def _grade_function(
-    graded: FileReport, operation: str, function: str, deadline: float, megabytes: int
-) -> None:
-    """Each operation in a fresh process, so that none suffers for another."""
-    with Student(graded.path, deadline, megabytes) as student:
-        student.load()
-        graded.reports.append(
-            report_on(student.function(function), operation, function, between=student.forget)
+def _grade_function(graded: FileReport, student: Student, operation: str, function: str) -> None:
+    graded.reports.append(
+        report_on(student.function(function), operation, function, between=student.forget)
+    )
+    if student.printed():
+        raise Fault(
+            f"{function} prints {student.printed()!r}: an operation returns, it does not print"
         )
-        if student.printed():
-            graded.faults.append(
-                f"{function} prints {student.printed()!r}: an operation returns, it does not print"
-            )
-        if student.patched:
-            graded.faults.append(f"{function} alters NumPy itself: {student.patched[0]}")
-        if student.refused:
-            graded.faults.append(f"refused: {function} imports {student.refused[0]}")
+    if student.patched:
+        raise Fault(f"{function} alters NumPy itself: {', '.join(student.patched[:5])}")
+    if student.refused:
+        raise Fault(f"refused: {function} imports {student.refused[0]}")

@@ -102,12 +102,16 @@ def try_property(
 
     try:
         attempt()
+    except Abandoned as end:
+        return Outcome(tried, held=False, problem=str(end))
     except Exception:
         if not failures:  # then it is ours and not the implementation's
             raise
-        case, error = failures[-1]
-        known = _known_bug(tried, implementation, witnesses)
-        return _failed(tried, case, error, known)
+        try:
+            known = _known_bug(tried, implementation, witnesses)
+        except Abandoned:
+            known = None
+        return _failed(tried, *failures[-1], known)
     return Outcome(tried, held=True)
 
 

@@ -47,7 +47,7 @@ class Student:
         self.functions: list[str] = []
         self.patched: list[str] = []
         self.refused: list[str] = []
-        self._ended: str | None = None
+        self.ended: str | None = None
         self._call_deadline: float | None = None
         self._calls = 0
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -129,7 +129,7 @@ class Student:
 
     def forget(self) -> None:
         """Let go of the pullbacks, which hold on to their arrays."""
-        if self._ended is None:
+        if self.ended is None:
             self._ask({"do": "forget"})
 
     def _answer(self, message: dict, arguments: tuple) -> tuple[dict, object]:
@@ -154,18 +154,18 @@ class Student:
         return reply, returned
 
     def _ask(self, message: dict, arguments: tuple = ()) -> tuple[dict, list]:
-        if self._ended is not None:
-            raise Abandoned(f"not tried, because {self._ended}")
+        if self.ended is not None:
+            raise Abandoned(f"not tried, because {self.ended}")
         self._call_deadline = time.monotonic() + CALL_SECONDS
         try:
             wire.send(self._process.stdin, message, arguments)
             reply, values = wire.receive(self._process.stdout)
         except (OSError, ValueError, wire.BrokenWire):
             self._kill("its process ended: it crashed, was killed for its memory, or ended itself")
-            raise Abandoned(str(self._ended)) from None
+            raise Abandoned(str(self.ended)) from None
         finally:
             self._call_deadline = None
-        self.patched = [str(name) for name in reply.get("patched", [])]
+        self.patched = [str(name) for name in reply.get("patched", self.patched)]
         self.refused = [str(name) for name in reply.get("refused", [])]
         return reply, values
 
@@ -180,7 +180,7 @@ class Student:
             time.sleep(LOOK_EVERY)
 
     def _kill(self, reason: str) -> None:
-        self._ended = self._ended or reason
+        self.ended = self.ended or reason
         if self._process.poll() is None:
             try:
                 if hasattr(os, "killpg"):

@@ -14,6 +14,10 @@ import traceback
 from pathlib import Path
 
 import numpy as np
+import numpy.fft
+import numpy.linalg
+import numpy.random
+import numpy.testing
 
 sys.path.insert(0, str(Path(__file__).parent))
 import refusal
@@ -77,7 +81,8 @@ def main() -> None:
         except BaseException as error:
             reply = {"raised": type(error).__name__, "message": str(error), "line": _line(path)}
         reply["refused"] = gatekeeper.refused
-        reply["patched"] = _changed(numpy_before)
+        if request["do"] in ("load", "forget"):
+            reply["patched"] = _changed(numpy_before)
         _flush()
         wire.send(replies, reply, values)
 
