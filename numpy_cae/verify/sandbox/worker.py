@@ -19,11 +19,14 @@ import numpy.linalg
 import numpy.random
 import numpy.testing
 
-sys.path.insert(0, str(Path(__file__).parent))
-import refusal
-import wire
+HERE = str(Path(__file__).parent)
+sys.path = [HERE, *(folder for folder in sys.path if folder != HERE)]
+import refusal  # noqa: E402
+import wire  # noqa: E402
 
-sys.path.pop(0)
+# The student's file sees neither our folder nor our modules, and may have some of the same names.
+sys.path.remove(HERE)
+del sys.modules["refusal"], sys.modules["wire"]
 
 LARGEST_OUTPUT = 2**24
 
@@ -41,48 +44,69 @@ class Gatekeeper(importlib.abc.MetaPathFinder):
         return None
 
 
+class Servant:
+    """Does what the grader asks: load, call, pull, forget. Each returns a reply and values."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.module = None
+        self.pullbacks: dict[int, object] = {}
+        self.gatekeeper = Gatekeeper()
+        self.numpy_before = _numpy_names()
+
+    def answer(self, request: dict, arguments: list) -> tuple[dict, list]:
+        """Do it, and let nothing through, neither an exception nor an exit."""
+        try:
+            reply, values = getattr(self, request["do"])(request, arguments)
+        except SystemExit:
+            reply, values = {"exit": True}, []
+        except BaseException as error:
+            line = _line(self.path)
+            reply = {"raised": type(error).__name__, "message": str(error), "line": line}
+            values = []
+        if request["do"] in ("load", "forget"):
+            reply["patched"] = _changed(self.numpy_before)
+        return {**reply, "refused": self.gatekeeper.refused}, values
+
+    def load(self, request: dict, arguments: list) -> tuple[dict, list]:
+        sys.meta_path.insert(0, self.gatekeeper)
+        sys.path.append(str(self.path.parent))
+        spec = importlib.util.spec_from_file_location("student", self.path)
+        self.module = importlib.util.module_from_spec(spec)
+        sys.modules["student"] = self.module
+        spec.loader.exec_module(self.module)
+        return {"functions": sorted(n for n, v in vars(self.module).items() if callable(v))}, []
+
+    def call(self, request: dict, arguments: list) -> tuple[dict, list]:
+        given = _copies(arguments)
+        returned, reply = getattr(self.module, request["function"])(*arguments), {}
+        if isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1]):
+            returned, self.pullbacks[request["number"]] = returned
+            reply["pullback"] = True
+        return reply, [(returned,), _altered(arguments, given)]
+
+    def pull(self, request: dict, arguments: list) -> tuple[dict, list]:
+        given = _copies(arguments)
+        returned = self.pullbacks[request["number"]](*arguments)
+        return {}, [(returned,), _altered(arguments, given)]
+
+    def forget(self, request: dict, arguments: list) -> tuple[dict, list]:
+        self.pullbacks.clear()
+        return {}, []
+
+
 def main() -> None:
+    """Serve until the grader hangs up."""
     path, megabytes = Path(sys.argv[1]), int(sys.argv[2])
     requests, replies = _private_pipes()
     _limit(megabytes)
-    gatekeeper = Gatekeeper()
-    sys.meta_path.insert(0, gatekeeper)
-    numpy_before = _numpy_names()
-    module, pullbacks = None, {}
-
+    servant = Servant(path)
     while True:
         try:
             request, arguments = wire.receive(requests)
         except wire.BrokenWire:
             return
-        reply, values = {}, []
-        try:
-            if request["do"] == "load":
-                module = _load(path)
-                reply["functions"] = sorted(n for n, v in vars(module).items() if callable(v))
-            elif request["do"] == "call":
-                given = _copies(arguments)
-                returned = getattr(module, request["function"])(*arguments)
-                if isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1]):
-                    reply["pullback"] = request["number"]
-                    value, pullbacks[request["number"]] = returned
-                    returned = (value,)
-                else:
-                    returned = (returned,)
-                values = [returned, _altered(arguments, given)]
-            elif request["do"] == "pull":
-                given = _copies(arguments)
-                returned = pullbacks[request["number"]](*arguments)
-                values = [(returned,), _altered(arguments, given)]
-            elif request["do"] == "forget":
-                pullbacks.clear()
-        except SystemExit:
-            reply = {"exit": True}
-        except BaseException as error:
-            reply = {"raised": type(error).__name__, "message": str(error), "line": _line(path)}
-        reply["refused"] = gatekeeper.refused
-        if request["do"] in ("load", "forget"):
-            reply["patched"] = _changed(numpy_before)
+        reply, values = servant.answer(request, arguments)
         _flush()
         wire.send(replies, reply, values)
 
