@@ -54,4 +54,4 @@ def _written(value: object) -> str:
         return repr(value)
     if value.size == 0:
         return f"np.empty({value.shape})"
-    return np.array2string(value, precision=4, separator=", ").replace("\n", "")
+    return str((value if value.dtype == bool else np.round(value, 4)).tolist())

@@ -68,6 +68,11 @@ def arctanh(y, bound):
     return _each(lambda entry: atanh(min(max(entry, -bound), bound)), y)
 
 
+def tied_layer(x, w, b):
+    y = tanh_(conv1d(x, w, b))
+    return conv1d(y - b, transpose_filters(w), np.zeros(x.shape[-1]))
+
+
 def linear(x, w, b):
     y = np.zeros((*x.shape[:-1], w.shape[1]))
     for index in np.ndindex(y.shape):

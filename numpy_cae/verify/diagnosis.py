@@ -16,6 +16,7 @@ import numpy as np
 from numpy_cae.verify.differences import FIRST_STEP, step_scale
 
 DIFFERENCES_UP_TO = 600
+COARSE = "the value is computed in float32, too coarse for its slope to be measured"
 GATES = ("reset", "update", "new")
 
 
@@ -53,6 +54,8 @@ class Point:
 
 def likely_mistake(at: Point) -> str | None:
     """A sentence for the mistake that the wrong gradient at a point shows, or None."""
+    if _is_coarse(at):
+        return COARSE
     if at.x.size > DIFFERENCES_UP_TO:
         return None
     numeric = gradient_by_differences(at)
@@ -82,11 +85,27 @@ def mistake_in_shape(at: Point) -> str | None:
     return None
 
 
+def mistake_in_error(error: Exception) -> str | None:
+    """A sentence for an exception out of someone's implementation, or None."""
+    text = str(error)
+    if "mismatch in its core dimension" in text or "not aligned" in text:
+        return "a transpose: the shapes of a matrix product do not fit"
+    if "could not be broadcast" in text:
+        return "the axes: an array has another shape than its destination"
+    return None
+
+
 def mistake_in_roughness(at: Point) -> str | None:
     """A sentence for a value whose slope settles nowhere, or None."""
-    if np.array_equal(at.value, at.value.astype(np.float32)):
-        return "the value is computed in float32, too coarse for its slope to be measured"
+    if _is_coarse(at):
+        return COARSE
     return "the input sits on ties; or the value does not follow the input smoothly"
+
+
+def _is_coarse(at: Point) -> bool:
+    """Whether the value moves in float32's steps when the argument moves in smaller ones."""
+    nearby = at.moved_to(at.x * (1 + 1e-10) + 1e-10)
+    return bool(np.any(nearby % 0.0625)) and np.array_equal(nearby, nearby.astype(np.float32))
 
 
 def gradient_by_differences(at: Point) -> np.ndarray:
@@ -141,11 +160,14 @@ def _and_sign(factor: float) -> str:
 def _counts(at: Point) -> Iterator[tuple[str, int]]:
     """The numbers by which sums, means and squares go wrong, commonest first."""
     yield "2", 2
-    yield f"N = {at.x.size}, the number of entries (a sum for a mean, or the reverse)", at.x.size
-    yield f"2 and of N = {at.x.size}, the number of entries", 2 * at.x.size
-    axes = ("the batch (a mean for a sum, or the reverse)", "the frames", "the channels")
+    if at.dy.ndim == 0:
+        count = at.x.size
+        yield f"N = {count}, the number of entries (a sum for a mean, or the reverse)", count
+        yield f"2 N = {2 * count}, N being the number of entries", 2 * count
+        yield f"{len(at.x)}, the length of the batch", len(at.x)
+    axes = ("the batch", "time", "the channels")
     for axis, length in zip(axes, at.dy.shape, strict=False):
-        yield f"{length}, the length of {axis}", length
+        yield f"{length}, the length of {axis} (a mean for a sum, or the reverse)", length
     if at.dy.ndim > 1:
         rows = int(np.prod(at.dy.shape[:-1]))
         yield f"{rows}, the windows times the frames (a mean for a sum, or the reverse)", rows

@@ -32,7 +32,7 @@ class Slope:
 
     central: float
     jump: float  # Σ |dy| · |slope to the right - slope to the left|, 0 for a straight line
-    noise: float  # what rounding alone may have done to `central`
+    noise: float  # what rounding may have done: of f, and of x where the slope bends with x
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,14 @@ def measure(
     plus, minus = f(x + step * direction), f(x - step * direction)
     weight = np.abs(dy)
     moved = plus != minus
+    bend = np.abs(plus - 2 * here + minus)
     size = np.maximum(np.abs(plus), np.abs(minus))
     return Slope(
         central=float(np.sum(dy * (plus - minus)) / (2 * step)),
-        jump=float(np.sum(weight * np.abs(plus - 2 * here + minus)) / step),
-        noise=float(ROUNDING_MARGIN * EPSILON * np.sum(weight * size * moved) / step),
+        jump=float(np.sum(weight * bend) / step),
+        noise=float(
+            ROUNDING_MARGIN * EPSILON * np.sum(weight * (size * moved + bend / step)) / step
+        ),
     )
 
 

@@ -21,6 +21,15 @@ DIRECTIONS = 10
 KINKS_EXCUSED = 0.05
 
 
+class GradientError(AssertionError):
+    """A gradient that differences contradict; `mistake` says why, where the pattern shows it."""
+
+    def __init__(self, report: str, mistake: str | None = None) -> None:
+        super().__init__(report + (f"\nLikely mistake: {mistake}" if mistake else ""))
+        self.report = report
+        self.mistake = mistake
+
+
 def check_gradients(
     f: Callable,
     *inputs: np.ndarray,
@@ -125,9 +134,9 @@ def _check_argument(f, inputs, position, names, value, dy, gradient, rng, tolera
     at = Point(f, inputs, position, names, value, dy, gradient)
     if np.shape(gradient) != x.shape or gradient is None:
         found = "None" if gradient is None else f"shape {np.shape(gradient)}"
-        raise AssertionError(
-            f"the gradient for {name} is {found}, expected shape {x.shape}, that of {name}"
-            + _mistake(mistake_in_shape(at))
+        raise GradientError(
+            f"the gradient for {name} is {found}, expected shape {x.shape}, that of {name}",
+            mistake_in_shape(at),
         )
     if not np.all(np.isfinite(gradient)):
         index = _plain(np.argwhere(~np.isfinite(gradient))[0])
@@ -141,17 +150,18 @@ def _check_argument(f, inputs, position, names, value, dy, gradient, rng, tolera
     if wrong:
         worst = max(wrong, key=lambda i: abs(verdicts[i].numeric - verdicts[i].analytic))
         index, verdict = _trace(at, directions[worst], verdicts[worst], tolerance)
-        raise AssertionError(
+        raise GradientError(
             f"the gradient for {name}, shape {x.shape}, is wrong at index {index}\n"
             f"    by the pullback         {verdict.analytic:.10g}\n"
             f"    by central differences  {verdict.numeric:.10g}\n"
-            f"    wrong in {len(wrong)} of {len(verdicts)} {tried}" + _mistake(likely_mistake(at))
+            f"    wrong in {len(wrong)} of {len(verdicts)} {tried}",
+            likely_mistake(at),
         )
     if len(kinks) > max(1, int(KINKS_EXCUSED * len(verdicts))):
-        raise AssertionError(
+        raise GradientError(
             f"the slope in {name}, shape {x.shape}, does not settle in {len(kinks)} of "
-            f"{len(verdicts)} {tried}, more than may be excused as kinks"
-            + _mistake(mistake_in_roughness(at))
+            f"{len(verdicts)} {tried}, more than may be excused as kinks",
+            mistake_in_roughness(at),
         )
 
 
@@ -218,10 +228,6 @@ def _names(f: Callable, count: int) -> tuple[str, ...]:
 
 def _plain(index: Sequence[int]) -> tuple[int, ...]:
     return tuple(int(i) for i in index)
-
-
-def _mistake(sentence: str | None) -> str:
-    return f"\nLikely mistake: {sentence}" if sentence else ""
 
 
 def _described(thing) -> str:

@@ -199,6 +199,13 @@ OPERATIONS: dict[str, Operation] = {
         ),
         Operation("mean_absolute", WINDOW, _mean_absolute, ("y",), definitions.mean_absolute),
         Operation(
+            "tied_layer",
+            WINDOW | FILTERS,
+            _conv1d,
+            ("x", "w", "b"),
+            definitions.tied_layer,
+        ),
+        Operation(
             "sliced_wasserstein",
             {"points": (1, 2, 3, 4, 5, 6), "dimensions": (1, 2, 3), "directions": (1, 2, 3)},
             _sliced_wasserstein,

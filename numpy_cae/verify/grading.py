@@ -1,0 +1,142 @@
+"""A student's file held to the properties of every operation in it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from numpy_cae.verify.catalogue import properties
+from numpy_cae.verify.reporting import Report, report_on, require_operation
+from numpy_cae.verify.sandbox.refusal import refused_imports
+from numpy_cae.verify.sandbox.student import Fault, Student
+
+TIME_LIMIT = 120.0
+MEMORY_LIMIT = 2048
+
+
+@dataclass
+class FileReport:
+    """The reports on a file's functions, and what is wrong with the file as a whole."""
+
+    path: Path
+    reports: list[Report] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+
+    @property
+    def held(self) -> bool:
+        return not self.faults and all(report.held for report in self.reports)
+
+    @property
+    def points(self) -> int:
+        return sum(report.points for report in self.reports)
+
+    @property
+    def possible(self) -> int:
+        return sum(report.possible for report in self.reports)
+
+    def __str__(self) -> str:
+        parts = [str(report) for report in self.reports]
+        parts += [f"The file fails: {fault}" for fault in self.faults]
+        verdict = "every property held" if self.held else "FAILED"
+        parts.append(f"{self.path}: {self.points} of {self.possible} points, {verdict}")
+        return "\n\n".join(parts)
+
+    def as_json(self) -> dict:
+        """The report in plain dicts, lists and numbers."""
+        return {
+            "file": str(self.path),
+            "points": self.points,
+            "possible": self.possible,
+            "held": self.held,
+            "faults": self.faults,
+            "operations": [report.as_json() for report in self.reports],
+        }
+
+
+def grade(
+    path: Path,
+    named: Mapping[str, str] | None = None,
+    seconds: float = TIME_LIMIT,
+    megabytes: int = MEMORY_LIMIT,
+) -> FileReport:
+    """Run a student's file in a process of its own and hold its functions to their properties.
+
+    Parameters
+    ----------
+    path : Path
+        A Python file. Functions that bear an operation's name are tried as that operation.
+    named : mapping of operation to function name, optional
+        Functions with other names.
+    seconds, megabytes : number
+        The limits of the whole file. The memory limit holds where the platform knows one (POSIX).
+
+    Returns
+    -------
+    FileReport
+        Whatever the file does, it ends in a report.
+
+    Raises
+    ------
+    OSError
+        If there is no such file.
+    ValueError
+        If `named` names an operation that does not exist.
+    """
+    named = dict(named or {})
+    for operation in named:
+        require_operation(operation)
+    graded = FileReport(path)
+    text = path.read_bytes()
+    try:
+        refused = refused_imports(text.decode())
+    except (SyntaxError, ValueError, RecursionError) as error:
+        graded.faults.append(f"it is not Python: {error}")
+        return graded
+    if refused:
+        graded.faults.append(
+            "refused: the operations are to be written by hand in NumPy, and it imports "
+            f'{"; ".join(refused)} (self-tests may, under if __name__ == "__main__":)'
+        )
+        return graded
+    deadline = time.monotonic() + seconds
+    try:
+        todo = None
+        while todo is None or todo:  # a process that had to be ended is followed by another
+            with Student(path, deadline, megabytes) as student:
+                student.load()
+                todo = _functions(set(student.functions), named) if todo is None else todo
+                while todo and not student.ended:
+                    _grade_function(graded, student, *todo.pop(0))
+    except Fault as fault:
+        graded.faults.append(str(fault))
+    return graded
+
+
+def _functions(there: set[str], named: dict[str, str]) -> list[tuple[str, str]]:
+    """Operations and the functions to try as them, of those that the file has."""
+    for operation, function in named.items():
+        if function not in there:
+            raise Fault(f"it has no function {function} to try as {operation}")
+    wanted = {name: name for name in properties if name in there} | named
+    if not wanted:
+        raise Fault(
+            f"no function bears an operation's name ({', '.join(properties)}); "
+            "name one with --as conv1d=my_conv"
+        )
+    return list(wanted.items())
+
+
+def _grade_function(graded: FileReport, student: Student, operation: str, function: str) -> None:
+    graded.reports.append(
+        report_on(student.function(function), operation, function, between=student.forget)
+    )
+    if student.printed():
+        raise Fault(
+            f"{function} prints {student.printed()!r}: an operation returns, it does not print"
+        )
+    if student.patched:
+        raise Fault(f"{function} alters NumPy itself: {', '.join(student.patched[:5])}")
+    if student.refused:
+        raise Fault(f"refused: {function} imports {student.refused[0]}")

@@ -1,0 +1,154 @@
+"""A report on one implementation: every property of its operation, held or not, with points."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from numpy_cae.verify.catalogue import properties, properties_of
+from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
+from numpy_cae.verify.trial import Outcome, try_property
+
+WIDTH = 98
+INDENT = 10
+EXAMPLES_OF_A_CONVENTION = 8
+
+
+@dataclass(frozen=True)
+class Report:
+    """What came of it. Prints as a table; in a notebook it shows as the same."""
+
+    operation: str
+    called: str
+    outcomes: tuple[Outcome, ...]
+    convention: Convention = PYTORCH
+
+    @property
+    def points(self) -> int:
+        return sum(outcome.points for outcome in self.outcomes)
+
+    @property
+    def possible(self) -> int:
+        return sum(outcome.property.points for outcome in self.outcomes)
+
+    @property
+    def held(self) -> bool:
+        return all(outcome.held for outcome in self.outcomes)
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    __repr__ = __str__
+
+    def as_json(self) -> dict:
+        """The report in plain dicts, lists and numbers."""
+        return {
+            "operation": self.operation,
+            "function": self.called,
+            "convention": str(self.convention),
+            "points": self.points,
+            "possible": self.possible,
+            "held": self.held,
+            "properties": [
+                {
+                    "name": outcome.property.name,
+                    "statement": outcome.property.statement,
+                    "held": outcome.held,
+                    "points": outcome.points,
+                    "possible": outcome.property.points,
+                    "problem": outcome.problem,
+                    "counterexample": outcome.counterexample,
+                    "likely_mistake": outcome.mistake,
+                }
+                for outcome in self.outcomes
+            ],
+        }
+
+    def _lines(self) -> Iterator[str]:
+        title = (
+            self.operation
+            if self.called == self.operation
+            else f"{self.called} as {self.operation}"
+        )
+        score = f"{self.points} of {self.possible} points"
+        yield title + score.rjust(WIDTH - len(title))
+        if self.convention != PYTORCH:
+            note = (
+                f"A right GRU, in another convention than numpy_cae's: {self.convention}. Not a "
+                "mistake, but weights do not carry over. Tested by that convention's definition."
+            )
+            yield from textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="  ")
+        longest = max(len(outcome.property.name) for outcome in self.outcomes)
+        told: dict[tuple[str, str, str], str] = {}
+        for outcome in self.outcomes:
+            tried = outcome.property
+            word = "held" if outcome.held else "FAILED"
+            points = f"{outcome.points}/{tried.points}"
+            head = f"  {word:8}{tried.name:{longest}}  {points}  "
+            yield from textwrap.wrap(
+                tried.statement, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
+            )
+            if not outcome.held:
+                why = (outcome.problem, outcome.counterexample, outcome.mistake)
+                if why in told:
+                    yield " " * INDENT + f"as for {told[why]}"
+                else:
+                    told[why] = tried.name
+                    yield from _why(outcome)
+
+
+def _why(outcome: Outcome) -> Iterator[str]:
+    """The lines below a property that does not hold."""
+    for title, text in (
+        ("what", outcome.problem),
+        ("smallest", outcome.counterexample),
+        ("likely", outcome.mistake),
+    ):
+        for i, line in enumerate(text.splitlines()):
+            head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
+            yield from textwrap.wrap(
+                line.strip(),
+                WIDTH,
+                initial_indent=head + ("  " if line.startswith(" ") else ""),
+                subsequent_indent=" " * (2 * INDENT + 2),
+                break_on_hyphens=False,
+            )
+
+
+def report_on(
+    implementation: Callable,
+    operation: str,
+    called: str,
+    between: Callable[[], None] = lambda: None,
+) -> Report:
+    """Hold an implementation to every property of an operation, calling `between` in between."""
+    convention = _convention_of(implementation, operation)
+    outcomes = []
+    for tried in properties_of(operation, convention):
+        outcomes.append(try_property(tried, implementation))
+        between()
+    return Report(operation, called, tuple(outcomes), convention)
+
+
+def _convention_of(implementation: Callable, operation: str) -> Convention:
+    """The convention whose values a GRU has; PyTorch's where it has those of none."""
+    if operation not in ("gru", "gru_step"):
+        return PYTORCH
+    for convention in (PYTORCH, *other_conventions()):
+        value = properties_of(operation, convention)[0]
+        if try_property(value, implementation, EXAMPLES_OF_A_CONVENTION, shrink=False).held:
+            return convention
+    return PYTORCH
+
+
+def require_operation(name: str) -> None:
+    """Raise unless an operation of this name has properties.
+
+    Raises
+    ------
+    ValueError
+        With the names there are.
+    """
+    if name not in properties:
+        raise ValueError(f"no operation is called {name!r}; there are {', '.join(properties)}")

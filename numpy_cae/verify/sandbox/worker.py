@@ -1,0 +1,192 @@
+"""The student's process: load the file, call its functions when asked, send back what comes.
+
+Run as a script, never imported by the grader. It imports NumPy and the wire and nothing else of
+the project, and whatever else the student's file wants to import passes by `Gatekeeper`.
+"""
+
+from __future__ import annotations
+
+import importlib.abc
+import importlib.util
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import numpy as np
+import numpy.fft
+import numpy.linalg
+import numpy.random
+import numpy.testing
+
+HERE = str(Path(__file__).parent)
+sys.path = [HERE, *(folder for folder in sys.path if folder != HERE)]
+import refusal  # noqa: E402
+import wire  # noqa: E402
+
+# The student's file sees neither our folder nor our modules, and may have some of the same names.
+sys.path.remove(HERE)
+del sys.modules["refusal"], sys.modules["wire"]
+
+LARGEST_OUTPUT = 2**24
+
+
+class Gatekeeper(importlib.abc.MetaPathFinder):
+    """Refuses to import what would do the exercise instead of the student."""
+
+    def __init__(self) -> None:
+        self.refused: list[str] = []
+
+    def find_spec(self, name, path=None, target=None):
+        if refusal.is_refused(name):
+            self.refused.append(name)
+            raise ImportError(f"{name} may not be imported here")
+        return None
+
+
+class Servant:
+    """Does what the grader asks: load, call, pull, forget. Each returns a reply and values."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.module = None
+        self.pullbacks: dict[int, object] = {}
+        self.gatekeeper = Gatekeeper()
+        self.numpy_before = _numpy_names()
+
+    def answer(self, request: dict, arguments: list) -> tuple[dict, list]:
+        """Do it, and let nothing through, neither an exception nor an exit."""
+        try:
+            reply, values = getattr(self, request["do"])(request, arguments)
+        except SystemExit:
+            reply, values = {"exit": True}, []
+        except BaseException as error:
+            line = _line(self.path)
+            reply = {"raised": type(error).__name__, "message": str(error), "line": line}
+            values = []
+        if request["do"] in ("load", "forget"):
+            reply["patched"] = _changed(self.numpy_before)
+        return {**reply, "refused": self.gatekeeper.refused}, values
+
+    def load(self, request: dict, arguments: list) -> tuple[dict, list]:
+        sys.meta_path.insert(0, self.gatekeeper)
+        sys.path.append(str(self.path.parent))
+        spec = importlib.util.spec_from_file_location("student", self.path)
+        self.module = importlib.util.module_from_spec(spec)
+        sys.modules["student"] = self.module
+        spec.loader.exec_module(self.module)
+        return {"functions": sorted(n for n, v in vars(self.module).items() if callable(v))}, []
+
+    def call(self, request: dict, arguments: list) -> tuple[dict, list]:
+        given = _copies(arguments)
+        returned, reply = getattr(self.module, request["function"])(*arguments), {}
+        if isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1]):
+            returned, self.pullbacks[request["number"]] = returned
+            reply["pullback"] = True
+        return reply, [(returned,), _altered(arguments, given)]
+
+    def pull(self, request: dict, arguments: list) -> tuple[dict, list]:
+        given = _copies(arguments)
+        returned = self.pullbacks[request["number"]](*arguments)
+        return {}, [(returned,), _altered(arguments, given)]
+
+    def forget(self, request: dict, arguments: list) -> tuple[dict, list]:
+        self.pullbacks.clear()
+        return {}, []
+
+
+def main() -> None:
+    """Serve until the grader hangs up."""
+    path, megabytes = Path(sys.argv[1]), int(sys.argv[2])
+    requests, replies = _private_pipes()
+    _limit(megabytes)
+    servant = Servant(path)
+    while True:
+        try:
+            request, arguments = wire.receive(requests)
+        except wire.BrokenWire:
+            return
+        reply, values = servant.answer(request, arguments)
+        _flush()
+        wire.send(replies, reply, values)
+
+
+def _private_pipes():
+    """The pipes of the grader, out of the way of whoever reads stdin or prints to stdout.
+
+    What is printed goes to the file that the grader gave as stderr.
+    """
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)
+    return requests, replies
+
+
+def _limit(megabytes: int) -> None:
+    """Limit memory and the size of files; where the platform knows no such limits, do without."""
+    try:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_OUTPUT, LARGEST_OUTPUT))
+        resource.setrlimit(resource.RLIMIT_AS, (megabytes * 2**20, megabytes * 2**20))
+    except (ImportError, ValueError, OSError):
+        pass
+
+
+def _load(path: Path):
+    sys.path.append(str(path.parent))
+    spec = importlib.util.spec_from_file_location("student", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["student"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _line(path: Path) -> int | None:
+    """The last line of the student's file that an exception came through."""
+    frames = traceback.extract_tb(sys.exc_info()[2])
+    lines = [frame.lineno for frame in frames if frame.filename == str(path)]
+    return lines[-1] if lines else None
+
+
+def _copies(arguments: list) -> list:
+    return [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+
+
+def _altered(arguments: list, given: list) -> tuple:
+    """The arrays that the call has altered, None in the place of the others."""
+    return tuple(
+        a if isinstance(a, np.ndarray) and a.tobytes() != g.tobytes() else None
+        for a, g in zip(arguments, given, strict=True)
+    )
+
+
+def _numpy_names() -> dict[str, dict[str, object]]:
+    modules = {n: m for n, m in list(sys.modules.items()) if n.partition(".")[0] == "numpy"}
+    return {name: dict(vars(module)) for name, module in modules.items() if module is not None}
+
+
+def _changed(before: dict[str, dict[str, object]]) -> list[str]:
+    """The names in NumPy that no longer mean what they meant."""
+    changed = []
+    for module, names in before.items():
+        now = vars(sys.modules[module]) if module in sys.modules else {}
+        changed += [
+            f"{module}.{name}"
+            for name, value in names.items()
+            if not name.startswith("__") and now.get(name, None) is not value
+        ]
+    return sorted(changed)
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except Exception:  # the student may have put anything in its place
+            pass
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,28 @@
+"""Every operation is held to every property that is known of it.
+
+Finite differences for every argument, the exact adjoint of the linear ones, the definition loop by
+loop, untouched arguments, dtype, strides: `numpy_cae.verify.properties` says what and how.
+"""
+
+import pytest
+from hypothesis import settings
+
+from numpy_cae import ops
+from numpy_cae.verify import properties
+from numpy_cae.verify.tied import tied_layer
+from numpy_cae.verify.trial import try_property
+
+
+def test_no_operation_is_left_out():
+    assert set(properties) == set(ops.__all__) | {"tied_layer"}
+
+
+@pytest.mark.parametrize(
+    "tried",
+    [tried for listed in properties.values() for tried in listed],
+    ids=lambda tried: f"{tried.operation}: {tried.name}",
+)
+def test_it_holds(tried):
+    implementation = getattr(ops, tried.operation, tied_layer)
+    outcome = try_property(tried, implementation, settings.default.max_examples)
+    assert outcome.held, f"{outcome.problem}\n{outcome.counterexample}\n{outcome.mistake}"

@@ -1,0 +1,388 @@
+"""Right implementations that look nothing like ours: einsum, FFT, loops, other formulas.
+
+None of them may raise an alarm. Each is (operation, function).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import toeplitz
+from scipy.special import expit, log1p
+
+from numpy_cae.verify.convention import Convention, gru_step_in, other_conventions
+
+RIGHT = []
+
+
+def right(operation):
+    def admit(function):
+        RIGHT.append((operation, function))
+        return function
+
+    return admit
+
+
+def windows_of(x, taps):
+    padded = np.pad(x, ((0, 0), (taps // 2, taps // 2), (0, 0)))
+    return np.lib.stride_tricks.sliding_window_view(padded, taps, axis=1)
+
+
+@right("conv1d")
+def conv1d_by_einsum(x, w, b):
+    windows = windows_of(x, len(w))
+
+    def pullback(dy):
+        dx = np.einsum("btdk,kcd->btc", windows_of(dy, len(w)), w[::-1], optimize=True)
+        return dx, np.einsum("btck,btd->kcd", windows, dy), np.einsum("btd->d", dy)
+
+    return np.einsum("btck,kcd->btd", windows, w) + b, pullback
+
+
+@right("conv1d")
+def conv1d_by_fft(x, w, b):
+    frames, taps = x.shape[1], len(w)
+    size = frames + 2 * taps
+
+    def transformed(a, axis):
+        return np.fft.rfft(a, size, axis=axis)
+
+    def shifted_back(product, axis, first, count):
+        whole = np.fft.irfft(product, size, axis=axis)
+        return np.take(whole, range(first, first + count), axis=axis, mode="wrap")
+
+    xf, wf = transformed(x, 1), transformed(w, 0)
+    y = shifted_back(np.einsum("bfc,fcd->bfd", xf, wf.conj()), 1, -(taps // 2), frames)
+    y = (y + b).astype(x.dtype)
+
+    def pullback(dy):
+        dyf = transformed(dy, 1)
+        dx = shifted_back(np.einsum("bfd,fcd->bfc", dyf, wf), 1, taps // 2, frames)
+        # As dy moves with x: k taps later at a tap k, from -K//2 to K//2.
+        dw = shifted_back(np.einsum("bfc,bfd->fcd", xf, dyf.conj()), 0, -(taps // 2), taps)
+        if taps // 2 >= frames:  # beyond the window there is nothing to meet
+            far = np.abs(np.arange(taps) - taps // 2) >= frames
+            dw[far] = 0
+        return dx.astype(x.dtype), dw.astype(x.dtype), dy.sum(axis=1).sum(axis=0)
+
+    return y, pullback
+
+
+@right("conv1d")
+def conv1d_by_loops(x, w, b):
+    (batch, frames, _), (taps, _, filters) = x.shape, w.shape
+
+    def meetings():
+        for i, t, k in np.ndindex(batch, frames, taps):
+            if 0 <= t + k - taps // 2 < frames:
+                yield i, t, k, t + k - taps // 2
+
+    y = np.zeros((batch, frames, filters), x.dtype) + b
+    for i, t, k, s in meetings():
+        y[i, t] += x[i, s] @ w[k]
+
+    def pullback(dy):
+        dx, dw, db = np.zeros_like(x), np.zeros_like(w), np.zeros_like(b)
+        for i, t, k, s in meetings():
+            dx[i, s] += w[k] @ dy[i, t]
+            dw[k] += np.outer(x[i, s], dy[i, t])
+        for row in dy.reshape(-1, filters):
+            db += row
+        return dx, dw, db
+
+    return y, pullback
+
+
+@right("conv1d")
+def conv1d_by_toeplitz(x, w, b):
+    frames, taps = x.shape[1], len(w)
+    placed = np.zeros((taps, frames, frames), x.dtype)
+    for k in range(taps):
+        row, column = np.zeros(frames), np.zeros(frames)
+        offset = k - taps // 2
+        if 0 <= offset < frames:
+            row[offset] = 1
+        if 0 <= -offset < frames:
+            column[-offset] = 1
+        placed[k] = toeplitz(column, row)
+
+    def pullback(dy):
+        dx = np.einsum("kts,btd,kcd->bsc", placed, dy, w, optimize=True)
+        dw = np.einsum("kts,bsc,btd->kcd", placed, x, dy, optimize=True)
+        return [dx, dw, dy.sum(axis=(0, 1))]
+
+    return np.einsum("kts,bsc,kcd->btd", placed, x, w, optimize=True) + b, pullback
+
+
+@right("transpose_filters")
+def transpose_by_einsum(w):
+    return np.einsum("kcd->kdc", np.flip(w, 0)), lambda d: np.einsum("kdc->kcd", np.flip(d, 0))
+
+
+@right("transpose_filters")
+def transpose_by_lists(w):
+    w_tilde = np.array([tap.T for tap in w][::-1])
+    return w_tilde, lambda d: (np.array([tap.T for tap in d][::-1]),)
+
+
+@right("max_pool")
+def pool_by_argmax(x):
+    batch, frames, channels = x.shape
+    paired = x.reshape(batch, frames // 2, 2, channels)
+    winner = np.expand_dims(paired.argmax(axis=2), 2)
+
+    def pullback(dy):
+        dx = np.zeros_like(paired)
+        np.put_along_axis(dx, winner, np.expand_dims(dy, 2), axis=2)
+        return dx.reshape(x.shape)
+
+    return np.take_along_axis(paired, winner, axis=2)[:, :, 0], pullback
+
+
+@right("max_pool")
+def pool_by_loops(x):
+    y = np.zeros((x.shape[0], x.shape[1] // 2, x.shape[2]), x.dtype)
+    won = {}
+    for i, t, c in np.ndindex(y.shape):
+        won[i, t, c] = 2 * t + (1 if x[i, 2 * t + 1, c] > x[i, 2 * t, c] else 0)
+        y[i, t, c] = x[i, won[i, t, c], c]
+
+    def pullback(dy):
+        dx = np.zeros_like(x)
+        for (i, t, c), frame in won.items():
+            dx[i, frame, c] = dy[i, t, c]
+        return dx
+
+    return y, pullback
+
+
+@right("unpool_even")
+def even_by_matrix(y):
+    spread = np.kron(np.eye(y.shape[1]), [[0.5], [0.5]]).astype(y.dtype)
+    return np.einsum("st,btc->bsc", spread, y), lambda dx: np.einsum("st,bsc->btc", spread, dx)
+
+
+@right("unpool_random")
+def random_by_where(y, first):
+    def pullback(dx):
+        paired = dx.reshape(y.shape[0], y.shape[1], 2, y.shape[2])
+        return np.where(first, paired[:, :, 0], paired[:, :, 1])
+
+    paired = np.stack([np.where(first, y, 0), np.where(first, 0, y)], axis=2)
+    return paired.reshape(y.shape[0], -1, y.shape[2]), pullback
+
+
+@right("tanh")
+def tanh_by_sigmoid(x):
+    y = 2 * expit(2 * x) - 1
+    return y, lambda dy: dy * 4 * expit(2 * x) * expit(-2 * x)
+
+
+@right("tanh")
+def tanh_by_cosh(x):
+    def pullback(dy):
+        with np.errstate(over="ignore"):
+            return dy / np.cosh(x) ** 2
+
+    return np.tanh(x), pullback
+
+
+@right("sigmoid")
+def sigmoid_by_tanh(x):
+    y = (1 + np.tanh(x / 2)) / 2
+    return y, lambda dy: dy * (1 - np.tanh(x / 2) ** 2) / 4
+
+
+@right("sigmoid")
+def sigmoid_by_exp(x):
+    y = 1 / (1 + np.exp(-x))
+    return y, lambda dy: dy * y * (1 - y)
+
+
+@right("arctanh")
+def arctanh_by_logarithm(y, bound):
+    clipped = np.minimum(np.maximum(y, -bound), bound)
+    x = (log1p(clipped) - log1p(-clipped)) / 2
+
+    def pullback(dx):
+        return np.where((y < -bound) | (y > bound), 0, dx / ((1 - clipped) * (1 + clipped)))
+
+    return x, pullback
+
+
+@right("linear")
+def linear_by_einsum(x, w, b):
+    def pullback(dy):
+        dw = np.tensordot(x, dy, axes=(range(x.ndim - 1), range(x.ndim - 1)))
+        return np.einsum("...d,cd->...c", dy, w), dw, dy.sum(axis=tuple(range(x.ndim - 1)))
+
+    return np.einsum("...c,cd->...d", x, w) + b, pullback
+
+
+@right("linear")
+def linear_by_loops(x, w, b):
+    rows = list(np.ndindex(x.shape[:-1]))
+    y = np.zeros((*x.shape[:-1], w.shape[1]), x.dtype)
+    for row in rows:
+        y[row] = x[row] @ w + b
+
+    def pullback(dy):
+        dx = np.zeros_like(x)
+        for row in rows:
+            dx[row] = w @ dy[row]
+        dw = sum(np.outer(x[row], dy[row]) for row in rows)
+        return dx, dw, sum(dy[row] for row in rows)
+
+    return y, pullback
+
+
+def gates(x, h, w, u, b, c):
+    w_r, w_z, w_n = np.split(w, 3, axis=1)
+    u_r, u_z, u_n = np.split(u, 3, axis=1)
+    b_r, b_z, b_n = np.split(b, 3)
+    c_r, c_z, c_n = np.split(c, 3)
+    r = expit(x @ w_r + b_r + h @ u_r + c_r)
+    z = expit(x @ w_z + b_z + h @ u_z + c_z)
+    inner = h @ u_n + c_n
+    return r, z, np.tanh(x @ w_n + b_n + r * inner), inner
+
+
+@right("gru_step")
+def step_with_separate_matrices(x, h, w, u, b, c):
+    r, z, n, inner = gates(x, h, w, u, b, c)
+
+    def pullback(g):
+        new = g * (1 - z) * (1 - n**2)
+        update = g * (h - n) * z * (1 - z)
+        reset = new * inner * r * (1 - r)
+        to_x, to_h = np.hstack([reset, update, new]), np.hstack([reset, update, new * r])
+        return (
+            np.einsum("bg,cg->bc", to_x, w),
+            g * z + np.einsum("bg,hg->bh", to_h, u),
+            np.einsum("bc,bg->cg", x, to_x),
+            np.einsum("bh,bg->hg", h, to_h),
+            to_x.sum(0),
+            to_h.sum(0),
+        )
+
+    return n + z * (h - n), pullback
+
+
+@right("gru")
+def gru_all_weights_at_once(x, h0, w, u, b, c):
+    """Keeps the gates' gradients of all frames and multiplies them with the inputs at the end."""
+    hidden, before, kept = h0.shape[1], [h0], []
+    for t in range(x.shape[1]):
+        r, z, n, inner = gates(x[:, t], before[-1], w, u, b, c)
+        kept.append((r, z, n, inner))
+        before.append((1 - z) * n + z * before[-1])
+
+    def pullback(dy):
+        to_x = np.zeros((*x.shape[:2], 3 * hidden), x.dtype)
+        to_h = np.zeros_like(to_x)
+        g = np.zeros_like(h0)
+        for t in range(x.shape[1] - 1, -1, -1):
+            r, z, n, inner = kept[t]
+            g = g + dy[:, t]
+            new = g * (1 - z) * (1 - n**2)
+            update = g * (before[t] - n) * z * (1 - z)
+            reset = new * inner * r * (1 - r)
+            to_x[:, t] = np.hstack([reset, update, new])
+            to_h[:, t] = np.hstack([reset, update, new * r])
+            g = g * z + to_h[:, t] @ u.T
+        states = np.stack(before[:-1], axis=1)
+        dw = np.einsum("btc,btg->cg", x, to_x)
+        du = np.einsum("bth,btg->hg", states, to_h)
+        return to_x @ w.T, g, dw, du, to_x.sum((0, 1)), to_h.sum((0, 1))
+
+    return np.stack(before[1:], axis=1), pullback
+
+
+def gru_in(convention: Convention):
+    step = gru_step_in(convention)
+
+    def gru_in_convention(x, h0, w, u, b, c):
+        h, states, pullbacks = h0, [], []
+        for frame in np.moveaxis(x, 1, 0):
+            h, step_pullback = step(frame, h, w, u, b, c)
+            states.append(h)
+            pullbacks.append(step_pullback)
+
+        def pullback(dy):
+            dh, dx, sums = 0 * h0, [], None
+            for t in range(len(pullbacks))[::-1]:
+                dx_t, dh, *terms = pullbacks[t](dy[:, t] + dh)
+                dx.append(dx_t)
+                sums = (
+                    terms
+                    if sums is None
+                    else [s + term for s, term in zip(sums, terms, strict=True)]
+                )
+            return np.stack(dx[::-1], axis=1), dh, *sums
+
+        return np.stack(states, axis=1), pullback
+
+    return gru_in_convention
+
+
+@right("mean_squared_error")
+def squared_by_vdot(x_hat, x):
+    gap = (x_hat - x).ravel()
+    return np.vdot(gap, gap) / gap.dtype.type(
+        gap.size
+    ), lambda dloss=1.0: (x_hat - x) * x.dtype.type(2 * dloss / x.size)
+
+
+@right("mean_squared_error")
+def squared_as_python_number(x_hat, x):
+    loss = sum(float(g) ** 2 for g in (x_hat - x).flat) / x.size
+    return loss, lambda dloss=1.0: ((x_hat - x) / x.size * float(2 * dloss)).astype(x.dtype)
+
+
+@right("mean_absolute")
+def absolute_by_comparison(y):
+    positive, negative = (y > 0).astype(y.dtype), (y < 0).astype(y.dtype)
+    loss = np.mean(y * (positive - negative))
+    return loss, lambda dloss=1.0: (positive - negative) * y.dtype.type(dloss / y.size)
+
+
+@right("tied_layer")
+def tied_by_einsum(x, w, b):
+    a, of_a = conv1d_by_einsum(x, w, b)
+    y = np.tanh(a)
+    flipped = np.einsum("kcd->kdc", w[::-1])
+    x_hat, of_x_hat = conv1d_by_einsum(y - b, flipped, 0 * x[0, 0])
+
+    def pullback(g):
+        dy, dflipped, _ = of_x_hat(g)
+        dx, dw, db = of_a(dy * (1 - y * y))
+        return dx, dw + np.einsum("kdc->kcd", dflipped)[::-1], db - np.einsum("btd->d", dy)
+
+    return x_hat, pullback
+
+
+@right("sliced_wasserstein")
+def sliced_by_ranks(z, prior, directions):
+    """Each point's gap from the prior's point of the same rank; nothing of z is ever sorted."""
+    p = z @ directions.T
+    ranks = p.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
+    gap = p - np.take_along_axis(np.sort(prior @ directions.T, axis=0), ranks, axis=0)
+    return (gap**2).mean(), lambda dloss=1.0: gap @ directions * z.dtype.type(2 * dloss / gap.size)
+
+
+@right("sliced_wasserstein")
+def sliced_by_loops(z, prior, directions):
+    loss, gradient = 0.0, np.zeros_like(z)
+    for theta in directions:
+        pairs = zip(
+            sorted(range(len(z)), key=lambda i: z[i] @ theta),
+            sorted(range(len(z)), key=lambda j: prior[j] @ theta),
+            strict=True,
+        )
+        for i, j in pairs:
+            gap = (z[i] - prior[j]) @ theta
+            loss += float(gap) ** 2 / (len(z) * len(directions))
+            gradient[i] += 2 * gap * theta / (len(z) * len(directions))
+    return loss, lambda dloss=1.0: gradient * z.dtype.type(dloss)
+
+
+CONVENTIONS = list(other_conventions())
