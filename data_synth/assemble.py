@@ -138,7 +138,7 @@ def _bend_arm(
 def _reach_with_arm(
     body: Body, shoulder: np.ndarray, trunk: Rotation, arm: Arm, sign: float
 ) -> tuple[Rotation, Rotation]:
-    side = trunk.apply(np.broadcast_to(arm.elbow_side, shoulder.shape))
+    side = trunk.apply(arm.elbow_side)
     hinge = np.cross(shoulder - arm.goal, side)
     elbow, wrist = reach(shoulder, arm.goal, body.upper_arm, body.forearm, hinge)
     axis = np.cross(elbow - shoulder, wrist - elbow)
