@@ -96,6 +96,7 @@ def _bend_leg(body: Body, pose: Pose, leg: Leg, side: int, local: dict) -> None:
     along = unit(leg.ankle - hip)
     # Turning the hinge about the leg's own line swings the knee out and in.
     hinge = Rotation.from_rotvec(-along * (SIGN[side] * leg.splay)[:, None]).apply(across)
+    hinge = unit(hinge - np.sum(hinge * along, axis=-1, keepdims=True) * along)
     knee, ankle = reach(hip, leg.ankle, body.thigh, body.shank, hinge)
     thigh = frames_from(hinge, hip - knee)
     shank = frames_from(thigh.apply([1.0, 0.0, 0.0]), knee - ankle)

@@ -18,7 +18,7 @@ def squats(stage: Stage, seconds: float, tempo: float) -> None:
     """Down until the thighs are near level and up again, arms forwards for balance."""
     rng, body = stage.rng, stage.body
     wide = 0.5 * body.hip_width + rng.uniform(0.06, 0.14)
-    out = rng.uniform(10, 22)
+    out = rng.uniform(10, 18)
     stage.feet = [Foot(sign * wide, 0.0, sign * out) for sign in SIGN]
     arms = float(rng.uniform(0.75, 1.0))
     clock = rng.uniform(0.3, 0.8)
@@ -28,7 +28,7 @@ def squats(stage: Stage, seconds: float, tempo: float) -> None:
         deep = float(rng.uniform(0.75, 1.0))
         parts = {
             "up": -0.46 * body.leg * deep, "ahead": -0.20 * body.leg * deep, "tilt": 24.0 * deep,
-            "bend": 14.0 * deep, "nod": -24.0 * deep, "l.splay": 16.0, "r.splay": 16.0,
+            "bend": 14.0 * deep, "nod": -24.0 * deep, "l.splay": 11.0, "r.splay": 11.0,
         }  # fmt: skip
         lag = {"tilt": -0.05, "bend": 0.05, "nod": 0.08}
         for side in SIDES:

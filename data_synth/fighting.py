@@ -38,7 +38,7 @@ def guard(stage: Stage, lead: int) -> None:
         stage.add(f"{name}.turn", 16.0)
         stage.add(f"{name}.elbow", 92.0 if front else 108.0)
         stage.add(f"{name}.pronation", 15.0)
-        stage.add(f"{name}.curl", 50.0)
+        stage.add(f"{name}.curl", 44.0)
         stage.add(f"{name}.raised", 3.0)
     # A light bounce on the feet, never quite even.
     beat = rng.uniform(1.3, 1.9)
@@ -71,7 +71,7 @@ def _strike(stage: Stage, side: int, leading: bool, start: float, tempo: float) 
         "turn": 20 * drive * inwards, "twist": 20 * drive * inwards, "look": -32 * drive * inwards,
         "ahead": 0.035 + 0.02 * drive, "aside": 0.02 * inwards, "bend": 4.0,
         f"{name}.flexion": (44.0 if leading else 60.0) + high, f"{name}.elbow": -100.0 if leading else -114.0,
-        f"{name}.turn": 14.0, f"{name}.pronation": 50.0, f"{name}.forwards": 16.0,
+        f"{name}.turn": 14.0, f"{name}.pronation": 42.0, f"{name}.forwards": 16.0,
         f"{name}.abduction": 8.0, f"{name}.wrist": -8.0,
     }  # fmt: skip
     if not leading:

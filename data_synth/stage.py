@@ -159,6 +159,8 @@ class Stage:
             ankle[:, 1] += 0.16 * self.body.leg * free * (1 - free)
             turn = foot.as_euler("YXZ")
             turn[:, 1] += free * (-(shank + bent) - turn[:, 1])
+            away = (facing + sign * np.radians(6.0) - turn[:, 0] + np.pi) % (2 * np.pi) - np.pi
+            turn[:, 0] += free * away
             foot = Rotation.from_euler("YXZ", turn)
             toes = toes * (1 - free)
         return Leg(ankle, foot, toes, self._radians(f"{name}.splay"))

@@ -22,8 +22,8 @@ def idle(stage: Stage, seconds: float, tempo: float) -> None:
     while clock < seconds:
         glance(stage, clock, tempo)
         if rng.random() < 0.35:
-            fidget(stage, clock + rng.uniform(0.5, 1.5), tempo)
-        clock += rng.uniform(2.0, 5.0) / tempo
+            clock = fidget(stage, clock + rng.uniform(0.5, 1.5), tempo)
+        clock += rng.uniform(1.5, 5.0) / tempo
 
 
 def shift_weight(stage: Stage, amount: float, start: float, over: float) -> None:
@@ -50,8 +50,8 @@ def glance(stage: Stage, start: float, tempo: float) -> None:
     )  # fmt: skip
 
 
-def fidget(stage: Stage, start: float, tempo: float) -> None:
-    """A hand comes up in front of the body, as to look at a watch or rub a wrist."""
+def fidget(stage: Stage, start: float, tempo: float) -> float:
+    """A hand comes up in front of the body, as to look at a watch; when it is down again."""
     rng = stage.rng
     side = str(rng.choice(["l", "r"]))
     rise, hold = rng.uniform(0.5, 0.8) / tempo, rng.uniform(0.5, 1.4)
@@ -62,6 +62,7 @@ def fidget(stage: Stage, start: float, tempo: float) -> None:
         start, rise, hold, 1.2 * rise,
         lag={f"{side}.elbow": 0.06, f"{side}.wrist": 0.15, "nod": 0.1},
     )  # fmt: skip
+    return start + 2.2 * rise + hold
 
 
 def wave(stage: Stage, seconds: float, tempo: float) -> None:
@@ -76,7 +77,7 @@ def wave(stage: Stage, seconds: float, tempo: float) -> None:
         high = rng.uniform(0.75, 1.15)
         raised = {
             f"{side}.flexion": 22.0 * high, f"{side}.abduction": 68.0 * high,
-            f"{side}.turn": -78.0, f"{side}.elbow": 78.0 / high, f"{side}.pronation": 20.0,
+            f"{side}.turn": -58.0, f"{side}.elbow": 78.0 / high, f"{side}.pronation": 20.0,
             f"{side}.raised": 7.0 * high, f"{side}.curl": -20.0, "side": -sign * 4.0,
             "look": sign * rng.uniform(0, 15), "aside": -sign * 0.02,
         }  # fmt: skip

@@ -35,7 +35,7 @@ def _between(stage: Stage, clock: float, tempo: float) -> float:
         shift_weight(stage, -amount, clock + over - 0.6, 0.8 / tempo)
         glance(stage, clock + 0.2, tempo)
     if rng.random() < 0.3:
-        fidget(stage, clock, tempo)
+        return max(clock + over, fidget(stage, clock, tempo))
     return clock + over
 
 
