@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from data_synth.body import SIDES, SIGN, Body
+from data_synth.body import SIGN, Body
 from data_synth.curves import drift
 from data_synth.pose import Pose
 from data_synth.stage import bump
@@ -76,6 +76,3 @@ def bouts(rng: np.random.Generator, begin: float, end: float) -> list[tuple[floa
         walks.append((clock, stop))
         clock = stop + rng.uniform(0.8, 2.8)
     return walks
-
-
-__all__ = ["SIDES", "bouts", "hold_lead"]

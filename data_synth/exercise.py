@@ -1,17 +1,12 @@
-"""Exercises: squats, jumping jacks and press-ups, each repetition a little unlike the last."""
+"""Exercises on the feet: squats and jumping jacks, each repetition a little unlike the last."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from data_synth.assemble import bent
-from data_synth.body import LEFT, SIDES, SIGN
-from data_synth.curves import ease
+from data_synth.body import SIDES, SIGN
 from data_synth.footsteps import Foot
-from data_synth.pose import Leg, Pose
 from data_synth.stage import Stage, bump
-from data_synth.stride import pitched, turned
 
 
 def squats(stage: Stage, seconds: float, tempo: float) -> None:
@@ -84,99 +79,9 @@ def _hop(t: np.ndarray, leave: float, flight: float, dip: float) -> np.ndarray:
     pushes = bump(t, leave - 0.20, 0.10, 0.0, 0.12) + bump(
         t, leave + flight - 0.04, 0.12, 0.0, 0.18
     )
-    return smooth_corner(flying) - dip * pushes
+    return _rounded(flying) - dip * pushes
 
 
-def smooth_corner(height: np.ndarray, over: float = 0.012) -> np.ndarray:
+def _rounded(height: np.ndarray, over: float = 0.012) -> np.ndarray:
     """Round off the corner where a flight begins: sqrt(h² + ε²) - ε."""
     return np.sqrt(height**2 + over**2) - over
-
-
-def press_ups(stage: Stage, seconds: float, tempo: float) -> tuple[Pose, np.ndarray]:
-    """A straight body turns about the toes; hands stay on the floor, elbows bend and stretch."""
-    rng, body, t = stage.rng, stage.body, stage.t
-    low = np.zeros(len(t))
-    clock = rng.uniform(0.2, 0.8)
-    while clock < seconds - 1.0:
-        down, up = rng.uniform(0.6, 1.0) / tempo, rng.uniform(0.5, 0.9) / tempo
-        hold = rng.uniform(0.0, 0.2)
-        low += rng.uniform(0.75, 1.0) * bump(t, clock, down, hold, up)
-        clock += down + hold + up + rng.uniform(0.05, 0.5) / tempo
-    return _Plank(stage, low, rng).pose()
-
-
-class _Plank:
-    """The geometry of a press-up in the plane, then in the world."""
-
-    def __init__(self, stage: Stage, low: np.ndarray, rng: np.random.Generator):
-        self.stage, self.body, self.low = stage, stage.body, low
-        self.sag = np.radians(rng.uniform(-4, 3))
-        self.pitch = -np.radians(66.0)
-        body = stage.body
-        pivot = np.array([0.0, body.ankle_height, 0.0]) + body.ball
-        self.ankle = pivot - pitched(body.ball, np.array(self.pitch))
-        spine = sum(body.offset(n)[1] for n in ("upperback", "thorax", "lowerneck"))
-        shoulder = body.offset("lhumerus")
-        self.trunk = -body.hip(LEFT)[1] + spine + shoulder[1]
-        self.wrist_height = 0.035 * body.stature
-        self.hands_out = abs(shoulder[0]) * rng.uniform(1.05, 1.4)
-        self.hands_turn = np.radians(rng.uniform(0, 20))
-        across = self.hands_out - abs(shoulder[0])
-        reach = np.sqrt((0.955 * body.arm) ** 2 - across**2)
-        self.high = self._slope(self.wrist_height + reach)
-        self.deep = self._slope(self.wrist_height + rng.uniform(0.22, 0.32) * body.arm)
-
-    def _slope(self, shoulder_height: float) -> float:
-        length = 0.990 * self.body.leg + self.trunk
-        return float(np.arcsin((shoulder_height - self.ankle[1]) / length))
-
-    def pose(self) -> tuple[Pose, np.ndarray]:
-        stage, body, frames = self.stage, self.body, len(self.low)
-        slope = self.high + (self.deep - self.high) * self.low
-        ahead, up = np.cos(slope + self.sag), np.sin(slope + self.sag)
-        zero = np.zeros(frames)
-        hip = self.ankle + 0.990 * body.leg * np.stack([zero, up, ahead], axis=-1)
-        tilt = np.pi / 2 - slope + 0.6 * self.sag
-        small = {n: np.radians(0.5 * (stage.angles[n] - stage.angles[n].mean())) for n in
-                 ("turn", "side", "twist")}  # fmt: skip
-        level = Rotation.from_euler("YXZ", np.stack([zero, tilt, small["turn"]], axis=-1))
-        place = hip - level.apply(body.hip(LEFT) * [0, 1, 1])
-        facing = Rotation.from_euler("Y", stage.heading[:, None])
-        pelvis = facing * level
-        place = facing.apply(place)
-        foot = Rotation.from_euler(
-            "YX", np.stack([stage.heading, np.full(frames, -self.pitch)], axis=-1)
-        )
-        legs = []
-        for sign in SIGN:
-            ankle = self.ankle + np.array([sign * 0.55 * body.hip_width, 0.0, 0.0])
-            ankle = np.tile(ankle, (frames, 1))
-            legs.append(
-                Leg(facing.apply(ankle), foot, np.full(frames, -self.pitch), np.full(frames, 0.0))
-            )
-        spine = np.stack([-1.6 * self.sag + zero, small["side"], small["twist"]], axis=-1)
-        lift = np.radians(-24 + stage.angles["nod"] - stage.angles["nod"].mean())
-        neck = np.stack([lift + 0.15 * self.low, zero, np.radians(0.5 * stage.angles["look"])], -1)
-        arms = tuple(self._arm(side, place, pelvis, spine, facing) for side in (0, 1))
-        stage.path[:] = 0.0
-        stage.plank_place = place
-        return Pose(place, pelvis, spine, neck, tuple(legs), arms), np.ones((frames, 2), bool)
-
-    def _arm(self, side, place, pelvis, spine, facing):
-        body, sign, frames = self.body, SIGN[side], len(self.low)
-        # Under the shoulders of the upper position.
-        length = 0.990 * body.leg * np.cos(self.high + self.sag) + self.trunk * np.cos(self.high)
-        hand = np.array([sign * self.hands_out, self.wrist_height, self.ankle[2] + length - 0.03])
-        arm = self.stage._arm(side)
-        arm.goal = facing.apply(np.tile(hand, (frames, 1)))
-        arm.goal_weight = np.ones(frames)
-        arm.elbow_side = np.array([sign * 0.75, -0.75, -0.25])
-        # The palm on the floor, fingers ahead: the arm's X turned from the side to the front.
-        yaw = np.full(frames, -sign * (np.pi / 2 - self.hands_turn))
-        arm.hand = facing * Rotation.from_euler("Y", yaw[:, None])
-        arm.curl = np.full(frames, np.radians(4))
-        arm.pronation = np.full(frames, np.radians(50))
-        return arm
-
-
-__all__ = ["bent", "ease", "jumping_jacks", "press_ups", "squats", "turned"]

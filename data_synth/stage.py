@@ -1,7 +1,7 @@
 """Where gestures are played: a standing person whose every angle can be added to, one at a time.
 
 Angles are in degrees and lengths in metres. Names of angles: ``turn tilt list`` (pelvis),
-``bend side twist`` (spine), ``nod lean look`` (neck), ``left right-arm`` angles as ``l.elbow`` and
+``bend side twist`` (spine), ``nod lean look`` (neck), an arm's angles as ``l.elbow`` and
 so on (see `Arm`), ``l.heel`` (heel raised), ``l.splay`` (knee outwards), and for a leg in the air
 ``l.free`` (0 to 1), ``l.thigh l.knee l.out l.ankle``. Lengths: ``aside up ahead`` (pelvis).
 """
@@ -45,7 +45,10 @@ class Stage:
         self.feet = [
             Foot(sign * half, rng.uniform(-0.02, 0.02), sign * rng.uniform(4, 14)) for sign in SIGN
         ]
+        # Goals of the hands: fields of `Arm`.
         self.goals: list[dict] = [{}, {}]
+        # Who lies on hands and toes, where someone does; it has a `place` and a `pose()`.
+        self.prone = None
         self._rest(lively)
 
     def add(self, name: str, values: np.ndarray | float) -> None:
@@ -90,6 +93,8 @@ class Stage:
 
     def pose(self) -> tuple[Pose, np.ndarray]:
         """The pose at every time, and which foot's ball stands still, (F, 2) bool."""
+        if self.prone is not None:
+            return self.prone.pose()
         body = self.body
         turn, tilt, sideways = (self._radians(n) for n in ("turn", "tilt", "list"))
         angles = np.stack([self.heading + turn, tilt, sideways], axis=-1)
@@ -102,11 +107,13 @@ class Stage:
         legs = tuple(self._leg(side, place, pelvis, planted[side]) for side in (0, 1))
         spine = np.stack([self._radians(n) for n in ("bend", "side", "twist")], axis=-1)
         neck = np.stack([self._radians(n) for n in ("nod", "lean", "look")], axis=-1)
-        arms = tuple(self._arm(side) for side in (0, 1))
+        arms = tuple(self.arm(side) for side in (0, 1))
         return Pose(place, pelvis, spine, neck, legs, arms), ~(flying | free)
 
     def asked(self) -> np.ndarray:
         """x and z of the asked path, (F, 2), metres."""
+        if self.prone is not None:
+            return turned(self.prone.place, self.heading)[:, [0, 2]]
         way = np.stack([self.path[:, 0], np.zeros(len(self.t)), self.path[:, 1]], axis=-1)
         return self.start + turned(way, self.heading)[:, [0, 2]]
 
@@ -165,7 +172,8 @@ class Stage:
             toes = toes * (1 - free)
         return Leg(ankle, foot, toes, self._radians(f"{name}.splay"))
 
-    def _arm(self, side: int) -> Arm:
+    def arm(self, side: int) -> Arm:
+        """One arm, with its goal where it has one."""
         name = SIDES[side]
         fields = ("flexion", "abduction", "turn", "elbow", "pronation", "wrist", "raised",
                   "forwards", "curl")  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from data_synth.curves import ease
 from data_synth.stage import Stage, bump
 
 
@@ -107,6 +106,3 @@ def idle_quietly(stage: Stage, seconds: float) -> None:
         shift_weight(stage, goal - before, clock, rng.uniform(0.8, 1.4))
         before = goal
         clock += rng.uniform(2.0, 4.0)
-
-
-__all__ = ["ease", "fidget", "glance", "idle", "idle_quietly", "shift_weight", "wave"]

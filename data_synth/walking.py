@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from data_synth.body import SIGN, Body
+from data_synth.body import Body
 from data_synth.curves import drift, ease
 from data_synth.gait import Gait
 from data_synth.manner import Manner
 from data_synth.pose import Arm, Pose
-from data_synth.route import Route, grid
+from data_synth.route import Route
 
 
 def set_out(
@@ -147,6 +147,3 @@ def turn_at(rng: np.random.Generator, times: np.ndarray, angle: float, when: flo
     """A heading that turns once, by `angle` radians over `over` seconds around `when`."""
     start = rng.uniform(-np.pi, np.pi)
     return start + angle * ease((times - when) / over + 0.5) + drift(rng, 0.03, 0.05, 0.2)(times)
-
-
-__all__ = ["SIGN", "bends", "grid", "set_out", "turn_at", "walk"]
