@@ -70,7 +70,8 @@ def _strike(stage: Stage, side: int, leading: bool, start: float, tempo: float) 
     body = {
         "turn": 20 * drive * inwards, "twist": 20 * drive * inwards, "look": -32 * drive * inwards,
         "ahead": 0.035 + 0.02 * drive, "aside": 0.02 * inwards, "bend": 4.0,
-        f"{name}.flexion": (44.0 if leading else 60.0) + high, f"{name}.elbow": -100.0 if leading else -114.0,
+        f"{name}.flexion": (44.0 if leading else 60.0) + high,
+        f"{name}.elbow": -100.0 if leading else -114.0,
         f"{name}.turn": 14.0, f"{name}.pronation": 42.0, f"{name}.forwards": 16.0,
         f"{name}.abduction": 8.0, f"{name}.wrist": -8.0,
     }  # fmt: skip

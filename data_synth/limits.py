@@ -1,10 +1,10 @@
 """How far each joint goes: its angles as a clinician measures them, and their limits.
 
 Ranges are those of the American Academy of Orthopaedic Surgeons (Greene & Heckman, *The Clinical
-Measurement of Joint Motion*, 1994) with the spread of healthy adults in Soucie et al., *Haemophilia*
-17 (2011) 500; where weight or an exercise bends a joint further than its muscles can (the ankle in
-a squat, toes and wrists in a press-up) the passive range holds. The trunk's and the neck's three
-joints each have the range of the CMU database's Acclaim skeletons.
+Measurement of Joint Motion*, 1994) with the spread of healthy adults in Soucie et al.,
+*Haemophilia* 17 (2011) 500. Where weight or an exercise bends a joint further than its muscles can
+(the ankle in a squat, toes and wrists in a press-up) the passive range holds. The trunk's and the
+neck's three joints each have the range of the CMU database's Acclaim skeletons.
 """
 
 from __future__ import annotations

@@ -59,8 +59,15 @@ class Stage:
         """Change an angle or length by `amount` within `over` seconds, and leave it there."""
         self.add(name, amount * ease((self.t - start) / over))
 
-    def gesture(self, amounts: dict[str, float], start: float, rise: float, hold: float, fall: float,
-                lag: dict[str, float] | None = None) -> None:  # fmt: skip
+    def gesture(
+        self,
+        amounts: dict[str, float],
+        start: float,
+        rise: float,
+        hold: float,
+        fall: float,
+        lag: dict[str, float] | None = None,
+    ) -> None:
         """Go to a pose and back: each angle by its amount, some a little later than others."""
         lag = lag or {}
         for name, amount in amounts.items():
@@ -95,7 +102,6 @@ class Stage:
         """The pose at every time, and which foot's ball stands still, (F, 2) bool."""
         if self.prone is not None:
             return self.prone.pose()
-        body = self.body
         turn, tilt, sideways = (self._radians(n) for n in ("turn", "tilt", "list"))
         angles = np.stack([self.heading + turn, tilt, sideways], axis=-1)
         pelvis = Rotation.from_euler("YXZ", angles)

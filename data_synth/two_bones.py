@@ -53,7 +53,7 @@ def reach(
 
 
 def frames_from(x: np.ndarray, y: np.ndarray) -> Rotation:
-    """The rotations whose axes X and Y point along x and y; y, exactly, and x made upright to it."""
+    """The rotations whose axis Y points along y exactly, and X as nearly along x as can be."""
     y = unit(y)
     x = unit(x - np.sum(x * y, axis=-1, keepdims=True) * y)
     return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1))

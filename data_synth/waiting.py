@@ -49,7 +49,8 @@ def stretch(stage: Stage, start: float, tempo: float) -> float:
     for name in SIDES:
         parts |= {f"{name}.flexion": rng.uniform(150, 165), f"{name}.elbow": rng.uniform(0, 14),
                   f"{name}.turn": rng.uniform(5, 20), f"{name}.raised": 14.0,
-                  f"{name}.heel": 9.0, f"{name}.wrist": -20.0, f"{name}.abduction": -4.0}  # fmt: skip
+                  f"{name}.heel": 9.0, f"{name}.wrist": -20.0,
+                  f"{name}.abduction": -4.0}  # fmt: skip
         lag |= {f"{name}.raised": 0.1, f"{name}.heel": 0.35, f"{name}.wrist": 0.3,
                 f"{name}.flexion": rng.uniform(0, 0.05)}  # fmt: skip
     stage.gesture(parts, start, rise, hold, fall, lag)
@@ -167,6 +168,7 @@ def lean_back(stage: Stage, start: float, tempo: float) -> float:
         {"aside": 0.6 * stood[0], "list": -sign * 3.0}, start + 0.4 * rise, 0.8, stay, 0.9
     )
     lift = {f"{name}.free": 1.0, f"{name}.thigh": rng.uniform(22, 34),
-            f"{name}.knee": rng.uniform(82, 98), f"{name}.ankle": 18.0, f"{other}.splay": 3.0}  # fmt: skip
+            f"{name}.knee": rng.uniform(82, 98), f"{name}.ankle": 18.0,
+            f"{other}.splay": 3.0}  # fmt: skip
     stage.gesture(lift, begin, 0.8, stay, 0.8, lag={f"{name}.knee": -0.03})
     return start + rise + hold + fall + 0.3
