@@ -57,13 +57,8 @@ def assemble(body: Body, pose: Pose, rate: float) -> Motion:
     still = Rotation.identity(frames)
     local = {name: still for name in skeleton.names}
     local["root"] = pose.pelvis
-    trunk = pose.pelvis
-    for shares, bend in ((_SPINE, pose.spine), (_NECK, pose.neck)):
-        for name, share in shares.items():
-            local[name] = bent(*(bend * np.array(share)).T)
-    for name in _SPINE:
-        trunk = trunk * local[name]
-    chest = pose.place + _along_spine(body, pose.pelvis, local)
+    chest, trunk, bends = bend_trunk(body, pose.place, pose.pelvis, pose.spine)
+    local |= bends | {name: bent(*(pose.neck * np.array(share)).T) for name, share in _NECK.items()}
     for side in (0, 1):
         _bend_leg(body, pose, pose.legs[side], side, local)
         _bend_arm(body, chest, trunk, pose.arms[side], side, local)
@@ -81,13 +76,16 @@ def _unbroken(rotations: np.ndarray) -> np.ndarray:
     return rotations
 
 
-def _along_spine(body: Body, pelvis: Rotation, local: dict) -> np.ndarray:
-    """From the root to the end of the thorax, (F, 3)."""
-    turned = pelvis * local["lowerback"]
-    way = turned.apply(body.offset("upperback"))
-    turned = turned * local["upperback"]
-    way = way + turned.apply(body.offset("thorax"))
-    return way + (turned * local["thorax"]).apply(body.offset("lowerneck"))
+def bend_trunk(
+    body: Body, place: np.ndarray, pelvis: Rotation, spine: np.ndarray
+) -> tuple[np.ndarray, Rotation, dict[str, Rotation]]:
+    """Where the collar bones begin, (F, 3), how the chest is turned, and the spine's rotations."""
+    bends = {name: bent(*(spine * np.array(share)).T) for name, share in _SPINE.items()}
+    turned, at = pelvis, place
+    for name, above in zip(_SPINE, ("upperback", "thorax", "lowerneck"), strict=True):
+        turned = turned * bends[name]
+        at = at + turned.apply(body.offset(above))
+    return at, turned, bends
 
 
 def _bend_leg(body: Body, pose: Pose, leg: Leg, side: int, local: dict) -> None:
@@ -96,6 +94,7 @@ def _bend_leg(body: Body, pose: Pose, leg: Leg, side: int, local: dict) -> None:
     along = unit(leg.ankle - hip)
     # Turning the hinge about the leg's own line swings the knee out and in.
     hinge = Rotation.from_rotvec(-along * (SIGN[side] * leg.splay)[:, None]).apply(across)
+    hinge = unit(hinge - np.sum(hinge * along, axis=-1, keepdims=True) * along)
     knee, ankle = reach(hip, leg.ankle, body.thigh, body.shank, hinge)
     thigh = frames_from(hinge, hip - knee)
     shank = frames_from(thigh.apply([1.0, 0.0, 0.0]), knee - ankle)
@@ -138,7 +137,7 @@ def _bend_arm(
 def _reach_with_arm(
     body: Body, shoulder: np.ndarray, trunk: Rotation, arm: Arm, sign: float
 ) -> tuple[Rotation, Rotation]:
-    side = trunk.apply(np.broadcast_to(arm.elbow_side, shoulder.shape))
+    side = trunk.apply(arm.elbow_side)
     hinge = np.cross(shoulder - arm.goal, side)
     elbow, wrist = reach(shoulder, arm.goal, body.upper_arm, body.forearm, hinge)
     axis = np.cross(elbow - shoulder, wrist - elbow)

@@ -53,8 +53,9 @@ class Gait:
         self.manner = in_radians(manner)
         self.full_speed = max(float(route.speeds.max()), 1e-6)
         self.rate = float(np.max(np.diff(phase)) / (route.times[1] - route.times[0]))
-        ticking = np.flatnonzero(np.diff(phase) > 1e-9)
-        ticking = np.append(ticking, ticking[-1] + 1)
+        # Where the clock stands still only the ends of that time tell when a phase was reached.
+        ticks = np.concatenate([[False], np.diff(phase) > 1e-9, [False]])
+        ticking = ticks[1:] | ticks[:-1]
         self._clock = phase[ticking], route.times[ticking]
         self._fit_pelvis()
         self._drifts = [drift(rng, 1.0) for _ in range(4)]
@@ -148,7 +149,7 @@ class Gait:
             standing = t < self.stances[side].toe_off[k] + 1 / rate
             ankle = self._standing_ankle(t, k, side)
             flat = np.sum((ankle - hip)[:, [0, 2]] ** 2, axis=-1)
-            highest = np.sqrt(np.maximum((0.990 * self.body.leg) ** 2 - flat, 1e-4))
+            highest = np.sqrt(np.maximum((0.993 * self.body.leg) ** 2 - flat, 1e-4))
             need = np.maximum(need, np.where(standing, hip[:, 1] - ankle[:, 1] - highest, 0.0))
         width = 23
         window = np.hanning(width + 2)[1:-1]

@@ -107,11 +107,11 @@ WALK = LegCurves(
     **{joint: fourier_series(degrees) for joint, degrees in _WALK.items()},
     foot_flat=0.08,
     heel_off=0.34,
-    toe_off=0.58,
+    toe_off=0.57,
 )
 RUN = LegCurves(
     **{joint: fourier_series(degrees) for joint, degrees in _RUN.items()},
     foot_flat=0.06,
     heel_off=0.16,
-    toe_off=0.36,
+    toe_off=0.355,
 )

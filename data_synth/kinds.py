@@ -2,23 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from data_synth.assemble import assemble
 from data_synth.body import Body, draw_body
-from data_synth.curves import drift
-from data_synth.manner import draw_manner
+from data_synth.dog import bouts, hold_lead
+from data_synth.exercise import jumping_jacks, squats
+from data_synth.fighting import kick, punch
+from data_synth.manner import MANNERS, draw_manner
+from data_synth.press_ups import press_ups
+from data_synth.route import grid
+from data_synth.sidestep import sidestep
+from data_synth.stage import Stage
+from data_synth.standing import idle, wave
 from data_synth.take import Take
-from data_synth.walking import bends, grid, set_out, turn_at, walk
+from data_synth.waiting import waiting
+from data_synth.walking import bends, set_out, turn_at, walk
 
-_STYLES = {
+HOLDEN2015_KINDS = (
+    "walk", "confident_walk", "walk_with_turn", "old_mans_walk", "sidestep", "run", "press_ups",
+    "squats", "jumping_jacks", "kick", "punch", "wave", "idle",
+)  # fmt: skip
+"""Motions that holden2015 shows or that the CMU database is full of."""
+JANG2018_KINDS = ("walking", "waiting", "walking_dog")
+"""The three actions of jang2018, which takes them from Human3.6M."""
+KINDS = (*HOLDEN2015_KINDS, *JANG2018_KINDS)
+
+_WALKS = {
     "walk": ("neutral", "brisk", "tired"),
     "confident_walk": ("confident",),
-    "old_mans_walk": ("old",),
     "walk_with_turn": ("neutral", "confident"),
+    "old_mans_walk": ("old",),
     "run": ("run",),
+    "walking": ("neutral", "confident", "brisk", "tired", "old"),
+    "walking_dog": ("neutral", "tired", "brisk"),
 }
-KINDS = tuple(_STYLES)
+_GESTURES = {
+    "sidestep": sidestep,
+    "press_ups": press_ups,
+    "squats": squats,
+    "jumping_jacks": jumping_jacks,
+    "kick": kick,
+    "punch": punch,
+    "wave": wave,
+    "idle": idle,
+    "waiting": waiting,
+}
+# How fast gestures go in each style.
+_TEMPOS = {"neutral": 1.0, "brisk": 1.18, "tired": 0.85}
+# Seconds of walking before the first frame of a take that begins in full stride.
+_LEAD = 2.5
+# A take shorter than this has no time to set out and to stop.
+_TIME_TO_STOP = 6.0
+
+
+def styles_of(kind: str) -> tuple[str, ...]:
+    """The styles that a kind can have.
+
+    Raises
+    ------
+    ValueError
+        If the kind is not known.
+    """
+    require_kinds([kind])
+    if kind == "run":
+        return ("run",)
+    if kind in _WALKS:
+        return tuple(style for style in MANNERS if style != "run")
+    return tuple(_TEMPOS)
+
+
+def require_kinds(kinds: Sequence[str]) -> list[str]:
+    """The same kinds, if there are any and all are known; else ValueError."""
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown or not kinds:
+        wrong = f"no kind {unknown[0]!r}" if unknown else "no kind is given"
+        raise ValueError(f"{wrong}; there are {', '.join(KINDS)}")
+    return list(kinds)
 
 
 def make_take(
@@ -29,18 +91,19 @@ def make_take(
     style: str | None = None,
     body: Body | None = None,
 ) -> Take:
-    """One take of a kind of motion, unlike any other of another seed.
+    """One take of a kind of motion, unlike that of any other seed.
 
     Parameters
     ----------
     kind : str
         One of `KINDS`.
     seed : int or numpy.random.Generator
+        The same number gives the same take; a generator goes on from where it is.
     seconds : float
     rate : float
         Frames a second.
     style : str, optional
-        Drawn where None.
+        One of `styles_of(kind)`; drawn from those that suit the kind where None.
     body : Body, optional
         Drawn where None.
 
@@ -51,33 +114,67 @@ def make_take(
     Raises
     ------
     ValueError
-        If the kind or the style is not known, or a length or rate is not positive.
+        If the kind or its style is not known, or `seconds` or `rate` is not above 0.
     """
-    if kind not in _STYLES:
-        raise ValueError(f"no kind {kind!r}; there are {', '.join(KINDS)}")
-    if not (seconds > 0 and rate > 0):
-        raise ValueError(f"seconds is {seconds} and rate is {rate}, expected numbers above 0")
+    styles = styles_of(kind)
+    if style is not None and style not in styles:
+        raise ValueError(f"{kind} has no style {style!r}; it has {', '.join(styles)}")
+    for name, value in (("seconds", seconds), ("rate", rate)):
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{name} is {value}, expected a number above 0")
     rng = np.random.default_rng(seed)
     body = body or draw_body(rng)
-    style = style or str(rng.choice(_STYLES[kind]))
+    style = style or str(rng.choice(_WALKS.get(kind, styles)))
+    t = np.arange(max(round(seconds * rate), 1)) / rate
+    make = _walk if kind in _WALKS else _gesture
+    return make(kind, style, body, t, rate, rng)
+
+
+def _gesture(
+    kind: str, style: str, body: Body, t: np.ndarray, rate: float, rng: np.random.Generator
+) -> Take:
+    tempo = _TEMPOS[style] * float(np.exp(rng.normal(0, 0.06)))
+    stage = Stage(body, t, rng)
+    if style == "tired":
+        stage.add("bend", 5.0)
+        stage.add("nod", 8.0)
+    _GESTURES[kind](stage, float(t[-1]), tempo)
+    pose, contacts = stage.pose()
+    motion = assemble(body, pose, rate)
+    return Take(motion, kind, style, body, contacts, stage.asked(), stage.heading)
+
+
+def _walk(
+    kind: str, style: str, body: Body, t: np.ndarray, rate: float, rng: np.random.Generator
+) -> Take:
     manner = draw_manner(rng, style)
+    seconds = float(t[-1])
     # Some takes begin and end standing, some in full stride, as recordings do.
-    lead = 2.5 if kind == "run" or rng.random() < 0.5 else -rng.uniform(0.3, 1.0)
-    trail = 2.5 if kind == "run" or rng.random() < 0.5 else -rng.uniform(0.3, 1.0)
-    skip = max(lead, 0.0)
-    times = grid(seconds + skip + max(trail, 0.0))
+    stands = [kind != "run" and seconds > _TIME_TO_STOP and rng.random() < 0.5 for _ in range(2)]
+    lead, trail = (0.0 if standing else _LEAD for standing in stands)
+    times = grid(lead + seconds + trail)
+    begin = rng.uniform(0.3, 1.0) if stands[0] else 0.0
+    end = times[-1] - (rng.uniform(0.3, 1.0) if stands[1] else 0.0)
+    headings = _headings(kind, rng, times, lead, seconds)
+    walks = bouts(rng, begin, end) if kind == "walking_dog" else [(begin, end)]
+    route, phase = set_out(rng, manner, body.stature, times, headings, walks)
+    t = lead + t
+    pose, contacts = walk(body, manner, route, phase, t, rng)
+    if kind == "walking_dog":
+        hold_lead(pose, body, route.heading(t), t, rng)
+    motion = assemble(body, pose, rate)
+    return Take(motion, kind, style, body, contacts, route.place(t), route.heading(t))
+
+
+def _headings(
+    kind: str, rng: np.random.Generator, times: np.ndarray, lead: float, seconds: float
+) -> np.ndarray:
     if kind == "walk_with_turn":
         angle = rng.choice([-1, 1]) * np.radians(rng.uniform(60, 170))
-        when = skip + seconds * rng.uniform(0.4, 0.6)
-        headings = turn_at(rng, times, angle, when, abs(angle) / np.radians(55) + 1.0)
-    else:
-        headings = rng.uniform(-np.pi, np.pi) + drift(rng, 0.15, 0.03, 0.15)(times)
-    begin, end = max(-lead, 0.0), times[-1] + min(trail, 0.0)
-    route, phase = set_out(rng, manner, body.stature, headings, times, begin, end)
-    t = skip + np.arange(max(round(seconds * rate), 1)) / rate
-    pose, contacts = walk(body, manner, route, phase, t, rng)
-    motion = assemble(body, pose, rate)
-    return Take(motion, kind, style, contacts, route.place(t), route.heading(t))
-
-
-__all__ = ["KINDS", "bends", "make_take"]
+        when = lead + seconds * rng.uniform(0.4, 0.6)
+        return turn_at(rng, times, angle, when, abs(angle) / np.radians(55) + 1.0)
+    if kind == "walking_dog":
+        return bends(rng, times, 0.6)
+    if kind == "walking":
+        return bends(rng, times, rng.choice([0.2, 0.8, 1.6]))
+    return bends(rng, times, 0.25)

@@ -56,7 +56,7 @@ class Manner:
     curves : LegCurves
     """
 
-    speed: float = 1.33
+    speed: float = 1.30
     cadence: float = 112.0
     arm_swing: float = 16.0
     arm_rest: float = -2.0
@@ -82,7 +82,7 @@ class Manner:
 MANNERS = {
     "neutral": Manner(),
     "confident": Manner(
-        speed=1.55, cadence=117, arm_swing=24, arm_out=11, elbow=22, elbow_swing=14, lean=0,
+        speed=1.47, cadence=117, arm_swing=24, arm_out=11, elbow=22, elbow_swing=14, lean=0,
         stoop=-3, pelvis_turn=6, chest_turn=8, sway=0.024, width=0.12, toe_out=10, gaze=-2,
     ),
     "old": Manner(
@@ -95,7 +95,7 @@ MANNERS = {
         pelvis_turn=4, chest_turn=3, sway=0.030, width=0.13, crouch=5, roll=0.85, gaze=18,
     ),
     "brisk": Manner(
-        speed=1.75, cadence=128, arm_swing=26, elbow=45, elbow_swing=16, lean=5, pelvis_turn=7,
+        speed=1.65, cadence=131, arm_swing=26, elbow=45, elbow_swing=16, lean=5, pelvis_turn=7,
         chest_turn=8, width=0.09,
     ),
     "run": Manner(
@@ -106,7 +106,7 @@ MANNERS = {
 }  # fmt: skip
 
 # How far takes differ: a share of the value, or an amount where the value may be 0.
-_SHARES = {"cadence": 0.04, "speed": 0.07, "arm_swing": 0.22, "elbow": 0.2, "elbow_swing": 0.25,
+_SHARES = {"cadence": 0.04, "speed": 0.05, "arm_swing": 0.22, "elbow": 0.12, "elbow_swing": 0.25,
            "pelvis_turn": 0.2, "pelvis_drop": 0.2, "chest_turn": 0.2, "sway": 0.2, "width": 0.15,
            "bob": 0.08, "roll": 0.04}  # fmt: skip
 _AMOUNTS = {"arm_rest": 3, "arm_out": 2.5, "lean": 2, "stoop": 3, "toe_out": 2.5, "gaze": 4}

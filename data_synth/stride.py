@@ -40,7 +40,7 @@ class Stances:
     yaw: np.ndarray
 
     def rolling(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """What share of its free pitch the foot has: 1 at the strike, 0 while flat, 1 at toe off."""
+        """The share of its free pitch that the foot has: 1 at the strike, 0 flat, 1 at toe off."""
         loading = 1 - ease((t - self.strike[k]) / (self.flat[k] - self.strike[k]))
         # The heel is free to rise as it would in two thirds of the time from heel off to toe off.
         span = np.maximum(self.toe_off[k] - self.heel_off[k], 1e-3)

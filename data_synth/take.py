@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from data_synth.body import Body
 from numpy_cae.motion import Motion
 
 
@@ -18,9 +19,11 @@ class Take:
     motion : Motion
     kind, style : str
         What the person does, and in which manner.
+    body : Body
+        Who does it.
     contacts : (F, 2) array of bool
         Left and right: the ball of that foot (joints ``ltoes``, ``rtoes``) stands still on the
-        floor, from foot flat to toe off. While it holds, the joint moves less than 5 mm.
+        floor; in a walk from foot flat to toe off. While it holds, the joint stays within 5 mm.
     path : (F, 2) array
         The x and z that the pelvis was asked to follow, metres; it sways about it.
     heading : (F,) array
@@ -31,6 +34,12 @@ class Take:
     motion: Motion
     kind: str
     style: str
+    body: Body
     contacts: np.ndarray
     path: np.ndarray
     heading: np.ndarray
+
+    @property
+    def stature(self) -> float:
+        """The person's height in metres."""
+        return self.body.stature

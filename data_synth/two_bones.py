@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 # Beyond this share of its length a limb yields smoothly instead of snapping straight.
-YIELDS_AT, YIELDS_FOR = 0.985, 0.010
+YIELDS_AT, YIELDS_FOR = 0.990, 0.0075
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -37,7 +37,7 @@ def reach(
     Returns
     -------
     middle, end : (F, 3) arrays
-        The end is the target where that is within 0.985 of the limb's length, else on the way.
+        The end is the target where that is within 0.99 of the limb's length, else on the way.
     """
     span = target - start
     distance = np.linalg.norm(span, axis=-1, keepdims=True)
@@ -53,7 +53,7 @@ def reach(
 
 
 def frames_from(x: np.ndarray, y: np.ndarray) -> Rotation:
-    """The rotations whose axes X and Y point along x and y; y, exactly, and x made upright to it."""
+    """The rotations whose axis Y points along y exactly, and X as nearly along x as can be."""
     y = unit(y)
     x = unit(x - np.sum(x * y, axis=-1, keepdims=True) * y)
     return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1))

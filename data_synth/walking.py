@@ -9,24 +9,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from data_synth.body import SIGN, Body
+from data_synth.body import Body
 from data_synth.curves import drift, ease
 from data_synth.gait import Gait
 from data_synth.manner import Manner
 from data_synth.pose import Arm, Pose
-from data_synth.route import Route, grid
+from data_synth.route import Route
 
 
 def set_out(
     rng: np.random.Generator,
     manner: Manner,
     stature: float,
-    headings: np.ndarray,
     times: np.ndarray,
-    begin: float,
-    end: float,
+    headings: np.ndarray,
+    bouts: list[tuple[float, float]],
 ) -> tuple[Route, np.ndarray]:
-    """A route at the manner's speed from standing at `begin` to standing at `end`, and its phase.
+    """A route at the manner's speed, walked in bouts from standing to standing, and its phase.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    manner : Manner
+    stature : float
+        Metres.
+    times, headings : (N,) arrays
+        Seconds, and where the walker faces then, radians.
+    bouts : list of (begin, end)
+        Seconds, one after the other.
 
     Returns
     -------
@@ -36,19 +46,26 @@ def set_out(
     """
     size = stature / 1.75
     speed, steps = manner.speed * np.sqrt(size), manner.cadence / 60 / np.sqrt(size)
-    gather = 1.5 / steps * 2
-    go = ease((times - begin) / gather) * ease((end - times) / gather)
-    wander = drift(rng, 0.02, 0.1, 0.5)
+    # Full speed is reached within three steps (Breniere & Do, 1986, J. Biomech. 19:1035).
+    gather = 3 / steps
+    wander = drift(rng, 0.02, 0.1, 0.5)(times)
     # In a bend people slow down: a tenth at 40 degrees a second.
     bend = np.abs(np.gradient(headings, times))
-    speeds = speed * go * (1 + wander(times)) / (1 + 0.15 * bend)
-    first = 0.5 * rng.integers(2)
-    ticking = ease((times - begin) / 0.35) * steps / 2 * (1 + 0.7 * wander(times))
+    go = np.zeros(len(times))
+    phase = np.full(len(times), 0.5 * rng.integers(2))
     step = times[1] - times[0]
-    phase = first + np.concatenate([[0.0], np.cumsum((ticking[1:] + ticking[:-1]) / 2) * step])
-    # The last foot comes down and only then the clock stops.
-    arrived = np.ceil(2 * np.interp(end - 0.3, times, phase)) / 2 + 0.1
-    return Route(times, speeds, headings), np.minimum(phase, arrived)
+    for begin, end in bouts:
+        go += ease((times - begin) / gather) * ease((end - times) / gather)
+        ticking = ease((times - begin) / 0.35) * steps / 2 * (1 + 0.7 * wander)
+        done = np.concatenate([[0.0], np.cumsum((ticking[1:] + ticking[:-1]) / 2) * step])
+        # The last foot comes down flat before its clock stops, and the other foot has not left.
+        before = phase[-1]
+        arrived = np.ceil(2 * (before + np.interp(end - 0.3, times, done))) / 2 + 0.06
+        phase = np.minimum(before + done, arrived) if begin <= times[0] else np.where(
+            times < begin, phase, np.minimum(before + done, arrived)
+        )  # fmt: skip
+    speeds = speed * go * (1 + wander) / (1 + 0.15 * bend)
+    return Route(times, speeds, headings), phase
 
 
 def walk(
@@ -130,6 +147,3 @@ def turn_at(rng: np.random.Generator, times: np.ndarray, angle: float, when: flo
     """A heading that turns once, by `angle` radians over `over` seconds around `when`."""
     start = rng.uniform(-np.pi, np.pi)
     return start + angle * ease((times - when) / over + 0.5) + drift(rng, 0.03, 0.05, 0.2)(times)
-
-
-__all__ = ["SIGN", "bends", "grid", "set_out", "turn_at", "walk"]

@@ -32,6 +32,7 @@ from numpy_cae.motion.read_asf import read_asf
 from numpy_cae.motion.read_bvh import read_bvh
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.windows import cut_windows, hold_last_pose
+from numpy_cae.motion.write_acclaim import write_acclaim, write_amc, write_asf
 from numpy_cae.motion.write_bvh import write_bvh
 
 __all__ = [
@@ -64,5 +65,8 @@ __all__ = [
     "read_asf",
     "read_bvh",
     "read_mapping",
+    "write_acclaim",
+    "write_amc",
+    "write_asf",
     "write_bvh",
 ]

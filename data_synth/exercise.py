@@ -1,0 +1,87 @@
+"""Exercises on the feet: squats and jumping jacks, each repetition a little unlike the last."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from data_synth.body import SIDES, SIGN
+from data_synth.footsteps import Foot
+from data_synth.stage import Stage, bump
+
+
+def squats(stage: Stage, seconds: float, tempo: float) -> None:
+    """Down until the thighs are near level and up again, arms forwards for balance."""
+    rng, body = stage.rng, stage.body
+    wide = 0.5 * body.hip_width + rng.uniform(0.06, 0.14)
+    out = rng.uniform(10, 18)
+    stage.feet = [Foot(sign * wide, 0.0, sign * out) for sign in SIGN]
+    arms = float(rng.uniform(0.75, 1.0))
+    clock = rng.uniform(0.3, 0.8)
+    while clock < seconds - 1.5:
+        down, up = rng.uniform(0.8, 1.3) / tempo, rng.uniform(0.7, 1.1) / tempo
+        hold = rng.uniform(0.0, 0.35)
+        deep = float(rng.uniform(0.75, 1.0))
+        parts = {
+            "up": -0.46 * body.leg * deep, "ahead": -0.20 * body.leg * deep, "tilt": 24.0 * deep,
+            "bend": 14.0 * deep, "nod": -24.0 * deep, "l.splay": 11.0, "r.splay": 11.0,
+        }  # fmt: skip
+        lag = {"tilt": -0.05, "bend": 0.05, "nod": 0.08}
+        for side in SIDES:
+            parts |= {f"{side}.flexion": 88.0 * arms + 30 * deep, f"{side}.elbow": -6.0,
+                      f"{side}.turn": -8.0, f"{side}.forwards": 8.0, f"{side}.curl": -15.0,
+                      f"{side}.pronation": 15.0}  # fmt: skip
+            lag |= {f"{side}.flexion": rng.uniform(-0.08, 0.04), f"{side}.elbow": 0.1}
+        stage.gesture(parts, clock, down, hold, up, lag)
+        clock += down + hold + up + rng.uniform(0.15, 0.7) / tempo
+
+
+def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
+    """Jump the feet apart while the arms go up, jump them together while the arms come down."""
+    rng, body, t = stage.rng, stage.body, stage.t
+    near = 0.5 * body.hip_width + 0.01
+    stage.feet = [Foot(sign * near, 0.0, sign * rng.uniform(5, 9)) for sign in SIGN]
+    wide = near + rng.uniform(0.17, 0.28) * body.leg / 0.85
+    half = rng.uniform(0.46, 0.58) / tempo
+    high = rng.uniform(145, 165)
+    bend = rng.uniform(12, 30)
+    clock, apart = rng.uniform(0.5, 1.0), False
+    while clock < seconds - 2 * half - 0.4 or apart:
+        beat = half * float(np.exp(rng.normal(0, 0.03)))
+        flight = rng.uniform(0.24, 0.28)
+        leave = clock + 0.45 * beat - 0.5 * flight
+        for side, sign in enumerate(SIGN):
+            late = rng.uniform(0.0, 0.012)
+            goal = near if apart else wide + rng.normal(0, 0.01)
+            stage.feet[side].step(
+                leave + late, leave + flight + late, (sign * goal, 0.0), lift=0.07
+            )
+            name = SIDES[side]
+            # Off and down on the balls of the feet.
+            heel = bump(t, leave - 0.10, 0.14, flight - 0.10, 0.20)
+            stage.add(f"{name}.heel", 30.0 * heel)
+            lift = high if not apart else -high
+            begin, over = clock + rng.uniform(0, 0.03) - 0.02, 0.92 * beat
+            stage.move(f"{name}.abduction", lift, begin, over)
+            stage.move(f"{name}.turn", -0.28 * lift, begin + 0.02, over)
+            stage.move(f"{name}.raised", 0.11 * lift, begin - 0.02, over)
+            stage.add(f"{name}.elbow", bend * bump(t, begin, 0.5 * over, 0.0, 0.5 * over))
+        stage.add("up", _hop(t, leave, flight, 0.06))
+        stage.add("bend", 4.0 * bump(t, leave + flight - 0.05, 0.12, 0.0, 0.2))
+        stage.add("nod", -3.0 * bump(t, leave + flight, 0.12, 0.0, 0.2))
+        apart = not apart
+        clock += beat
+
+
+def _hop(t: np.ndarray, leave: float, flight: float, dip: float) -> np.ndarray:
+    """Crouch, fly as a thrown body does (g T²/8 high), land and give."""
+    u = (t - leave) / flight
+    flying = 9.81 * flight**2 / 8 * np.clip(4 * u * (1 - u), 0.0, None)
+    pushes = bump(t, leave - 0.20, 0.10, 0.0, 0.12) + bump(
+        t, leave + flight - 0.04, 0.12, 0.0, 0.18
+    )
+    return _rounded(flying) - dip * pushes
+
+
+def _rounded(height: np.ndarray, over: float = 0.012) -> np.ndarray:
+    """Round off the corner where a flight begins: sqrt(h² + ε²) - ε."""
+    return np.sqrt(height**2 + over**2) - over

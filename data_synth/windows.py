@@ -1,0 +1,90 @@
+"""Windows without files: made, brought to the 63 features of holden2015 and cut, in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from data_synth.series import Plan, plan_takes
+from numpy_cae.motion import (
+    body_of,
+    bone_lengths,
+    change_lengths,
+    cut_windows,
+    positions_to_features,
+)
+
+_RATE = 30.0
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of features and where they come from.
+
+    Parameters
+    ----------
+    features : (N, length, 63) array of float64
+        As `numpy_cae.motion.positions_to_features` lays them out: metres, metres and radians a
+        frame; no mean subtracted.
+    real : (N, length) array of bool
+        False on frames that hold the last pose of a take shorter than a window.
+    kinds, styles : lists of N str
+    takes : (N,) array of int
+        The number of the take that each window was cut from.
+    lengths : (20,) array
+        The bone lengths in metres that every take was brought to: their mean.
+    """
+
+    features: np.ndarray
+    real: np.ndarray
+    kinds: list[str]
+    styles: list[str]
+    takes: np.ndarray
+    lengths: np.ndarray
+
+
+def make_windows(
+    minutes: float,
+    seed: int = 0,
+    kinds: Sequence[str] | None = None,
+    length: int = 160,
+    overlap: int = 80,
+) -> Windows:
+    """Windows of `minutes` of motion at 30 frames a second (holden2015, section 4).
+
+    Parameters
+    ----------
+    minutes : float
+    seed : int
+    kinds : sequence of str, optional
+    length, overlap : int
+        In frames.
+
+    Raises
+    ------
+    ValueError
+        As `plan_takes` and `numpy_cae.motion.cut_windows` do.
+    """
+    return windows_of(plan_takes(minutes, seed, kinds), length, overlap)
+
+
+def windows_of(plans: Sequence[Plan], length: int = 160, overlap: int = 80) -> Windows:
+    """The windows of planned takes, such as `plan_cmu_scale()`."""
+    takes = [(plan, plan.make(_RATE)) for plan in plans]
+    bodies = [body_of(take.motion) for _, take in takes]
+    own = [bone_lengths(body) for body in bodies]
+    wanted = np.mean(own, axis=0)
+    cut, real, kinds, styles, numbers = [], [], [], [], []
+    for (plan, take), body, lengths in zip(takes, bodies, own, strict=True):
+        features, _ = positions_to_features(change_lengths(body, lengths, wanted), _RATE)
+        windows, shown = cut_windows(features, length, overlap)
+        cut.append(windows)
+        real.append(shown)
+        kinds += [take.kind] * len(windows)
+        styles += [take.style] * len(windows)
+        numbers += [plan.number] * len(windows)
+    return Windows(
+        np.concatenate(cut), np.concatenate(real), kinds, styles, np.array(numbers), wanted
+    )

@@ -1,0 +1,92 @@
+"""A series of takes as a folder of motion files, one subfolder a person, and a table of labels."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from data_synth.series import Plan
+from data_synth.take import Take
+from numpy_cae.motion import MotionFileError, write_amc, write_asf, write_bvh
+from numpy_cae.motion.whole_file import whole_file
+
+FORMATS = ("bvh", "asfamc")
+_CENTIMETRE = 0.01
+_COLUMNS = ("file", "kind", "style", "person", "stature_m", "seconds", "rate_hz", "frames", "seed",
+            "take")  # fmt: skip
+
+
+def write_series(
+    plans: Sequence[Plan],
+    folder: str | Path,
+    file_format: str = "bvh",
+    rate: float = 120.0,
+    each: Callable[[Plan, Take], None] | None = None,
+) -> Path:
+    """Make and write every planned take, then the labels.
+
+    Files are laid out as in the CMU database: ``02/02_01.bvh``, or ``02/02.asf`` and
+    ``02/02_01.amc``. Each is written beside its place and moved there. A file of the same name is
+    replaced; others are left alone.
+
+    Parameters
+    ----------
+    plans : sequence of Plan
+    folder : path
+        Made if it is not there.
+    file_format : "bvh" (centimetres) or "asfamc" (the units of the CMU database)
+    rate : float
+        Frames a second.
+    each : function, optional
+        Called after each take is written.
+
+    Returns
+    -------
+    Path
+        Of ``labels.csv``.
+
+    Raises
+    ------
+    ValueError
+        If the format is not known.
+    MotionFileError
+        If a file or folder cannot be written.
+    """
+    if file_format not in FORMATS:
+        raise ValueError(f"format is {file_format!r}, expected one of {', '.join(FORMATS)}")
+    folder = Path(folder)
+    table = io.StringIO()
+    rows = csv.writer(table, lineterminator="\n")
+    rows.writerow(_COLUMNS)
+    for plan in plans:
+        person = f"{plan.person:02d}"
+        _make_folder(folder / person)
+        take = plan.make(rate)
+        path = folder / person / (plan.name + (".bvh" if file_format == "bvh" else ".amc"))
+        if file_format == "bvh":
+            write_bvh(take.motion, path, _CENTIMETRE)
+        else:
+            skeleton = folder / person / f"{person}.asf"
+            if plan.name.endswith("_01") or not skeleton.exists():
+                write_asf(take.motion.skeleton, skeleton)
+            write_amc(take.motion, path)
+        rows.writerow(
+            [path.relative_to(folder).as_posix(), take.kind, take.style, plan.person,
+             f"{take.stature:.3f}", f"{take.motion.seconds:.4f}", f"{rate:g}", len(take.motion),
+             plan.seed, plan.number]
+        )  # fmt: skip
+        if each is not None:
+            each(plan, take)
+    labels = folder / "labels.csv"
+    with whole_file(labels) as beside:
+        beside.write_text(table.getvalue(), encoding="utf-8", newline="\n")
+    return labels
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MotionFileError(folder, None, f"cannot be made: {error.strerror}") from error
