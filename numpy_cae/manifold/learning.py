@@ -18,6 +18,9 @@ from numpy_cae.training import Schedule, train_autoencoder
 RMS = 0.25
 """What the one scale brings the features to, root mean square. The paper does not say; much
 smaller and the rate 0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
+LOUDEST = 2.0
+"""How many times that the loudest window may have: at one window a step, a person lying down among
+people standing is enough to diverge."""
 
 
 def learn_manifold(
@@ -47,7 +50,8 @@ def learn_manifold(
     filters, taps, bound
         Of `ConvAutoencoder`.
     rms : float
-        What the features are scaled to, root mean square.
+        What the features are scaled to, root mean square; less where a single window would have
+        more than `LOUDEST` times it.
 
     Returns
     -------
@@ -76,9 +80,11 @@ def learn_manifold(
     spread = np.sqrt(np.mean((frames - mean_pose) ** 2))
     if spread < 1e-9:
         raise ValueError("every frame of the takes is the same: there is nothing to learn")
-    manifold = MotionManifold(network, mean_pose, rms / spread, lengths, RATE)
-
     windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])
+    loudest = np.sqrt(np.mean((windows - mean_pose) ** 2, axis=(1, 2)).max())
+    scale = min(rms / spread, LOUDEST * rms / loudest)
+    manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
+
     history = train_autoencoder(
         network, manifold.normalise(windows), schedule, rng, show_progress=show_progress
     )

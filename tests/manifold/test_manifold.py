@@ -64,6 +64,18 @@ def test_normalised_features_have_mean_zero_and_one_scale(manifold):
     np.testing.assert_allclose(manifold.denormalise(x), np.concatenate(features), atol=1e-6)
 
 
+def test_one_loud_take_does_not_drown_the_others():
+    """A person lying down has many times the spread of people standing."""
+    takes = [take(seed).positions() for seed in range(20)]
+    flat = takes[0] - takes[0][:, :1]
+    lying = np.stack([flat[..., 0], 0.2 + flat[..., 2], flat[..., 1]], axis=-1)
+    once = Schedule(layer=Stage(epochs=1), fine_tuning=Stage(1, 0.01, 0.9, 0.0))
+    few = {"window": 32, "overlap": 16, "filters": (4,), "taps": 3, "show_progress": False}
+    manifold = learn_manifold([*takes, lying], once, **few)
+    x = manifold.normalise(manifold.features(lying)[0])
+    assert np.sqrt(np.mean(x**2)) == pytest.approx(0.5, rel=0.05)
+
+
 @pytest.mark.parametrize("frames", [1, 3, 32, 61])
 def test_projection_takes_any_length(manifold, frames):
     features, _ = manifold.features(take(1, frames=61).positions())
