@@ -9,12 +9,12 @@ import numpy as np
 
 from numpy_cae.verify import differences
 from numpy_cae.verify.diagnosis import (
-    Point,
     likely_mistake,
     mistake_in_roughness,
     mistake_in_shape,
 )
 from numpy_cae.verify.differences import KINK, WRONG, Verdict
+from numpy_cae.verify.point import Point
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 10
