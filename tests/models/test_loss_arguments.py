@@ -22,3 +22,14 @@ def test_without_masks_unpooling_is_even_and_without_a_layer_all_are_used():
     for (dw, db), (dw_again, db_again) in zip(gradients, again, strict=True):
         np.testing.assert_array_equal(dw, dw_again)
         np.testing.assert_array_equal(db, db_again)
+
+
+def test_each_mask_is_used_by_its_own_layer():
+    masks = [RNG.random((2, 4, 4)) < 0.5, RNG.random((2, 2, 5)) < 0.5]
+    loss, _ = MODEL.loss_and_gradients(X, CORRUPTED, first=masks)
+    lower, upper = MODEL.layers
+    below = upper.decode(MODEL.encode(CORRUPTED), masks[1])[0]
+    x_hat = lower.decode(below, masks[0])[0]
+    assert loss == pytest.approx(np.mean((x_hat - X) ** 2), rel=1e-12)
+    evenly, _ = MODEL.loss_and_gradients(X, CORRUPTED)
+    assert abs(loss - evenly) > 1e-3
