@@ -143,3 +143,25 @@ def test_no_bar(monkeypatch, asked):
     stage = Progress("layer 1", steps=1, **asked)
     stage.step()
     stage.close()
+
+
+def test_the_loss_of_an_epoch_is_the_mean_over_its_windows(monkeypatch):
+    """Batches of 5, 5 and 2: the small one counts for its two windows and no more."""
+    losses = iter([1.0, 2.0, 4.0, 3.0, 3.0, 3.0])
+    monkeypatch.setattr(layerwise, "_step", lambda *arguments: next(losses))
+    network = ConvAutoencoder(3, (4,), taps=3)
+    stages = Schedule(layer=Stage(epochs=1), fine_tuning=Stage(1), batch=5)
+    history = train_autoencoder(network, WINDOWS, stages, show_progress=False)
+    assert history.losses["layer 1"] == [pytest.approx((5 * 1 + 5 * 2 + 2 * 4) / 12)]
+    assert history.losses["fine tuning"] == [pytest.approx(3.0)]
+
+
+def test_divergence_says_where_at_which_rate_and_what_may_help(monkeypatch):
+    losses = iter([1.0, 1.0, 1.0, float("inf")])
+    monkeypatch.setattr(layerwise, "_step", lambda *arguments: next(losses))
+    with pytest.raises(layerwise.DivergedError) as failure:
+        train_autoencoder(model(), WINDOWS, SCHEDULE, show_progress=False)
+    assert str(failure.value) == (
+        "layer 1, epoch 2: the loss is inf at rate 0.45; "
+        "a lower rate or smaller values of the input may keep it finite"
+    )
