@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import tempfile
 from pathlib import Path
 
 EXAMPLE = """\
@@ -39,7 +40,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--time-limit", type=_positive, default=120.0, metavar="SECONDS", help="a file; default 120"
     )
     parser.add_argument(
-        "--memory-limit", type=_positive, default=2048.0, metavar="MB", help="default 2048"
+        "--memory-limit",
+        type=_positive,
+        default=2048.0,
+        metavar="MB",
+        help="where the platform has one; default 2048",
     )
     parser.set_defaults(run=run)
 
@@ -47,13 +52,24 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     try:
+        from hypothesis.configuration import set_hypothesis_home_dir
+
         from numpy_cae.verify.grading import grade
-    except ImportError as missing:
-        raise ValueError(str(missing)) from None
-    graded = [
-        grade(file, dict(args.named), args.time_limit, int(args.memory_limit))
-        for file in args.files
-    ]
+    except ImportError:
+        raise ValueError(
+            "drawing examples needs hypothesis: pip install 'numpy_cae[test]', "
+            "or pip install hypothesis"
+        ) from None
+    for file in args.files:
+        if not file.is_file():
+            raise ValueError(f"{file}: there is no such file")
+    with tempfile.TemporaryDirectory() as folder:
+        set_hypothesis_home_dir(folder)  # lest it leave a .hypothesis wherever one grades
+        graded = [
+            grade(file, dict(args.named), args.time_limit, int(args.memory_limit))
+            for file in args.files
+        ]
+        set_hypothesis_home_dir(None)
     if args.json:
         print(json.dumps([file.as_json() for file in graded], indent=2, ensure_ascii=False))
     else:

@@ -69,12 +69,12 @@ def gru_step(
     require_shape("h", h, ("batch", "hidden"))
     batch, hidden = h.shape
     require_shape("x", x, (batch, "in"))
-    _require_weights(x.shape[-1], hidden, w, u, b, c)
+    _require_weights(x.shape[1], hidden, w, u, b, c)
 
     a, a_pullback = linear(x, w, b)
     s, s_pullback = linear(h, u, c)
-    a_r, a_z, a_n = np.split(a, 3, axis=-1)
-    s_r, s_z, s_n = np.split(s, 3, axis=-1)
+    a_r, a_z, a_n = np.split(a, 3, axis=1)
+    s_r, s_z, s_n = np.split(s, 3, axis=1)
     r, _ = sigmoid(a_r + s_r)
     z, _ = sigmoid(a_z + s_z)
     n = np.tanh(a_n + r * s_n)
@@ -89,8 +89,8 @@ def gru_step(
         dr = da_n * s_n
         da_z = dz * z * (1 - z)
         da_r = dr * r * (1 - r)
-        dx, dw, db = a_pullback(np.concatenate([da_r, da_z, da_n], axis=-1))
-        dh_through_s, du, dc = s_pullback(np.concatenate([da_r, da_z, ds_n], axis=-1))
+        dx, dw, db = a_pullback(np.concatenate([da_r, da_z, da_n], axis=1))
+        dh_through_s, du, dc = s_pullback(np.concatenate([da_r, da_z, ds_n], axis=1))
         dh = dh_next * z + dh_through_s
         return dx, dh, dw, du, db, dc
 

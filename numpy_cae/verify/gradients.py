@@ -9,12 +9,12 @@ import numpy as np
 
 from numpy_cae.verify import differences
 from numpy_cae.verify.diagnosis import (
-    Point,
     likely_mistake,
     mistake_in_roughness,
     mistake_in_shape,
 )
 from numpy_cae.verify.differences import KINK, WRONG, Verdict
+from numpy_cae.verify.point import Point
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 10
@@ -103,7 +103,7 @@ def value_and_pullback(f: Callable, inputs: Sequence[np.ndarray]) -> tuple[np.nd
     returned = f(*inputs)
     if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
         raise TypeError(
-            f"expected a value and its pullback, a tuple of an array and a function, "
+            "expected a value and its pullback, a tuple of an array and a function, "
             f"got {_described(returned)}"
         )
     value, pullback = returned
@@ -137,6 +137,10 @@ def _check_argument(f, inputs, position, names, value, dy, gradient, rng, tolera
         raise GradientError(
             f"the gradient for {name} is {found}, expected shape {x.shape}, that of {name}",
             mistake_in_shape(at),
+        )
+    if not isinstance(gradient, np.ndarray | np.generic):
+        raise AssertionError(
+            f"the gradient for {name} is a {type(gradient).__name__}, not an array"
         )
     if not np.all(np.isfinite(gradient)):
         index = _plain(np.argwhere(~np.isfinite(gradient))[0])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from numpy_cae.verify.catalogue import properties
-from numpy_cae.verify.reporting import Report, report_on, require_operation
+from numpy_cae.verify.reporting import WIDTH, Report, report_on, require_operation
 from numpy_cae.verify.sandbox.refusal import refused_imports
 from numpy_cae.verify.sandbox.student import Fault, Student
 
@@ -37,10 +38,12 @@ class FileReport:
         return sum(report.possible for report in self.reports)
 
     def __str__(self) -> str:
-        parts = [str(report) for report in self.reports]
-        parts += [f"The file fails: {fault}" for fault in self.faults]
+        parts = [str(self.path)]
+        parts += [str(report) for report in self.reports]
+        parts += [textwrap.fill(f"The file fails: {fault}", WIDTH) for fault in self.faults]
         verdict = "every property held" if self.held else "FAILED"
-        parts.append(f"{self.path}: {self.points} of {self.possible} points, {verdict}")
+        score = f"{self.points} of {self.possible} points" if self.possible else "no points"
+        parts.append(f"{self.path}: {score}, {verdict}")
         return "\n\n".join(parts)
 
     def as_json(self) -> dict:

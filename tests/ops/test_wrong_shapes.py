@@ -122,6 +122,11 @@ LINEAR = (WINDOWS, np.ones((3, 2)), np.ones(2))
             with_other(SLICED, 2, UNIT * [[1.0], [1.5]]),
             "directions[1] has length 1.5, expected unit rows",
         ),
+        (
+            "sliced_wasserstein",
+            with_other(SLICED, 2, UNIT * [[1.0], [0.5]]),
+            "directions[1] has length 0.5, expected unit rows",
+        ),
         ("arctanh", [WINDOWS, 0], "bound is 0, expected a number between 0 and 1, both excluded"),
         ("arctanh", [WINDOWS, 1], "bound is 1, expected a number between 0 and 1, both excluded"),
     ],

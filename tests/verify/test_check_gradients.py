@@ -121,3 +121,71 @@ def test_adjoint_of_the_unpooling_holds_and_of_half_of_it_does_not():
     check_adjoint(ops.unpool_even, y, dx)
     with pytest.raises(AssertionError, match="not the adjoint"):
         check_adjoint(lambda y: (np.repeat(y / 2, 2, axis=1), lambda dx: dx[:, ::2]), y, dx)
+
+
+def test_adjoint_wants_shapes_that_fit():
+    y, dx = np.ones((2, 4, 3)), np.ones((2, 8, 3))
+    with pytest.raises(AssertionError, match=r"value has shape \(2, 8, 3\), but y has shape"):
+        check_adjoint(ops.unpool_even, y, y)
+    with pytest.raises(AssertionError, match=r"pullback returns shape \(2, 8, 3\) for an argument"):
+        check_adjoint(lambda y: (np.repeat(y, 2, axis=1), lambda dx: dx), y, dx)
+
+
+def test_adjoint_of_a_convolution_without_bias(conv_arguments):
+    x, w, _ = conv_arguments
+
+    def f(x):
+        y, pullback = ops.conv1d(x, w, np.zeros(2))
+        return y, lambda dy: pullback(dy)[0]
+
+    check_adjoint(f, x, np.random.default_rng(2).standard_normal((2, 6, 2)))
+
+
+def test_names_of_arguments_come_from_the_caller_or_from_f():
+    def wrong(angle):
+        return np.sin(angle), lambda dy: dy
+
+    with pytest.raises(AssertionError, match="gradient for angle"):
+        check_gradients(wrong, np.ones(2))
+    with pytest.raises(AssertionError, match="gradient for argument 0"):
+        check_gradients(lambda *all_of_them: wrong(*all_of_them), np.ones(2))
+    with pytest.raises(AssertionError, match="gradient for theta"):
+        check_gradients(wrong, np.ones(2), names=["theta"])
+
+
+def test_only_the_named_arguments_are_checked():
+    def half_wrong(x, w):
+        return x * w, lambda dy: (dy, dy * x)
+
+    x, w = np.random.default_rng(0).standard_normal((2, 3))
+    check_gradients(half_wrong, x, w, only=["w"])
+    with pytest.raises(AssertionError, match="gradient for x"):
+        check_gradients(half_wrong, x, w)
+
+
+def test_a_failure_comes_again_with_the_same_numbers():
+    reports = []
+    for _ in range(2):
+        with pytest.raises(AssertionError) as failure:
+            check_gradients(lambda x: (np.sin(x), lambda dy: dy), np.linspace(0, 1, 5))
+        reports.append(str(failure.value))
+    assert reports[0] == reports[1]
+
+
+def test_a_list_is_no_gradient():
+    with pytest.raises(AssertionError, match="gradient for x is a list, not an array"):
+        check_gradients(lambda x: (2 * x, lambda dy: ([2.0 * d for d in dy],)), np.ones(2))
+
+
+@pytest.mark.parametrize("size", [0.5, 1e-3, 1e-5])
+def test_a_small_error_in_one_entry_of_many_is_found(size):
+    def off(x):
+        def pullback(dy):
+            dx = dy * np.cos(x)
+            dx[1, 2] *= 1 + size
+            return dx
+
+        return np.sin(x), pullback
+
+    with pytest.raises(AssertionError, match=r"index \(1, 2\)"):
+        check_gradients(off, np.random.default_rng(0).uniform(-1, 1, (3, 4)))

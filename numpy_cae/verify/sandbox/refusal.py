@@ -31,7 +31,7 @@ AUTODIFF = (
     "torch",
 )
 REFUSED = ("numpy_cae", *AUTODIFF)
-BY_NAME = ("__import__", "import_module", "find_spec", "run_module", "exec", "eval")
+BY_NAME = ("__import__", "import_module", "run_module")
 
 
 def is_refused(module: str) -> bool:
@@ -54,21 +54,22 @@ def refused_imports(source: str) -> list[str]:
     ]
 
 
-def _imports(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and "__main__" in ast.dump(node.test):
-            for other in node.orelse:
-                yield from _imports(other)
-            continue
-        if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            yield node.lineno, node.module
-        elif isinstance(node, ast.Call) and _called(node.func) in BY_NAME:
-            for argument in node.args:
-                if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
-                    yield node.lineno, argument.value
-        yield from _imports(node)
+def _imports(node: ast.AST) -> Iterator[tuple[int, str]]:
+    """Line and module of every import in a piece of a program, but not under __main__."""
+    if isinstance(node, ast.If) and "__main__" in ast.dump(node.test):
+        for other in node.orelse:
+            yield from _imports(other)
+        return
+    if isinstance(node, ast.Import):
+        yield from ((node.lineno, alias.name) for alias in node.names)
+    elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+        yield node.lineno, node.module
+    elif isinstance(node, ast.Call) and _called(node.func) in BY_NAME:
+        for argument in node.args:
+            if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+                yield node.lineno, argument.value
+    for child in ast.iter_child_nodes(node):
+        yield from _imports(child)
 
 
 def _called(function: ast.expr) -> str | None:

@@ -1,0 +1,35 @@
+"""What the loss takes to be meant where an argument is left out."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.models import ConvAutoencoder
+
+RNG = np.random.default_rng(0)
+MODEL = ConvAutoencoder(3, (4, 5), taps=3, rng=RNG, dtype=np.float64)
+X, CORRUPTED = RNG.normal(scale=0.3, size=(2, 2, 8, 3))
+
+
+def test_without_alpha_there_is_no_sparsity():
+    loss, _ = MODEL.loss_and_gradients(X, CORRUPTED)
+    assert loss == pytest.approx(np.mean((MODEL.project(CORRUPTED) - X) ** 2), rel=1e-12)
+
+
+def test_without_masks_unpooling_is_even_and_without_a_layer_all_are_used():
+    loss, gradients = MODEL.loss_and_gradients(X, CORRUPTED, 0.2)
+    same, again = MODEL.loss_and_gradients(X, CORRUPTED, 0.2, [None, None], None)
+    assert loss == same
+    for (dw, db), (dw_again, db_again) in zip(gradients, again, strict=True):
+        np.testing.assert_array_equal(dw, dw_again)
+        np.testing.assert_array_equal(db, db_again)
+
+
+def test_each_mask_is_used_by_its_own_layer():
+    masks = [RNG.random((2, 4, 4)) < 0.5, RNG.random((2, 2, 5)) < 0.5]
+    loss, _ = MODEL.loss_and_gradients(X, CORRUPTED, first=masks)
+    lower, upper = MODEL.layers
+    below = upper.decode(MODEL.encode(CORRUPTED), masks[1])[0]
+    x_hat = lower.decode(below, masks[0])[0]
+    assert loss == pytest.approx(np.mean((x_hat - X) ** 2), rel=1e-12)
+    evenly, _ = MODEL.loss_and_gradients(X, CORRUPTED)
+    assert abs(loss - evenly) > 1e-3

@@ -1,0 +1,78 @@
+"""The report of a notebook, and what it needs."""
+
+import subprocess
+import sys
+
+import pytest
+
+from numpy_cae import ops, verify
+
+
+def my_conv1d(x, w, b):
+    y, pullback = ops.conv1d(x, w, b)
+    return y, lambda dy: (pullback(dy)[0], pullback(dy)[1], dy.mean(axis=(0, 1)))
+
+
+def test_a_report_shows_points_counterexample_and_mistake():
+    report = verify.report(my_conv1d, as_="conv1d")
+    assert (report.points, report.possible, report.held) == (14, 16, False)
+    (failed,) = [outcome for outcome in report.outcomes if not outcome.held]
+    assert failed.property.name == "gradient for b"
+    assert failed.counterexample.startswith("batch 1, frames 2, channels 1")
+    assert "(a mean for a sum, or the reverse) too little" in failed.mistake
+    text = str(report)
+    assert text.splitlines()[0].startswith("my_conv1d as conv1d")
+    assert text.splitlines()[0].endswith("14 of 16 points")
+    assert "FAILED  gradient for b" in text and "held    gradient for x" in text
+    assert repr(report) == text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_report_is_the_same_every_time():
+    assert str(verify.report(my_conv1d, as_="conv1d")) == str(verify.report(my_conv1d, "conv1d"))
+
+
+def test_the_name_tells_the_operation():
+    report = verify.report(ops.tanh)
+    assert report.held and report.operation == "tanh"
+
+
+def test_an_unknown_operation_is_an_error_with_the_names():
+    with pytest.raises(ValueError, match=r"no operation is called 'my_conv1d'; there are conv1d, "):
+        verify.report(my_conv1d)
+
+
+def test_one_reason_is_told_once():
+    text = str(verify.report(lambda x: 1 / 0, as_="tanh"))
+    assert text.count("ZeroDivisionError") == 1
+    assert "as for value" in text
+
+
+def test_an_exception_names_its_kind():
+    report = verify.report(lambda x, w, b: (x @ w, None), as_="linear")
+    assert "TypeError: expected a value and its pullback" in " ".join(str(report).split())
+
+
+def test_without_hypothesis_gradients_are_checked_and_reports_say_what_is_missing():
+    program = """
+import sys
+sys.modules["hypothesis"] = None
+import numpy as np
+from numpy_cae import ops, verify
+verify.check_gradients(ops.tanh, np.ones(3))
+verify.check_adjoint(ops.unpool_even, np.ones((1, 2, 3)), np.ones((1, 4, 3)))
+assert verify.properties["tanh"]
+try:
+    verify.report(ops.tanh)
+except ImportError as missing:
+    assert "pip install" in str(missing)
+    from numpy_cae.cli.verify import run
+    from argparse import Namespace
+    try:
+        run(Namespace())
+    except ValueError as told:
+        assert "pip install" in str(told)
+        print("told")
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert ended.stdout == "told\n", ended.stderr
