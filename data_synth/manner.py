@@ -106,7 +106,7 @@ MANNERS = {
 }  # fmt: skip
 
 # How far takes differ: a share of the value, or an amount where the value may be 0.
-_SHARES = {"cadence": 0.04, "speed": 0.05, "arm_swing": 0.22, "elbow": 0.12, "elbow_swing": 0.25,
+_SHARES = {"cadence": 0.04, "speed": 0.045, "arm_swing": 0.22, "elbow": 0.12, "elbow_swing": 0.25,
            "pelvis_turn": 0.2, "pelvis_drop": 0.2, "chest_turn": 0.2, "sway": 0.2, "width": 0.15,
            "bob": 0.08, "roll": 0.04}  # fmt: skip
 _AMOUNTS = {"arm_rest": 3, "arm_out": 2.5, "lean": 2, "stoop": 3, "toe_out": 2.5, "gaze": 4}
@@ -126,6 +126,8 @@ def draw_manner(rng: np.random.Generator, style: str) -> Manner:
         changed[name] = getattr(manner, name) * float(np.exp(share * _bounded(rng)))
     for name, amount in _AMOUNTS.items():
         changed[name] = getattr(manner, name) + float(amount * _bounded(rng))
+    # Who steps faster goes faster; the length of the step is drawn apart from it.
+    changed["speed"] *= changed["cadence"] / manner.cadence
     changed["roll"] = min(changed["roll"], 1.0)
     return replace(manner, **changed)
 
