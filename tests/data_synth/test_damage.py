@@ -135,7 +135,7 @@ def test_what_makes_no_sense_is_refused(body):
         lose_marker(body, 1, gap=5)
     with pytest.raises(ValueError, match="gap is 0"):
         lose_marker(body, 1, 0, gap=0)
-    with pytest.raises(ValueError, match="expected .frames, joints, 3."):
+    with pytest.raises(ValueError, match=r"expected .frames, joints, 3."):
         lose_marker(body[0], 1)
     with pytest.raises(ValueError, match="every is 0"):
         hold_poses(body, 0)
