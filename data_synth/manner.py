@@ -74,7 +74,7 @@ class Manner:
     crouch: float = 2.0
     roll: float = 1.0
     clearance: float = 0.015
-    bob: float = 1.0
+    bob: float = 1.15
     gaze: float = 4.0
     curves: LegCurves = WALK
 
@@ -101,7 +101,7 @@ MANNERS = {
     "run": Manner(
         speed=3.0, cadence=164, arm_swing=30, arm_rest=-8, arm_out=14, elbow=88, elbow_swing=13,
         lean=9, stoop=2, pelvis_turn=7, pelvis_drop=4, chest_turn=11, sway=0.008, width=0.05,
-        toe_out=5, crouch=0, gaze=2, curves=RUN, clearance=0.02,
+        toe_out=5, crouch=0, gaze=2, curves=RUN, clearance=0.02, bob=1.9,
     ),
 }  # fmt: skip
 
