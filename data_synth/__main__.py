@@ -36,9 +36,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             plans = plan_cmu_scale(args.seed, args.kinds)
         else:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
-        progress = _Progress(plans, shown=not args.quiet)
-        labels = write_series(plans, args.out, args.format, args.rate, progress.take_done)
-        progress.close()
+        with _Progress(plans, shown=not args.quiet) as progress:
+            labels = write_series(plans, args.out, args.format, args.rate, progress.take_done)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
         return 2
@@ -105,7 +104,16 @@ class _Progress:
     def __init__(self, plans: Sequence[Plan], shown: bool):
         self.total, self.done, self.shown = len(plans), 0, shown
         self.said = self.begun = time.monotonic()
-        self.bar = tqdm(total=len(plans), unit=" takes") if shown and tqdm is not None else None
+        self.bar = None
+        if shown and tqdm is not None:
+            self.bar = tqdm(total=len(plans), unit=" takes", file=sys.stderr)
+
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()
 
     def take_done(self, plan: Plan, take: object) -> None:
         """One more take is written."""
@@ -118,11 +126,6 @@ class _Progress:
             self.said = now
             left = (now - self.begun) / self.done * (self.total - self.done)
             print(f"{self.done} of {self.total} takes, {left:.0f} s to go", file=sys.stderr)
-
-    def close(self) -> None:
-        """All takes are written."""
-        if self.bar is not None:
-            self.bar.close()
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def hold_lead(
     # A tug comes through the shoulder into the trunk, and the head looks to the dog.
     pose.spine[:, 0] += np.radians(4.0) * tug
     pose.spine[:, 2] -= sign * np.radians(7.0) * tug
-    pose.neck[:, 0] += np.radians(9.0) + np.radians(4.0) * drift(rng, 1.0, 0.08, 0.4)(t)
+    pose.neck[:, 0] += np.radians(3.0) + np.radians(4.0) * drift(rng, 1.0, 0.08, 0.4)(t)
     pose.neck[:, 2] += 0.7 * np.sin(dog) + sign * np.radians(5.0) * tug
     other = pose.arms[1 - side]
     other.elbow = other.elbow + np.radians(rng.uniform(0, 15))

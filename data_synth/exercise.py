@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from data_synth.body import SIDES, SIGN
 from data_synth.footsteps import Foot
 from data_synth.stage import Stage, bump
+
+_GRAVITY = 9.81
 
 
 def squats(stage: Stage, seconds: float, tempo: float) -> None:
@@ -45,6 +49,7 @@ def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
     high = rng.uniform(145, 165)
     bend = rng.uniform(12, 30)
     clock, apart = rng.uniform(0.5, 1.0), False
+    flights: list[tuple[float, float]] = []
     while clock < seconds - 2 * half - 0.4 or apart:
         beat = half * float(np.exp(rng.normal(0, 0.03)))
         flight = rng.uniform(0.24, 0.28)
@@ -65,23 +70,42 @@ def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
             stage.move(f"{name}.turn", -0.28 * lift, begin + 0.02, over)
             stage.move(f"{name}.raised", 0.11 * lift, begin - 0.02, over)
             stage.add(f"{name}.elbow", bend * bump(t, begin, 0.5 * over, 0.0, 0.5 * over))
-        stage.add("up", _hop(t, leave, flight, 0.06))
+        flights.append((leave, flight))
         stage.add("bend", 4.0 * bump(t, leave + flight - 0.05, 0.12, 0.0, 0.2))
         stage.add("nod", -3.0 * bump(t, leave + flight, 0.12, 0.0, 0.2))
         apart = not apart
         clock += beat
+    stage.add("up", bounce(t, flights))
 
 
-def _hop(t: np.ndarray, leave: float, flight: float, dip: float) -> np.ndarray:
-    """Crouch, fly as a thrown body does (g T²/8 high), land and give."""
-    u = (t - leave) / flight
-    flying = 9.81 * flight**2 / 8 * np.clip(4 * u * (1 - u), 0.0, None)
-    pushes = bump(t, leave - 0.20, 0.10, 0.0, 0.12) + bump(
-        t, leave + flight - 0.04, 0.12, 0.0, 0.18
-    )
-    return _rounded(flying) - dip * pushes
+def bounce(t: np.ndarray, flights: list[tuple[float, float]], gather: float = 0.34) -> np.ndarray:
+    """How high a body is that jumps several times, (F,) in metres, 0 where its feet leave.
 
+    In the air it is a thrown body, g u (T - u) / 2 above the floor; on the floor it gives way and
+    pushes off again along another parabola, of the same speed v = g T / 2 at both ends, or from
+    and to rest along a cubic.
 
-def _rounded(height: np.ndarray, over: float = 0.012) -> np.ndarray:
-    """Round off the corner where a flight begins: sqrt(h² + ε²) - ε."""
-    return np.sqrt(height**2 + over**2) - over
+    Parameters
+    ----------
+    t : (F,) array
+        Seconds.
+    flights : list of (when the feet leave, how long they are away)
+        In the order of time.
+    gather : float
+        Seconds before the first push and after the last landing.
+    """
+    height = np.zeros(len(t))
+    if not flights:
+        return height
+    ends = [(None, flights[0]), *itertools.pairwise(flights), (flights[-1], None)]
+    for leave, air in flights:
+        u = np.clip(t - leave, 0.0, air)
+        height += _GRAVITY / 2 * u * (air - u)
+    for before, after in ends:
+        start = after[0] - gather if before is None else sum(before)
+        end = start + gather if before is None or after is None else after[0]
+        fall = 0.0 if before is None else -_GRAVITY / 2 * before[1]
+        push = 0.0 if after is None else _GRAVITY / 2 * after[1]
+        u, span = np.clip((t - start) / (end - start), 0.0, 1.0), end - start
+        height += span * (u * (1 - u) ** 2 * fall - u**2 * (1 - u) * push)
+    return height

@@ -125,30 +125,28 @@ def make_take(
     rng = np.random.default_rng(seed)
     body = body or draw_body(rng)
     style = style or str(rng.choice(_WALKS.get(kind, styles)))
-    t = np.arange(max(round(seconds * rate), 1)) / rate
     make = _walk if kind in _WALKS else _gesture
-    return make(kind, style, body, t, rate, rng)
+    return make(kind, style, body, seconds, rate, rng)
 
 
 def _gesture(
-    kind: str, style: str, body: Body, t: np.ndarray, rate: float, rng: np.random.Generator
+    kind: str, style: str, body: Body, seconds: float, rate: float, rng: np.random.Generator
 ) -> Take:
     tempo = _TEMPOS[style] * float(np.exp(rng.normal(0, 0.06)))
-    stage = Stage(body, t, rng)
+    stage = Stage(body, _frame_times(seconds, rate), rng)
     if style == "tired":
         stage.add("bend", 5.0)
         stage.add("nod", 8.0)
-    _GESTURES[kind](stage, float(t[-1]), tempo)
+    _GESTURES[kind](stage, seconds, tempo)
     pose, contacts = stage.pose()
     motion = assemble(body, pose, rate)
     return Take(motion, kind, style, body, contacts, stage.asked(), stage.heading)
 
 
 def _walk(
-    kind: str, style: str, body: Body, t: np.ndarray, rate: float, rng: np.random.Generator
+    kind: str, style: str, body: Body, seconds: float, rate: float, rng: np.random.Generator
 ) -> Take:
     manner = draw_manner(rng, style)
-    seconds = float(t[-1])
     # Some takes begin and end standing, some in full stride, as recordings do.
     stands = [kind != "run" and seconds > _TIME_TO_STOP and rng.random() < 0.5 for _ in range(2)]
     lead, trail = (0.0 if standing else _LEAD for standing in stands)
@@ -158,12 +156,16 @@ def _walk(
     headings = _headings(kind, rng, times, lead, seconds)
     walks = bouts(rng, begin, end) if kind == "walking_dog" else [(begin, end)]
     route, phase = set_out(rng, manner, body.stature, times, headings, walks)
-    t = lead + t
+    t = lead + _frame_times(seconds, rate)
     pose, contacts = walk(body, manner, route, phase, t, rng)
     if kind == "walking_dog":
         hold_lead(pose, body, route.heading(t), t, rng)
     motion = assemble(body, pose, rate)
     return Take(motion, kind, style, body, contacts, route.place(t), route.heading(t))
+
+
+def _frame_times(seconds: float, rate: float) -> np.ndarray:
+    return np.arange(max(round(seconds * rate), 1)) / rate
 
 
 def _headings(

@@ -32,6 +32,8 @@ from data_synth.damage import Damaged, Rng
 
 DEPTH_NOISE = 0.0016
 """σ of depth over squared distance, 1/m."""
+FARTHEST = 5.0
+"""Metres. No figure is published beyond; noise there is as here."""
 SIDEWAYS_SHARE = 0.35
 """Noise across the line of sight, as a share of that along it."""
 JOINT_BIAS = 0.03
@@ -219,7 +221,8 @@ def _jitter(positions: np.ndarray, sensor: np.ndarray, rng: np.random.Generator)
     sight = rays / depth
     noise = rng.normal(size=positions.shape)
     along = np.sum(noise * sight, axis=-1, keepdims=True) * sight
-    return DEPTH_NOISE * depth**2 * (along + SIDEWAYS_SHARE * (noise - along))
+    sigma = DEPTH_NOISE * np.minimum(depth, FARTHEST) ** 2
+    return sigma * (along + SIDEWAYS_SHARE * (noise - along))
 
 
 def _floor(frames: int, rate: float, rng: np.random.Generator) -> np.ndarray:

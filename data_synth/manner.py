@@ -74,7 +74,7 @@ class Manner:
     crouch: float = 2.0
     roll: float = 1.0
     clearance: float = 0.015
-    bob: float = 1.0
+    bob: float = 1.15
     gaze: float = 4.0
     curves: LegCurves = WALK
 
@@ -101,12 +101,12 @@ MANNERS = {
     "run": Manner(
         speed=3.0, cadence=164, arm_swing=30, arm_rest=-8, arm_out=14, elbow=88, elbow_swing=13,
         lean=9, stoop=2, pelvis_turn=7, pelvis_drop=4, chest_turn=11, sway=0.008, width=0.05,
-        toe_out=5, crouch=0, gaze=2, curves=RUN, clearance=0.02,
+        toe_out=5, crouch=0, gaze=2, curves=RUN, clearance=0.02, bob=1.9,
     ),
 }  # fmt: skip
 
 # How far takes differ: a share of the value, or an amount where the value may be 0.
-_SHARES = {"cadence": 0.04, "speed": 0.05, "arm_swing": 0.22, "elbow": 0.12, "elbow_swing": 0.25,
+_SHARES = {"cadence": 0.04, "speed": 0.045, "arm_swing": 0.22, "elbow": 0.12, "elbow_swing": 0.25,
            "pelvis_turn": 0.2, "pelvis_drop": 0.2, "chest_turn": 0.2, "sway": 0.2, "width": 0.15,
            "bob": 0.08, "roll": 0.04}  # fmt: skip
 _AMOUNTS = {"arm_rest": 3, "arm_out": 2.5, "lean": 2, "stoop": 3, "toe_out": 2.5, "gaze": 4}
@@ -126,6 +126,8 @@ def draw_manner(rng: np.random.Generator, style: str) -> Manner:
         changed[name] = getattr(manner, name) * float(np.exp(share * _bounded(rng)))
     for name, amount in _AMOUNTS.items():
         changed[name] = getattr(manner, name) + float(amount * _bounded(rng))
+    # Who steps faster goes faster; the length of the step is drawn apart from it.
+    changed["speed"] *= changed["cadence"] / manner.cadence
     changed["roll"] = min(changed["roll"], 1.0)
     return replace(manner, **changed)
 

@@ -1,0 +1,167 @@
+"""The parts that people are made of: bodies, joint limits, gait curves, inverse kinematics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from data_synth import LIMITS, beyond_limits, draw_body, joint_angles, make_body, make_take
+from data_synth.body import NAMES
+from data_synth.curves import drift, ease, fading
+from data_synth.exercise import bounce
+from data_synth.gait_curves import _RUN, _WALK, RUN, WALK
+from data_synth.pictures import main as draw_pictures
+from data_synth.stage import smooth_over
+from data_synth.two_bones import reach
+from numpy_cae.motion import load_motion
+
+seeds = st.integers(0, 2**31)
+
+
+def test_the_bones_are_those_of_the_cmu_database(data_folder):
+    real = load_motion(data_folder / "cmu" / "asfamc" / "02" / "02_01.amc").skeleton
+    assert set(real.names) == set(NAMES)
+    body = make_body(1.75)
+    for joint, name in enumerate(body.skeleton.names):
+        parent = body.skeleton.parents[joint]
+        theirs = real.parents[real.index(name)]
+        assert (parent < 0) == (theirs < 0)
+        if parent >= 0:
+            assert body.skeleton.names[parent] == real.names[theirs]
+
+
+def test_a_body_is_as_tall_as_it_says():
+    for stature in (1.5, 1.75, 2.0):
+        body = make_body(stature)
+        height = body.standing
+        for name in ("upperback", "thorax", "lowerneck", "upperneck", "head"):
+            height += body.offset(name)[1]
+        height += body.skeleton.end_sites[body.skeleton.index("head")][1]
+        assert height == pytest.approx(stature, rel=0.03)
+        # Winter (2009), figure 4.1.
+        assert body.leg == pytest.approx(0.491 * stature, rel=0.01)
+        assert body.thigh / body.shank == pytest.approx(0.245 / 0.246, rel=0.01)
+    with pytest.raises(ValueError, match="stature is 0"):
+        make_body(0)
+
+
+def test_people_differ():
+    statures = [draw_body(np.random.default_rng(seed)).stature for seed in range(200)]
+    assert 1.64 < np.mean(statures) < 1.77 and 0.05 < np.std(statures) < 0.12
+    ratios = [
+        body.leg / body.stature
+        for body in (draw_body(np.random.default_rng(seed)) for seed in range(50))
+    ]
+    assert np.std(ratios) > 0.003
+
+
+@pytest.mark.parametrize(("series", "table"), [(WALK, _WALK), (RUN, _RUN)])
+def test_fourier_series_pass_near_their_table(series, table):
+    phase = np.arange(20) / 20
+    for joint, degrees in table.items():
+        curve = getattr(series, joint)
+        np.testing.assert_allclose(np.degrees(curve(phase)), degrees, atol=2.0)
+        np.testing.assert_allclose(curve(phase), curve(phase + 3), atol=1e-12)
+
+
+def test_knees_of_a_walk_bend_as_measured():
+    """Winter (1991): 55° to 70° in swing, near 10° to 25° in stance, twice a stride."""
+    for seed in range(4):
+        take = make_take("walk", seed, 10.0, 60.0, "neutral")
+        middle = slice(180, 420)
+        knee = joint_angles(take.motion)["ltibia", "flexion"][middle]
+        stance = take.contacts[middle, 0]
+        assert 52 < knee.max() < 85
+        assert 8 < np.median(knee[stance]) < 32
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=seeds)
+def test_two_bones_reach_and_bend_to_one_side(seed):
+    rng = np.random.default_rng(seed)
+    upper, lower = rng.uniform(0.2, 0.6, 2)
+    start, way = rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
+    way /= np.linalg.norm(way, axis=-1, keepdims=True)
+    hinge = rng.normal(size=(5, 3))
+    low, high = abs(upper - lower) / (upper + lower) + 0.02, 0.989
+    share = rng.uniform(low, high, (5, 1))
+    target = start + way * share * (upper + lower)
+    middle, end = reach(start, target, upper, lower, hinge)
+    np.testing.assert_allclose(end, target, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(middle - start, axis=-1), upper, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(end - middle, axis=-1), lower, atol=1e-9)
+    side = np.cross(hinge, start - target)
+    assert (np.sum((middle - start) * side, axis=-1) > -1e-12).all()
+    # Too far away it stretches, and never beyond itself.
+    _, end = reach(start, start + 3 * way, upper, lower, hinge)
+    assert (np.linalg.norm(end - start, axis=-1) < upper + lower).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=seeds, samples=st.floats(1, 30))
+def test_what_is_smoothed_over_is_never_undercut(seed, samples):
+    need = np.random.default_rng(seed).normal(size=80)
+    assert (smooth_over(need, samples) >= need - 1e-12).all()
+
+
+def test_curves_have_no_corners():
+    u = np.linspace(-0.5, 1.5, 4001)
+    for curve in (ease(u), fading(u)):
+        assert np.abs(np.diff(curve, 2)).max() < 1e-4
+    assert ease(np.array([-1.0, 0.0, 1.0, 9.0])).tolist() == [0, 0, 1, 1]
+    wander = drift(np.random.default_rng(0), 2.0)(np.linspace(0, 2000, 200_000))
+    assert wander.std() == pytest.approx(2.0, rel=0.1)
+
+
+def test_who_jumps_falls_as_things_do():
+    t = np.linspace(0, 3, 30_001)
+    height = bounce(t, [(0.8, 0.26), (1.3, 0.24)])
+    flying = (t > 0.82) & (t < 1.04)
+    acceleration = np.diff(height, 2) / (t[1] - t[0]) ** 2
+    np.testing.assert_allclose(acceleration[flying[1:-1]], -9.81, atol=1e-3)
+    # Between the flights the floor pushes with at most a few times the weight, and speeds agree.
+    assert np.abs(acceleration).max() < 50
+    assert np.abs(np.diff(height)).max() / (t[1] - t[0]) < 1.4
+
+
+@pytest.mark.parametrize(
+    ("joint", "turn", "said"),
+    [
+        ("ltibia", [-0.3, 0, 0], "ltibia flexion is -17.2°"),
+        ("rtibia", [0.2, 0.1, 0], "rtibia other"),
+        ("rradius", [0, -0.3, 0], "rradius flexion is -17.2°"),
+        ("lradius", [0, 0.3, 0], "lradius flexion is -17.2°"),
+        ("lfemur", [0.9, 0, 0], "lfemur flexion is -51.6°"),
+        ("head", [0, 0.9, 0], "head twist is 51.6°"),
+        ("rfoot", [1.3, 0, 0], "rfoot dorsiflexion is -74.5°"),
+    ],
+)
+def test_a_joint_beyond_its_limits_is_named(joint, turn, said):
+    motion = make_take("idle", 1, 0.5, 10.0).motion
+    assert beyond_limits(motion) == []
+    rotations = motion.rotations.copy()
+    rotations[2, motion.skeleton.index(joint)] = Rotation.from_rotvec(turn).as_quat()
+    found = beyond_limits(replace(motion, rotations=rotations))
+    assert any(line.startswith(said) and "frame 2" in line for line in found), found
+
+
+def test_every_joint_that_moves_has_limits():
+    motion = make_take("waiting", 1, 6.0, 30.0).motion
+    measured = {name for name, _ in joint_angles(motion)}
+    stiff = {"root", "lhipjoint", "rhipjoint"}
+    assert measured == set(motion.skeleton.names) - stiff
+    for limits in LIMITS.values():
+        assert all(low < high for low, high in limits.values())
+
+
+def test_pictures_are_drawn(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("data_synth.pictures.KINDS", ("press_ups",))
+    assert draw_pictures([str(tmp_path / "new")]) == 0
+    assert (tmp_path / "new" / "press_ups.png").stat().st_size > 2000
+    assert draw_pictures([]) == 2
+    assert "usage" in capsys.readouterr().err

@@ -1,0 +1,185 @@
+"""Series of takes: how much, who, the files that come out, and the command line."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import re
+import subprocess
+import sys
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import data_synth.__main__ as command_line
+from data_synth import (
+    KINDS,
+    Plan,
+    make_takes,
+    make_windows,
+    plan_cmu_scale,
+    plan_takes,
+    windows_of,
+    write_series,
+)
+from numpy_cae.motion import load_motion
+
+
+def fingerprint(folder: Path) -> dict[str, str]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(f.relative_to(folder)): hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
+
+
+@pytest.mark.parametrize("minutes", [0.05, 1.0, 30.0])
+def test_a_series_lasts_as_long_as_asked(minutes):
+    plans = plan_takes(minutes, seed=4)
+    assert sum(plan.seconds for plan in plans) == pytest.approx(60 * minutes)
+    assert max(plan.seconds for plan in plans) <= 23
+    assert [plan.number for plan in plans] == list(range(1, len(plans) + 1))
+
+
+def test_every_kind_comes_equally_often():
+    plans = plan_takes(60, seed=2)
+    counts = [sum(plan.kind == kind for plan in plans) for kind in KINDS]
+    assert max(counts) - min(counts) <= 1
+
+
+def test_takes_of_a_person_have_the_same_bones():
+    plans = plan_takes(4, seed=5, kinds=["idle", "wave"])
+    one, two = plans[0].make(10.0), plans[1].make(10.0)
+    assert plans[0].person == plans[1].person
+    np.testing.assert_array_equal(one.motion.skeleton.offsets, two.motion.skeleton.offsets)
+    other = plans[13].make(10.0)
+    assert other.stature != one.stature
+
+
+def test_a_take_can_be_made_without_those_before_it():
+    plans = plan_takes(2, seed=6)
+    for take, plan in zip(make_takes(2, seed=6, rate=30.0), plans, strict=True):
+        again = plan.make(30.0)
+        assert take.motion.rotations.tobytes() == again.motion.rotations.tobytes()
+
+
+def test_cmu_scale_is_the_paper_s_number_of_windows():
+    plans = plan_cmu_scale(seed=1)
+    assert len(plans) == 2605
+    frames = np.array([round(plan.seconds * 30) for plan in plans])
+    windows = np.where(frames < 160, 1, 1 + np.ceil((frames - 160) / 80))
+    assert windows.sum() == 9673
+    assert 6 < sum(plan.seconds for plan in plans) / 3600 < 10
+
+
+def test_planned_windows_are_those_that_are_cut():
+    plans = plan_cmu_scale(seed=1)[:6]
+    windows = windows_of(plans)
+    assert windows.features.shape[1:] == (160, 63)
+    for plan in plans:
+        frames = round(plan.seconds * 30)
+        expected = 1 if frames < 160 else 1 + int(np.ceil((frames - 160) / 80))
+        assert (windows.takes == plan.number).sum() == expected
+    assert len(windows.kinds) == len(windows.styles) == len(windows.features)
+
+
+def test_windows_say_what_they_are():
+    windows = make_windows(0.5, seed=3, kinds=["walk"], length=60, overlap=20)
+    assert windows.features.shape[1:] == (60, 63)
+    assert set(windows.kinds) == {"walk"}
+    assert np.isfinite(windows.features).all()
+    # Someone walks about 4 cm a frame at 30 Hz.
+    speed = np.linalg.norm(windows.features[..., 60:62], axis=-1)
+    assert 0.02 < np.median(speed) < 0.07
+
+
+@pytest.mark.parametrize("file_format", ["bvh", "asfamc"])
+def test_files_read_back_to_the_same_positions(tmp_path, file_format):
+    plans = [Plan(9, n, (n - 1) // 12 + 1, kind, 0.8) for n, kind in enumerate(KINDS, start=1)]
+    write_series(plans, tmp_path, file_format, rate=60.0)
+    with (tmp_path / "labels.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == list(KINDS)
+    for plan, row in zip(plans, rows, strict=True):
+        take, read = plan.make(60.0), load_motion(tmp_path / row["file"])
+        assert (len(read), read.rate) == (len(take.motion), pytest.approx(60.0, rel=1e-6))
+        assert int(row["frames"]) == len(read)
+        order = [read.skeleton.index(name) for name in take.motion.skeleton.names]
+        off = read.positions()[:, order] - take.motion.positions()
+        assert np.abs(off).max() < 1e-3
+
+
+@pytest.mark.parametrize("file_format", ["bvh", "asfamc"])
+def test_same_seed_same_bytes_other_seed_other_takes(tmp_path, file_format):
+    for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
+        plans = plan_takes(0.3, seed)
+        write_series(plans, tmp_path / folder, file_format, rate=30.0)
+    one, same, other = (fingerprint(tmp_path / folder) for folder in "abc")
+    assert one == same
+    assert not set(one.values()) & set(other.values())
+
+
+def test_wrong_series_are_refused():
+    with pytest.raises(ValueError, match="minutes is 0"):
+        plan_takes(0)
+    with pytest.raises(ValueError, match="seed is -1"):
+        plan_takes(1, seed=-1)
+    with pytest.raises(ValueError, match="no kind 'fly'"):
+        make_takes(1, kinds=["walk", "fly"])
+    with pytest.raises(ValueError, match="no kind is given"):
+        plan_takes(1, kinds=[])
+    with pytest.raises(ValueError, match="format is 'fbx'"):
+        write_series([], "nowhere", "fbx")
+
+
+def test_the_command_writes_a_folder(tmp_path, capsys):
+    out = tmp_path / "deep" / "motions"
+    arguments = ["--minutes", "0.2", "--seed", "3", "--rate", "30", "--kinds", "walk, wave"]
+    assert command_line.main([str(out), *arguments]) == 0
+    said = capsys.readouterr()
+    assert "0.2 minutes" in said.out
+    assert {path.suffix for path in out.rglob("*.*")} == {".bvh", ".csv"}
+
+
+def test_without_tqdm_a_line_now_and_then(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(command_line, "tqdm", None)
+    command_line.main([str(tmp_path), "--minutes", "0.1", "--rate", "30"])
+    assert re.search(r"1 of 1 takes, 0 s to go", capsys.readouterr().err)
+    command_line.main([str(tmp_path), "--minutes", "0.1", "--rate", "30", "--quiet"])
+    assert capsys.readouterr().err == ""
+
+
+def test_a_folder_that_cannot_be_made_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    ran = subprocess.run(
+        [sys.executable, "-m", "data_synth", str(tmp_path / "file" / "out"), "--minutes", "0.1"],
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).parents[2],
+    )
+    assert ran.returncode == 2
+    last = ran.stderr.splitlines()[-1]
+    assert last.startswith("data_synth: ") and "cannot be made" in last
+    assert "Traceback" not in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--minutes", "-3"], "is not a number above 0"),
+        (["--kinds", "fly"], "no kind 'fly'"),
+        (["--seed", "-1"], "is below 0"),
+        (["--rate", "nan"], "is not a number above 0"),
+        (["--format", "fbx"], "invalid choice"),
+        (["--minutes", "3", "--cmu-scale"], "not allowed with"),
+    ],
+)
+def test_wrong_arguments_are_said(tmp_path, capsys, arguments, message):
+    with pytest.raises(SystemExit) as stopped:
+        command_line.main([str(tmp_path), *arguments])
+    assert stopped.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_takes_are_made_only_when_asked_for():
+    takes = make_takes(2_000, seed=1, rate=30.0)
+    assert [take.kind for take in islice(takes, 2)] != []

@@ -1,0 +1,213 @@
+"""What holds for every kind of motion and every seed: bones, limits, feet, paths, no pops.
+
+Seeds and lengths are drawn; `-m thorough` draws many more of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from data_synth import KINDS, Take, beyond_limits, make_take, styles_of
+
+SLIDING = 0.005  # metres
+# m/s²; hands of people who punch and knees of people who run reach about half of it at 120 Hz.
+STRONGEST = 450.0
+GRAVITY = 9.81
+
+seeds = st.integers(0, 2**32 - 1)
+every_kind = pytest.mark.parametrize("kind", KINDS)
+_made: dict[tuple, Take] = {}
+
+
+def take_of(kind: str, seed: int, seconds: float, rate: float = 120.0, style=None) -> Take:
+    """Made once, looked at by several tests."""
+    key = kind, seed, seconds, rate, style
+    if key not in _made:
+        _made.clear()
+        _made[key] = make_take(*key)
+    return _made[key]
+
+
+def drawn(test):
+    """The same few seeds every time; `-m thorough` runs fifty that differ from run to run."""
+    few = settings(max_examples=6, deadline=None, derandomize=True)
+    return few(given(seed=seeds, seconds=st.floats(1.5, 12.0))(test))
+
+
+def joint(take: Take, name: str) -> np.ndarray:
+    return take.motion.positions()[:, take.motion.skeleton.index(name)]
+
+
+def runs(held: np.ndarray) -> list[tuple[int, int]]:
+    """First and last + 1 frame of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def check_all(kind: str, seed: int, seconds: float) -> None:
+    check_bones(take_of(kind, seed, seconds))
+    assert beyond_limits(take_of(kind, seed, seconds).motion) == []
+    check_feet(take_of(kind, seed, seconds))
+    check_floor(take_of(kind, seed, seconds))
+    check_path(take_of(kind, seed, seconds))
+    check_smooth(take_of(kind, seed, seconds))
+
+
+@pytest.mark.thorough
+@every_kind
+@settings(max_examples=50, deadline=None)
+@given(seed=seeds, seconds=st.floats(0.2, 40.0))
+def test_everything_thoroughly(kind, seed, seconds):
+    check_all(kind, seed, seconds)
+
+
+@every_kind
+@drawn
+def test_everything_holds(kind, seed, seconds):
+    check_all(kind, seed, seconds)
+
+
+def check_bones(take: Take) -> None:
+    """Lengths constant to 1e-9 m, and those of the body."""
+    positions, skeleton = take.motion.positions(), take.motion.skeleton
+    for child, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            length = np.linalg.norm(positions[:, child] - positions[:, parent], axis=-1)
+            np.testing.assert_allclose(
+                length, np.linalg.norm(skeleton.offsets[child]), rtol=0, atol=1e-9
+            )
+
+
+def check_feet(take: Take) -> None:
+    """While a ball of a foot is said to stand, it stands, and it stands on the floor."""
+    for side, name in enumerate(("ltoes", "rtoes")):
+        ball = joint(take, name)
+        standing_height = 0.013 * take.stature
+        for start, end in runs(take.contacts[:, side]):
+            way = np.linalg.norm(ball[start:end] - ball[start], axis=-1)
+            assert way.max() < SLIDING, f"{name} slides {1000 * way.max():.1f} mm"
+            assert abs(ball[start, 1] - standing_height) < SLIDING
+
+
+def check_floor(take: Take) -> None:
+    """No joint and no heel sinks into the floor."""
+    positions, turned = take.motion.forward_kinematics()
+    assert positions[..., 1].min() > 0.0
+    for name in ("lfoot", "rfoot"):
+        foot = take.motion.skeleton.index(name)
+        heel = positions[:, foot] + turned[foot].apply(take.body.heel)
+        assert heel[:, 1].min() > -SLIDING, f"{name}: heel {1000 * heel[:, 1].min():.1f} mm"
+
+
+def check_path(take: Take) -> None:
+    """The pelvis goes where it was asked to and faces where it was asked to."""
+    root = joint(take, "root")[:, [0, 2]]
+    away = np.linalg.norm(root - take.path, axis=-1)
+    # It sways, and leans over one foot to kick with the other.
+    assert away.max() < 0.30
+    going = "walk" in take.kind or take.kind == "run"
+    whole_strides = going and take.motion.seconds > 4
+    if going:
+        assert away.max() < 0.09
+    if whole_strides:
+        assert np.abs((root - take.path).mean(axis=0)).max() < 0.03
+    across = joint(take, "lfemur") - joint(take, "rfemur")
+    facing = np.arctan2(-across[:, 2], across[:, 0])
+    off = (facing - take.heading + np.pi) % (2 * np.pi) - np.pi
+    assert np.abs(off).max() < np.radians(60)
+    if going:
+        assert np.abs(off).max() < np.radians(16)
+    if whole_strides:
+        assert abs(off.mean()) < np.radians(3)
+
+
+def check_smooth(take: Take) -> None:
+    """No pop: accelerations bounded, and the pelvis falls no faster than things do."""
+    if len(take.motion) < 3:
+        return
+    positions = take.motion.positions()
+    accelerations = np.diff(positions, 2, axis=0) * take.motion.rate**2
+    size = np.linalg.norm(accelerations, axis=-1)
+    assert size.max() < STRONGEST, take.motion.skeleton.names[size.max(axis=0).argmax()]
+    assert np.quantile(size, 0.99) < 150
+    assert size[:, 0].max() < 5 * GRAVITY
+
+
+@every_kind
+def test_every_style_is_made(kind):
+    for style in styles_of(kind):
+        take = make_take(kind, 3, seconds=3.0, rate=30.0, style=style)
+        assert (take.kind, take.style, len(take.motion)) == (kind, style, 90)
+
+
+@every_kind
+def test_same_seed_same_motion_other_seed_another(kind):
+    one, same, other = (make_take(kind, seed, 4.0, 30.0) for seed in (7, 7, 8))
+    assert one.motion.rotations.tobytes() == same.motion.rotations.tobytes()
+    assert one.motion.translations.tobytes() == same.motion.translations.tobytes()
+    assert not np.allclose(one.motion.rotations, other.motion.rotations, atol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["walk", "run", "walk_with_turn", "walking_dog"])
+def test_a_walk_is_the_same_at_another_rate(kind):
+    fine, coarse = (make_take(kind, 5, 6.0, rate).motion.positions() for rate in (120.0, 30.0))
+    np.testing.assert_allclose(fine[::4], coarse, rtol=0, atol=0.005)
+
+
+@pytest.mark.parametrize("seconds", [0.001, 0.3, 1.0, 90.0])
+@every_kind
+def test_any_length_can_be_asked_for(kind, seconds):
+    take = make_take(kind, 1, seconds, 30.0)
+    assert len(take.motion) == max(round(30 * seconds), 1)
+    assert np.isfinite(take.motion.positions()).all()
+
+
+def test_arms_swing_against_the_legs():
+    """While the left thigh comes forwards, the left arm goes back (Murray et al., 1967)."""
+    for seed in range(5):
+        take = make_take("walk", seed, 10.0, 30.0, "neutral")
+        ahead = np.stack([np.sin(take.heading), 0 * take.heading, np.cos(take.heading)], axis=-1)
+
+        def forwards(of, against, take=take, ahead=ahead):
+            return np.sum((joint(take, of) - joint(take, against)) * ahead, axis=-1)
+
+        leg = forwards("lfoot", "lfemur") - forwards("rfoot", "rfemur")
+        arm = forwards("lhand", "lhumerus") - forwards("rhand", "rhumerus")
+        assert np.corrcoef(leg, arm)[0, 1] < -0.5
+
+
+def test_a_turn_turns_and_a_walk_advances():
+    turn = make_take("walk_with_turn", 2, 10.0, 30.0)
+    assert np.radians(55) < abs(turn.heading[-1] - turn.heading[0]) < np.radians(185)
+    walk = make_take("walk", 2, 10.0, 30.0, "neutral")
+    assert np.linalg.norm(walk.path[-1] - walk.path[0]) > 6.0
+
+
+def test_an_old_man_is_slower_and_bent():
+    def speed_and_lean(kind):
+        take = make_take(kind, 4, 8.0, 30.0)
+        way = np.linalg.norm(np.diff(take.path, axis=0), axis=-1).sum()
+        spine = joint(take, "lowerneck") - joint(take, "root")
+        return way / 8.0, np.degrees(np.arccos(spine[:, 1] / np.linalg.norm(spine, axis=-1))).mean()
+
+    old, confident = speed_and_lean("old_mans_walk"), speed_and_lean("confident_walk")
+    assert old[0] < 0.6 * confident[0]
+    assert old[1] > confident[1] + 10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"kind": "fly"}, "no kind 'fly'; there are walk"),
+        ({"kind": "walk", "style": "drunk"}, "has no style 'drunk'"),
+        ({"kind": "walk", "seconds": 0.0}, "seconds is 0.0"),
+        ({"kind": "walk", "seconds": float("nan")}, "seconds is nan"),
+        ({"kind": "idle", "rate": -30.0}, "rate is -30.0"),
+    ],
+)
+def test_what_cannot_be_made_is_said(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        make_take(**arguments)
