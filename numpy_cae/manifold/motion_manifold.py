@@ -13,7 +13,6 @@ import numpy as np
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import Place, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.windows import hold_last_pose
 
 
 @dataclass
@@ -69,7 +68,9 @@ class MotionManifold:
     def project(self, features: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
 
-        A clip whose length is no multiple of 8 holds its last pose until it is, and is cut back.
+        The zeros that a convolution sees beyond a clip are the mean pose, and near its ends they
+        pull a motion there. So the clip is continued on both sides, its first and its last
+        frame held as far as the network sees, and cut back afterwards.
 
         Parameters
         ----------
@@ -80,5 +81,7 @@ class MotionManifold:
         (F, 63) array of float64
         """
         frames, unit = len(features), self.network.frames_per_unit
-        whole = hold_last_pose(features, -(-frames // unit) * unit)
-        return self.denormalise(self.network.project(self.normalise(whole)[None])[0])[:frames]
+        seen = sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
+        more = -(frames + 2 * seen) % unit
+        whole = np.pad(self.normalise(features), ((seen, seen + more), (0, 0)), mode="edge")
+        return self.denormalise(self.network.project(whole[None])[0])[seen : seen + frames]

@@ -84,6 +84,15 @@ def test_projection_takes_any_length(manifold, frames):
     assert np.all(np.isfinite(projected))
 
 
+def test_projection_of_the_ends_does_not_fall_back_to_the_mean_pose(manifold):
+    """What lies beyond a clip is its own first and last frame, not zeros."""
+    features, _ = manifold.features(take(4, frames=64).positions())
+    bare = manifold.denormalise(manifold.network.project(manifold.normalise(features)[None])[0])
+    ends = [0, 1, 2, 3, -4, -3, -2, -1]
+    error = position_error(manifold.project(features)[ends], features[ends])
+    assert error < position_error(bare[ends], features[ends])
+
+
 def test_projection_brings_a_damaged_motion_nearer_to_the_truth(manifold):
     features, _ = manifold.features(take(99).positions())
     rng = np.random.default_rng(0)
