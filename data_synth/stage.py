@@ -11,11 +11,10 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIDES, SIGN, Body
-from data_synth.curves import drift, ease
+from data_synth.curves import drift, ease, smooth_over
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
 from data_synth.stride import turned
@@ -191,14 +190,3 @@ class Stage:
 def bump(t: np.ndarray, start: float, rise: float, hold: float, fall: float) -> np.ndarray:
     """0, then 1 from start + rise for `hold` seconds, then 0 again, without a corner."""
     return ease((t - start) / rise) - ease((t - start - rise - hold) / fall)
-
-
-def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
-    """A smooth curve that is nowhere below `need`.
-
-    The running maximum over a window, averaged over the same window, is never below the need.
-    """
-    width = 2 * int(samples / 2) + 3
-    window = np.hanning(width + 2)[1:-1]
-    highest = maximum_filter1d(need, width, mode="nearest")
-    return convolve1d(highest, window / window.sum(), mode="nearest")

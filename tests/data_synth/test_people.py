@@ -12,11 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import LIMITS, beyond_limits, draw_body, joint_angles, make_body, make_take
 from data_synth.body import NAMES
-from data_synth.curves import drift, ease, fading
+from data_synth.curves import drift, ease, fading, smooth_over
 from data_synth.exercise import bounce
 from data_synth.gait_curves import _RUN, _WALK, RUN, WALK
 from data_synth.pictures import main as draw_pictures
-from data_synth.stage import smooth_over
 from data_synth.two_bones import reach
 from numpy_cae.motion import load_motion
 
