@@ -62,3 +62,15 @@ def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
     window = np.hanning(width + 2)[1:-1]
     highest = maximum_filter1d(need, width, mode="nearest")
     return convolve1d(highest, window / window.sum(), mode="nearest")
+
+
+def yielding(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
+    """The values themselves well within low..high, bent smoothly to stay within it.
+
+    From `share` of the range before each end on: e + s tanh((x - e) / s).
+    """
+    slack = share * (high - low)
+    over = np.maximum(values - (high - slack), 0.0)
+    under = np.maximum(low + slack - values, 0.0)
+    bent = np.clip(values, low + slack, high - slack)
+    return bent + slack * (np.tanh(over / slack) - np.tanh(under / slack))

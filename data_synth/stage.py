@@ -14,10 +14,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIDES, SIGN, Body
-from data_synth.curves import drift, ease, smooth_over
+from data_synth.curves import drift, ease, smooth_over, yielding
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
 from data_synth.stride import turned
+
+# How far gestures together can take an angle, degrees; the joints themselves go a little further.
+_REACH = {"bend": (-45, 95), "side": (-60, 60), "twist": (-58, 58), "nod": (-45, 75),
+          "lean": (-60, 60), "look": (-72, 72), "pronation": (-80, 90), "wrist": (-85, 75),
+          "elbow": (4, 145), "curl": (-20, 90), "raised": (-8, 34),
+          "forwards": (-22, 26)}  # fmt: skip
 
 
 class Stage:
@@ -95,7 +101,10 @@ class Stage:
     # -- from angles to a pose ---------------------------------------------------------------
 
     def _radians(self, name: str) -> np.ndarray:
-        return np.radians(self.angles[name])
+        # Gestures add up; where they would add up to too much the joint yields.
+        angles = self.angles[name]
+        reach = _REACH.get(name.removeprefix("l.").removeprefix("r."))
+        return np.radians(angles if reach is None else yielding(angles, *reach))
 
     def pose(self) -> tuple[Pose, np.ndarray]:
         """The pose at every time, and which foot's ball stands still, (F, 2) bool."""
@@ -183,7 +192,6 @@ class Stage:
         fields = ("flexion", "abduction", "turn", "elbow", "pronation", "wrist", "raised",
                   "forwards", "curl")  # fmt: skip
         angles = {field: self._radians(f"{name}.{field}") for field in fields}
-        angles["elbow"] = np.maximum(angles["elbow"], np.radians(4.0))
         return Arm(**angles, **self.goals[side])
 
 
