@@ -45,3 +45,9 @@ def test_float32_stays_float32():
         assert {array.dtype for array in arrays} == {np.dtype(np.float32)}
     _, gradients = model.loss_and_gradients(x, x, 0.1)
     assert {g.dtype for pair in gradients for g in pair} == {np.dtype(np.float32)}
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_model_is_in_the_dtype_that_it_was_asked_for(dtype):
+    layers = ConvAutoencoder(3, (4, 5), taps=3, dtype=dtype).layers
+    assert {array.dtype for layer in layers for array in (layer.w, layer.b)} == {np.dtype(dtype)}
