@@ -1,7 +1,7 @@
 """A trained network together with what it was taught to see: the motion manifold.
 
 The network knows numbers near zero. What turns a body into those numbers and back (the mean
-skeleton, the mean pose, one scale for all features) belongs to it and is kept with it.
+skeleton, the mean pose, a scale) belongs to it and is kept with it.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ class MotionManifold:
     network : ConvAutoencoder
     mean_pose : (63,) array of float64
         Subtracted from every frame of features (holden2015, section 4).
-    scale : float
-        Multiplies what is left: one number for all features.
+    scale : (63,) array of float64
+        Multiplies what is left: one factor for all positions, one for the velocity, one for the
+        turn.
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate : float
@@ -36,7 +37,7 @@ class MotionManifold:
 
     network: ConvAutoencoder
     mean_pose: np.ndarray
-    scale: float
+    scale: np.ndarray
     lengths: np.ndarray
     rate: float = 30.0
     settings: dict = field(default_factory=dict)
