@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -262,3 +263,10 @@ def test_an_animation_shows_itself_and_is_small():
     html = shown._repr_html_()
     assert html.startswith('<img alt="noise" src="data:image/gif;base64,R0lGODlh')
     assert len(html) < 250_000 and repr(shown) == "an animation: noise"
+
+
+def test_the_instructors_table_has_every_exercise_with_its_points():
+    text = Path(__file__).parents[2].joinpath("lessons", "README.md").read_text(encoding="utf-8")
+    for number, exercises in LESSONS.items():
+        for each in exercises:
+            assert f"| {number} | `{each.name}` | {each.points} | " in text
