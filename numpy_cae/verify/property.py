@@ -32,6 +32,7 @@ class Property:
     arguments: Callable[[Case], dict[str, object]] = field(repr=False)
     sizes: Sizes = field(repr=False)
     points: int = 1
+    hint: str = ""
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 
 from numpy_cae.verify.catalogue import properties, properties_of
 from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
+from numpy_cae.verify.exercises import EXERCISES
+from numpy_cae.verify.property import Property
 from numpy_cae.verify.trial import Outcome, try_property
 
 WIDTH = 98
 INDENT = 10
 EXAMPLES_OF_A_CONVENTION = 8
+UNSOLVED = NotImplementedError.__name__
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,12 @@ class Report:
     called: str
     outcomes: tuple[Outcome, ...]
     convention: Convention = PYTORCH
+    hint: str = ""
+
+    @property
+    def unsolved(self) -> bool:
+        """Whether the function is still the stub of a lesson."""
+        return all(outcome.problem.startswith(UNSOLVED) for outcome in self.outcomes)
 
     @property
     def points(self) -> int:
@@ -79,23 +88,29 @@ class Report:
                 "mistake, but weights do not carry over. Tested by that convention's definition."
             )
             yield from textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="  ")
+        if self.unsolved:
+            yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.property.name) for outcome in self.outcomes)
         told: dict[tuple[str, str, str], str] = {}
         for outcome in self.outcomes:
             tried = outcome.property
-            word = "held" if outcome.held else "FAILED"
+            word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
             points = f"{outcome.points}/{tried.points}"
             head = f"  {word:8}{tried.name:{longest}}  {points}  "
             yield from textwrap.wrap(
                 tried.statement, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
             )
-            if not outcome.held:
+            if not outcome.held and not self.unsolved:
                 why = (outcome.problem, outcome.counterexample, outcome.mistake)
                 if why in told:
                     yield " " * INDENT + f"as for {told[why]}"
                 else:
                     told[why] = tried.name
                     yield from _why(outcome)
+        if self.hint and not self.held:
+            yield from textwrap.wrap(
+                f"hint: {self.hint}", WIDTH, initial_indent="  ", subsequent_indent="        "
+            )
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
@@ -104,6 +119,7 @@ def _why(outcome: Outcome) -> Iterator[str]:
         ("what", outcome.problem),
         ("smallest", outcome.counterexample),
         ("likely", outcome.mistake),
+        ("hint", outcome.property.hint),
     ):
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
@@ -122,13 +138,27 @@ def report_on(
     called: str,
     between: Callable[[], None] = lambda: None,
 ) -> Report:
-    """Hold an implementation to every property of an operation, calling `between` in between."""
+    """Hold an implementation to every property of an operation, or of an exercise of a lesson.
+
+    Calls `between` in between.
+    """
     convention = _convention_of(implementation, operation)
-    outcomes = []
-    for tried in properties_of(operation, convention):
+    outcomes: list[Outcome] = []
+    for tried in _stated(operation, convention):
+        if outcomes and outcomes[0].problem.startswith(UNSOLVED):
+            outcomes.append(Outcome(tried, held=False, problem=UNSOLVED))
+            continue
         outcomes.append(try_property(tried, implementation))
         between()
-    return Report(operation, called, tuple(outcomes), convention)
+    hint = EXERCISES[operation].hint if operation in EXERCISES else ""
+    return Report(operation, called, tuple(outcomes), convention, hint)
+
+
+def _stated(operation: str, convention: Convention) -> tuple[Property, ...]:
+    """The properties, with the lesson's hints where it is an exercise."""
+    if operation in EXERCISES and convention == PYTORCH:
+        return EXERCISES[operation].properties
+    return properties_of(operation, convention)
 
 
 def _convention_of(implementation: Callable, operation: str) -> Convention:
@@ -142,13 +172,23 @@ def _convention_of(implementation: Callable, operation: str) -> Convention:
     return PYTORCH
 
 
+def solved(implementation: Callable, name: str) -> bool:
+    """Whether every property holds; stops at the first that does not."""
+    return all(
+        try_property(tried, implementation, shrink=False).held for tried in _stated(name, PYTORCH)
+    )
+
+
 def require_operation(name: str) -> None:
-    """Raise unless an operation of this name has properties.
+    """Raise unless an operation or an exercise of this name has properties.
 
     Raises
     ------
     ValueError
         With the names there are.
     """
-    if name not in properties:
-        raise ValueError(f"no operation is called {name!r}; there are {', '.join(properties)}")
+    if name not in properties and name not in EXERCISES:
+        exercises = [exercise for exercise in EXERCISES if exercise not in properties]
+        raise ValueError(
+            f"no operation is called {name!r}; there are {', '.join([*properties, *exercises])}"
+        )

@@ -2,6 +2,7 @@
 
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz.notebook import in_notebook
 from numpy_cae.viz.strip import Actor, save_figure, strip_figure
 
 __all__ = [
@@ -10,6 +11,7 @@ __all__ = [
     "PROJECTED",
     "TRUTH",
     "Actor",
+    "in_notebook",
     "save_figure",
     "save_gif",
     "strip_figure",
