@@ -25,6 +25,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.ops.fast.blocks import block_length, blocks, overlap_add, overlapping
+from numpy_cae.ops.fast.products import multiply_columns, multiply_rows
 
 SPARE = 16
 """Floats added to each row of a buffer. Rows whose distance is a power of two fall into the same
@@ -172,11 +173,11 @@ class TiedConvolution:
 
     def transform_filters(self, w: np.ndarray, rows: slice) -> None:
         """Some rows of ŵ = G w."""
-        np.matmul(self.g[rows], w.reshape(len(w), -1), out=self.w_hat[rows])
+        multiply_columns(self.g[rows], w.reshape(1, len(w), -1), self.w_hat[None, rows])
 
     def filters_gradient(self) -> None:
         """dŵ of both directions, when all four have been called."""
-        np.matmul(*self._beside, out=self.dw_hat.reshape(self.shape))
+        multiply_rows(*self._beside, self.dw_hat.reshape(self.shape))
 
     def up(self) -> np.ndarray:
         """C ((A x) ∘ ŵ) of `x`: (T, B·D)."""
@@ -184,7 +185,7 @@ class TiedConvolution:
 
     def down(self) -> np.ndarray:
         """Aᵀ ((Cᵀ z) ∘ ŵᵀ) of `z`: (T, B·C)."""
-        np.matmul(self.c_down.T, self._z_blocks, out=_by_block(self._cz, self._count))
+        multiply_columns(self.c_down.T, self._z_blocks, _by_block(self._cz, self._count))
         return self._backwards(self._cz, "down")
 
     def down_back(self) -> np.ndarray:
@@ -193,25 +194,25 @@ class TiedConvolution:
 
     def up_back(self, wanted: bool = True) -> np.ndarray | None:
         """dx = Aᵀ ((Cᵀ dy) ∘ ŵᵀ) of `d_convolved`: (T, B·C). Where it is not wanted, only Cᵀ dy."""
-        np.matmul(self.c.T, self._dy_blocks, out=_by_block(self._c_dy, self._count))
+        multiply_columns(self.c.T, self._dy_blocks, _by_block(self._c_dy, self._count))
         return self._backwards(self._c_dy, "up back") if wanted else None
 
     def _forwards(
         self, blocks: np.ndarray, analysed: np.ndarray, c: np.ndarray, name: str
     ) -> np.ndarray:
         """C ((A blocks) ∘ ŵ); A blocks is kept for the gradient of the filters."""
-        np.matmul(self.a, blocks, out=_by_block(analysed, self._count))
-        np.matmul(analysed, self.w_hat.reshape(self.shape), out=self._product_d)
-        np.matmul(
-            c, _by_block(self._product_d, self._count), out=_cut(self._outputs[name], self._count)
+        multiply_columns(self.a, blocks, _by_block(analysed, self._count))
+        multiply_rows(analysed, self.w_hat.reshape(self.shape), self._product_d)
+        multiply_columns(
+            c, _by_block(self._product_d, self._count), _cut(self._outputs[name], self._count)
         )
         return self._whole(name)
 
     def _backwards(self, spectra: np.ndarray, name: str) -> np.ndarray:
         """Aᵀ (spectra ∘ ŵᵀ), the overlaps added."""
         w_hat = self.w_hat.reshape(self.shape).transpose(0, 2, 1)
-        np.matmul(spectra, w_hat, out=self._product_c)
-        np.matmul(self.a.T, _by_block(self._product_c, self._count), out=self._parts)
+        multiply_rows(spectra, w_hat, self._product_c)
+        multiply_columns(self.a.T, _by_block(self._product_c, self._count), self._parts)
         overlap_add(self._parts, self.blocks, self._outputs[name])
         return self._whole(name)
 

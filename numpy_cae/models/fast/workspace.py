@@ -16,6 +16,7 @@ from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.models.fast.layer import FastLayer
 from numpy_cae.models.fast.team import Team, share
 from numpy_cae.models.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
+from numpy_cae.ops.fast.products import multiply_columns
 
 WINDOWS_FOR_EACH = 4
 """With fewer windows for each member, the bins are shared out and not the windows."""
@@ -149,7 +150,7 @@ class Workspace:
                 for peer in self.members:
                     if peer is not own:
                         dw_hat += peer.layers[k].convolution.dw_hat[rows]
-            np.matmul(convolution.g[rows].T, dw_hat, out=own.dw[k])
+            multiply_columns(convolution.g[rows].T, dw_hat[None], own.dw[k][None])
         self.team.wait()
         for k, dw in enumerate(out):
             taps = share(len(dw), member, self.team.size)
