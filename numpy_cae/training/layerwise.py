@@ -24,9 +24,16 @@ class DivergedError(ArithmeticError):
 
 @dataclass
 class History:
-    """The mean loss of every epoch, by stage: "layer 1", …, "fine tuning"."""
+    """What happened in each stage: "layer 1", …, "fine tuning".
+
+    Attributes
+    ----------
+    losses : stage to the mean loss of every epoch
+    seconds : stage to the time that its epochs took
+    """
 
     losses: dict[str, list[float]] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
 
 
 def train_autoencoder(
