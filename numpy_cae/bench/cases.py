@@ -71,9 +71,7 @@ def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
         operations = batch * arithmetic.training_step(used, frames)
         name = "whole" if index is None else f"layer {index + 1}"
         for unpooling, first in (("random", masks), ("even", None)):
-            yield Case(
-                f"{name}, {unpooling}", "step", x, corrupted, first, index, operations
-            )
+            yield Case(f"{name}, {unpooling}", "step", x, corrupted, first, index, operations)
     operations = batch * arithmetic.encoding(layers, FRAMES)
     yield Case("encode", "encode", x, x, None, None, operations)
     yield Case("encode + decode", "project", x, x, None, None, 2 * operations)

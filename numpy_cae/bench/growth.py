@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,13 +76,14 @@ def _epoch_seconds(model: ConvAutoencoder, windows: np.ndarray, rounds: int) -> 
 
 
 def draw(grown: Sequence[Growth], path: Path) -> None:
-    """Both axes logarithmic, a picture for each of the three: a slope of 1 is growth in proportion."""
+    """Both axes logarithmic, a panel for each: a slope of 1 is growth in proportion."""
     figure = Figure(figsize=(10, 3.4), layout="constrained")
     for axes, each in zip(figure.subplots(1, len(grown), sharey=True), grown, strict=True):
         sizes = np.array(each.sizes)
         axes.loglog(sizes, each.seconds, "o-", base=2, color="tab:blue", label="measured")
         first = each.seconds[0]
-        axes.loglog(sizes, first * sizes / sizes[0], ":", base=2, color="grey", label="in proportion")
+        line = first * sizes / sizes[0]
+        axes.loglog(sizes, line, ":", base=2, color="grey", label="in proportion")
         axes.set_xticks(sizes, [str(size) for size in sizes])
         axes.set_xlabel(each.what)
         axes.set_title(f"twice as many: {2**each.exponent:.2f} × the time", fontsize="medium")

@@ -1,4 +1,4 @@
-"""The table of `numpy-cae bench`: every case, every batch, beside the machine and beside PyTorch."""
+"""The table of `numpy-cae bench`: every case and batch, beside the machine and PyTorch."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.bench.cases import Case, cases
-from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.bench.torch_twin import TorchTwin, require_agreement, torch
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.models.fast.blas import blas_threads
 
 BATCHES = (1, 4, 16, 64)
 CHECKED = 4
@@ -47,15 +47,19 @@ class Row:
         return "".join(columns) + "|"
 
 
-def header() -> str:
-    """What the columns are."""
+def header(peak: float) -> str:
+    """What the figures were measured with, and what the columns are."""
+    said = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
+    said += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
+    if torch is not None:
+        said += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"
     names = ["what            ", "  B", "ms a window   ", "of peak", "MB   "]
     if torch is not None:
         names += ["PyTorch, ms   ", "ratio"]
-    return f"| {' | '.join(names)} |\n|{'---|' * len(names)}"
+    return f"{said}\n\n| {' | '.join(names)} |\n|{'---|' * len(names)}"
 
 
-def rows(batches: Sequence[int] = BATCHES, rounds: int = 21) -> Iterator[Row]:
+def rows(peak: float, batches: Sequence[int] = BATCHES, rounds: int = 21) -> Iterator[Row]:
     """Time everything; a row as soon as it is known.
 
     Raises
@@ -63,7 +67,6 @@ def rows(batches: Sequence[int] = BATCHES, rounds: int = 21) -> Iterator[Row]:
     ArithmeticError
         If PyTorch is installed and computes something else.
     """
-    peak = matrix_product_peak()
     if torch is not None:
         _check()
     for batch in batches:

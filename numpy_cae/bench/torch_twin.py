@@ -1,4 +1,4 @@
-"""The same network written in PyTorch the way one writes it there, and the proof that it is the same.
+"""The same network written in PyTorch as one writes it there, and the proof that it is the same.
 
 PyTorch is no dependency: where it is missing, `torch` is None and the table has no column for it.
 """
@@ -25,13 +25,9 @@ class TorchTwin:
     Parameters
     ----------
     model : ConvAutoencoder
-    threads : int, optional
-        PyTorch's own choice where None.
     """
 
-    def __init__(self, model: ConvAutoencoder, threads: int | None = None):
-        if threads:
-            torch.set_num_threads(threads)
+    def __init__(self, model: ConvAutoencoder):
         self.layers = [
             (_parameter(layer.w.transpose(2, 1, 0)), _parameter(layer.b), layer.bound)
             for layer in model.layers
@@ -84,8 +80,8 @@ class TorchTwin:
 def require_agreement(model: ConvAutoencoder, case: Case, tolerance: float = 1e-9) -> None:
     """Raise unless PyTorch computes what we compute, both in float64.
 
-    In float32 a value next to the bound of arctanh, or two that are nearly equal in a pair, may fall
-    to either side of it, and both would be right.
+    In float32 a value next to the bound of arctanh, or two nearly equal ones in a pair, may fall to
+    either side, and both would be right.
 
     Raises
     ------

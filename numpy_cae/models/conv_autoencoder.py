@@ -157,13 +157,13 @@ def _require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> N
         )
 
 
-def _require_masks(
-    first: Sequence[np.ndarray], x: np.ndarray, layers: Sequence[ConvLayer]
-) -> None:
+def _require_masks(first: Sequence[np.ndarray], x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
     if len(first) != len(layers):
         raise ValueError(f"first has {len(first)} masks, expected one for each of {len(layers)}")
     batch, frames, _ = x.shape
     for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
+        if mask is None:
+            continue
         require_shape(f"first[{k}]", mask, (batch, frames >> (k + 1), layer.b.size))
         if np.asarray(mask).dtype != bool:
             raise ValueError(f"first[{k}] has dtype {np.asarray(mask).dtype}, expected bool")

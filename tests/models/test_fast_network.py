@@ -1,4 +1,4 @@
-"""The fast network equals the one composed of `ops`, whatever the sizes and however work is shared."""
+"""The fast network equals the composed one, whatever the sizes and however work is shared."""
 
 import copy
 import pickle
@@ -106,7 +106,7 @@ def test_windows_and_bins_are_both_shared_out():
     """The two ways to share are both used by the tests above: few windows, many windows."""
     model, *_ = drawn(0, 1, (4, 3), 3, 4, "even")
     ways = {
-        workspace.Workspace(model.layers, batch, 16, np.float64, True, team(2)).by_windows
+        workspace.Workspace(model.layers, batch, 16, np.float64, (True, True), team(2)).by_windows
         for batch in (1, 9)
     }
     assert ways == {True, False}

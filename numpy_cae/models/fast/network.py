@@ -33,7 +33,7 @@ class FastNetwork:
     """
 
     KEPT = 4
-    """Workspaces that are kept: training has two sizes of batch (the last is smaller), so has use."""
+    """Workspaces that are kept: training has two sizes of batch, since the last is smaller."""
 
     def __init__(self, threads: int | None = None):
         self._threads = threads
@@ -88,7 +88,7 @@ class FastNetwork:
         """Loss = mean((x - Φ†(Φ(x_c)))²) + α mean(|Φ(x_c)|) and its derivatives."""
         batch, frames, _ = x.shape
         dtype = _dtype(layers, x, corrupted)
-        workspace = self._workspace(layers, batch, frames, dtype, halved=first is None)
+        workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
         dws = [np.empty(layer.w.shape, dtype) for layer in layers]
 
         def work(number: int) -> None:
@@ -136,12 +136,19 @@ class FastNetwork:
         at_once = max(1, FRAMES_AT_ONCE // max(frames, 1))
         for start in range(0, batch if frames else 0, at_once):
             part = slice(start, min(start + at_once, batch))
-            workspace = self._workspace(layers, part.stop - start, frames, dtype, halved=True)
+            workspace = self._workspace(
+                layers, part.stop - start, frames, dtype, _halved(layers, None)
+            )
             work(workspace, part)
             workspace.remember(layers)
 
     def _workspace(
-        self, layers: Sequence[ConvLayer], batch: int, frames: int, dtype: np.dtype, halved: bool
+        self,
+        layers: Sequence[ConvLayer],
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        halved: tuple[bool, ...],
     ) -> Workspace:
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         members = self._team(layers, batch, frames)
@@ -160,6 +167,11 @@ class FastNetwork:
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:
     return np.result_type(*arrays, *(layer.w for layer in layers))
+
+
+def _halved(layers: Sequence[ConvLayer], first: Sequence | None) -> tuple[bool, ...]:
+    """For each layer, whether it is unpooled evenly."""
+    return tuple(mask is None for mask in (first or [None] * len(layers)))
 
 
 def _windows(member: Member) -> int:
@@ -182,8 +194,10 @@ def _masks(member: Member, first: Sequence[np.ndarray] | None, layers: int) -> l
     """The member's part of each mask, as rows of frames."""
     if first is None:
         return [None] * layers
-    own = (mask[member.windows] for mask in first)
-    return [mask.transpose(1, 0, 2).reshape(mask.shape[1], -1) for mask in own]
+    own = [None if mask is None else mask[member.windows] for mask in first]
+    return [
+        None if mask is None else mask.transpose(1, 0, 2).reshape(mask.shape[1], -1) for mask in own
+    ]
 
 
 def _error(member: Member, decoded: np.ndarray, x: np.ndarray) -> float:

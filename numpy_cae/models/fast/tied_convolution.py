@@ -11,8 +11,8 @@ W stands in both, and its gradient is the sum of two. Written side by side they 
 
     dw = Gᵀ ([A x | A dx̂]ᵀ [Cᵀ dy | Cᵀ z])
 
-**Even unpooling** makes pairs of equal frames, z = E h with h at half the rate. E is constant, so it
-goes into the constant matrix: Cᵀ z = (C₂)ᵀ h with C₂ = Eᵀ C, the sums of pairs of rows of C. The
+**Even unpooling** makes pairs of equal frames, z = E h with h at half the rate. E is constant, so
+it goes into the constant matrix: Cᵀ z = (C₂)ᵀ h with C₂ = Eᵀ C, the sums of pairs of rows of C. The
 decoder's side of C then costs half.
 
 Time is the leading axis everywhere: rows are frames, B windows of C channels side by side in each.

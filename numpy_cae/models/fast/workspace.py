@@ -37,7 +37,7 @@ class Member:
     db : list of (D,) arrays
     """
 
-    def __init__(self, windows: slice, convolutions: list[TiedConvolution], layers, halved: bool):
+    def __init__(self, windows: slice, convolutions: list[TiedConvolution], layers, halved):
         self.windows = windows
         batch = windows.stop - windows.start
         top, dtype = layers[-1], convolutions[-1].w_hat.dtype
@@ -45,8 +45,10 @@ class Member:
         places = [above.x for above in convolutions[1:]]
         places.append(buffer(frames, batch * top.b.size, dtype))
         self.layers = [
-            FastLayer(convolution, layer.bound, place, halved)
-            for convolution, layer, place in zip(convolutions, layers, places, strict=True)
+            FastLayer(convolution, layer.bound, place, even)
+            for convolution, layer, place, even in zip(
+                convolutions, layers, places, halved, strict=True
+            )
         ]
         self.top = places[-1]
         self.d_top = buffer(frames, batch * top.b.size, dtype)
@@ -64,8 +66,8 @@ class Workspace:
         Of which only the shapes and the bounds are taken.
     batch, frames : int
     dtype : dtype
-    halved : bool
-        Unpooling is even.
+    halved : tuple of bool
+        For each layer, whether unpooling is even.
     team : Team
     """
 
@@ -75,7 +77,7 @@ class Workspace:
         batch: int,
         frames: int,
         dtype: np.dtype,
-        halved: bool,
+        halved: tuple[bool, ...],
         team: Team,
     ):
         self.team = team
@@ -111,7 +113,7 @@ class Workspace:
             longest = cheapest_length(*layer.w.shape, batch, below)
             size = windows.stop - windows.start
             made.append(
-                TiedConvolution(layer.w.shape, size, below, longest, dtype, halved, bins)
+                TiedConvolution(layer.w.shape, size, below, longest, dtype, halved[k], bins)
             )
         return made
 

@@ -97,7 +97,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
 def _time_first(
     x: np.ndarray, before: int, matrices: Blocks, count: int, dtype: np.dtype
 ) -> np.ndarray:
-    """(B, T, C) as (count · L + K - 1, B · C): zeros `before` the first frame and after the last."""
+    """(B, T, C) as (count · L + K - 1, B · C): zeros `before` the first and after the last."""
     batch, frames, channels = x.shape
     rows = (count - 1) * matrices.frames + matrices.points
     padded = np.zeros((rows, batch, channels), dtype=dtype)

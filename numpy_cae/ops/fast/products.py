@@ -29,9 +29,9 @@ def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     out : (S, R, N) array
     """
     inner, columns = b.shape[1:]
-    rows = SMALL // (inner * columns)
+    rows = SMALL // max(inner * columns, 1)
     if b.strides[-1] != b.itemsize:
-        rows = min(rows, SMALL_TRANSPOSED // columns)
+        rows = min(rows, SMALL_TRANSPOSED // max(columns, 1))
     _in_groups(a, b, out, max(rows, 1))
 
 
@@ -44,11 +44,12 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     b : (J, K, W) array
     out : (J, M, W) array
     """
-    count, _, width = b.shape
-    at_once = max(SMALL // a.size // 16 * 16, 16)
+    width = b.shape[-1]
+    at_once = max(SMALL // max(a.size, 1) // 16 * 16, 16)
     whole = width // at_once * at_once
     if whole:
-        np.matmul(a, _by_columns(b[..., :whole], at_once), out=_by_columns(out[..., :whole], at_once))
+        pieces = _by_columns(out[..., :whole], at_once)
+        np.matmul(a, _by_columns(b[..., :whole], at_once), out=pieces)
     if whole < width:
         np.matmul(a, b[..., whole:], out=out[..., whole:])
 
