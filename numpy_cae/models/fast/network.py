@@ -48,13 +48,11 @@ class FastNetwork:
         out = np.empty((batch, frames >> len(layers), layers[-1].b.size), _dtype(layers, x))
 
         def encode_part(workspace: Workspace, part: slice) -> None:
-            def work(number: int) -> None:
-                member = workspace.members[number]
-                workspace.transform_filters(layers, number)
+            def work(member: Member) -> None:
                 self._up(layers, member, x[part])
                 _copy_windows(member.top, out[part][member.windows])
 
-            workspace.team.run(work)
+            workspace.run(layers, work)
 
         self._in_parts(layers, batch, frames, out.dtype, encode_part)
         return out
@@ -65,14 +63,12 @@ class FastNetwork:
         out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
 
         def decode_part(workspace: Workspace, part: slice) -> None:
-            def work(number: int) -> None:
-                member = workspace.members[number]
-                workspace.transform_filters(layers, number)
+            def work(member: Member) -> None:
                 _place_windows(y[part][member.windows], member.top)
                 decoded = self._down(layers, member, [None] * len(layers))
                 _copy_windows(decoded, out[part][member.windows])
 
-            workspace.team.run(work)
+            workspace.run(layers, work)
 
         self._in_parts(layers, batch, frames, out.dtype, decode_part)
         return out
@@ -91,18 +87,16 @@ class FastNetwork:
         workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
         dws = [np.empty(layer.w.shape, dtype) for layer in layers]
 
-        def work(number: int) -> None:
-            member = workspace.members[number]
-            workspace.transform_filters(layers, number)
+        def work(member: Member) -> None:
             self._up(layers, member, corrupted)
             decoded = self._down(layers, member, _masks(member, first, len(layers)))
             member.loss = _error(member, decoded, x)
             self._down_back(member)
             member.loss += _activity(member, alpha, batch)
             self._up_back(member)
-            workspace.filters_gradient(number, dws)
+            workspace.filters_gradient(member, dws)
 
-        workspace.team.run(work)
+        workspace.run(layers, work)
         members = workspace.members if workspace.by_windows else workspace.members[:1]
         dbs = [sum(member.db[k] for member in members) for k in range(len(layers))]
         loss = sum(float(member.loss) for member in members)
@@ -140,7 +134,6 @@ class FastNetwork:
                 layers, part.stop - start, frames, dtype, _halved(layers, None)
             )
             work(workspace, part)
-            workspace.remember(layers)
 
     def _workspace(
         self,

@@ -8,7 +8,7 @@ the second one sum for each convolution.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -27,18 +27,20 @@ class Member:
 
     Attributes
     ----------
+    number : int
+        The first is 0.
     windows : slice
         Its share of the batch.
     layers : list of FastLayer, lowest first
-    filter_rows : list of slice
-        For each layer, the rows of its ŵ that this member transforms.
     dw : list of (K, C·D) arrays
-        What those rows contribute to the gradient of W.
+        What this member contributes to the gradient of W.
     db : list of (D,) arrays
     """
 
-    def __init__(self, windows: slice, convolutions: list[TiedConvolution], layers, halved):
-        self.windows = windows
+    def __init__(
+        self, number: int, windows: slice, convolutions: list[TiedConvolution], layers, halved
+    ):
+        self.number, self.windows = number, windows
         batch = windows.stop - windows.start
         top, dtype = layers[-1], convolutions[-1].w_hat.dtype
         frames = len(convolutions[-1].x) // 2
@@ -83,6 +85,7 @@ class Workspace:
         self.team = team
         self.by_windows = team.size == 1 or batch >= WINDOWS_FOR_EACH * team.size
         self._transformed: list[np.ndarray] = []
+        self._up_to_date = False
         windows = [
             share(batch, member, team.size) if self.by_windows else slice(0, batch)
             for member in range(team.size)
@@ -98,8 +101,8 @@ class Workspace:
                 else:
                     convolution.share_bins(peers, team.wait)
         self.members = [
-            Member(each, own, layers, halved)
-            for each, own in zip(windows, convolutions, strict=True)
+            Member(number, each, own, layers, halved)
+            for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
 
     def _convolutions(self, layers, windows, member, frames, dtype, halved, batch):
@@ -117,19 +120,28 @@ class Workspace:
             )
         return made
 
-    def transform_filters(self, layers: Sequence[ConvLayer], member: int) -> None:
+    def run(self, layers: Sequence[ConvLayer], work: Callable[[Member], None]) -> None:
+        """work(member) for every member, with the ŵ of these layers in place."""
+        self._up_to_date = self._knows(layers)
+        if not self._up_to_date:
+            self._transformed = []
+
+        def with_filters(number: int) -> None:
+            self._transform_filters(layers, number)
+            work(self.members[number])
+
+        self.team.run(with_filters)
+        self._transformed = [layer.w for layer in layers]
+
+    def _transform_filters(self, layers: Sequence[ConvLayer], member: int) -> None:
         """ŵ = G w of every layer, unless it is known and w cannot have changed since."""
-        if self._knows(layers):
+        if self._up_to_date:
             return
         for k, layer in enumerate(layers):
             convolution = self.members[member].layers[k].convolution
             convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
         if self.by_windows:
             self.team.wait()
-
-    def remember(self, layers: Sequence[ConvLayer]) -> None:
-        """The filters that ŵ belongs to now."""
-        self._transformed = [layer.w for layer in layers]
 
     def _knows(self, layers: Sequence[ConvLayer]) -> bool:
         """Whether ŵ is that of these very arrays, and they are read-only."""
@@ -138,9 +150,9 @@ class Workspace:
             for layer, known in zip(layers, self._transformed, strict=True)
         )
 
-    def filters_gradient(self, member: int, out: Sequence[np.ndarray]) -> None:
+    def filters_gradient(self, own: Member, out: Sequence[np.ndarray]) -> None:
         """dw = Gᵀ dŵ of every layer into `out`, when all members have gone down and back up."""
-        own = self.members[member]
+        member = own.number
         for layer in own.layers:
             layer.convolution.filters_gradient()
         self.team.wait()
