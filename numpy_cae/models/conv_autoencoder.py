@@ -127,6 +127,8 @@ class ConvAutoencoder:
         layers = self.layers if layer is None else [self.layers[layer]]
         _require_windows("x", x, layers)
         require_shape("corrupted", corrupted, x.shape)
+        if x.size == 0:
+            raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
         if first is not None:
             _require_masks(first, x, layers)
         return self._fast.loss_and_gradients(layers, x, corrupted, alpha, first)

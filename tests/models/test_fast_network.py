@@ -161,6 +161,8 @@ def test_no_windows_and_no_frames():
     assert model.encode(np.zeros((0, 8, 3))).shape == (0, 2, 3)
     assert model.encode(np.zeros((2, 0, 3))).shape == (2, 0, 3)
     assert model.decode(np.zeros((0, 2, 3))).shape == (0, 8, 3)
+    with pytest.raises(ValueError, match="nothing to compare"):
+        model.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
 
 
 def test_a_change_of_weights_is_seen():
@@ -223,7 +225,7 @@ def test_a_member_that_fails_frees_the_others_and_says_why():
     def work(member):
         if member == 1:
             raise KeyError("what went wrong")
-        team(2).wait()
+        team(2).wait(member)
 
     for _ in range(2):
         with pytest.raises(KeyError, match="what went wrong"):

@@ -5,6 +5,7 @@ Each method describes what one member of the team does, and runs it on all of th
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 
@@ -38,6 +39,7 @@ class FastNetwork:
     def __init__(self, threads: int | None = None):
         self._threads = threads
         self._workspaces: OrderedDict[tuple, Workspace] = OrderedDict()
+        self._lock = threading.Lock()  # two callers of one model take turns with its buffers
 
     def __reduce__(self):
         return FastNetwork, (self._threads,)  # copies and pickles begin without buffers
@@ -84,7 +86,6 @@ class FastNetwork:
         """Loss = mean((x - Φ†(Φ(x_c)))²) + α mean(|Φ(x_c)|) and its derivatives."""
         batch, frames, _ = x.shape
         dtype = _dtype(layers, x, corrupted)
-        workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
         dws = [np.empty(layer.w.shape, dtype) for layer in layers]
 
         def work(member: Member) -> None:
@@ -96,10 +97,12 @@ class FastNetwork:
             self._up_back(member)
             workspace.filters_gradient(member, dws)
 
-        workspace.run(layers, work)
-        members = workspace.members if workspace.by_windows else workspace.members[:1]
-        dbs = [sum(member.db[k] for member in members) for k in range(len(layers))]
-        loss = sum(float(member.loss) for member in members)
+        with self._lock:
+            workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
+            workspace.run(layers, work)
+            members = workspace.members if workspace.by_windows else workspace.members[:1]
+            dbs = [sum(member.db[k] for member in members) for k in range(len(layers))]
+            loss = sum(float(member.loss) for member in members)
         return loss, list(zip(dws, dbs, strict=True))
 
     def _up(self, layers: Sequence[ConvLayer], member: Member, x: np.ndarray) -> None:
@@ -130,10 +133,10 @@ class FastNetwork:
         at_once = max(1, FRAMES_AT_ONCE // max(frames, 1))
         for start in range(0, batch if frames else 0, at_once):
             part = slice(start, min(start + at_once, batch))
-            workspace = self._workspace(
-                layers, part.stop - start, frames, dtype, _halved(layers, None)
-            )
-            work(workspace, part)
+            with self._lock:
+                size = part.stop - start
+                halved = _halved(layers, None)
+                work(self._workspace(layers, size, frames, dtype, halved), part)
 
     def _workspace(
         self,

@@ -12,14 +12,18 @@ import contextvars
 import os
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from queue import SimpleQueue
 
 from numpy_cae.models.fast.blas import blas_threads, one_blas_thread
 
 
+class Abandoned(RuntimeError):
+    """Another member has failed, so there is nothing to wait for."""
+
+
 class Team:
-    """So many threads, the caller's own among them.
+    """So many threads, the caller's own among them as number 0.
 
     Attributes
     ----------
@@ -28,9 +32,14 @@ class Team:
 
     def __init__(self, size: int):
         self.size = size
-        self._barrier = threading.Barrier(size)
         self._lock = threading.RLock()
-        self._others = ThreadPoolExecutor(size - 1, "numpy_cae") if size > 1 else None
+        self._jobs = [SimpleQueue() for _ in range(size)]
+        self._done: SimpleQueue = SimpleQueue()
+        self._forget_arrivals()
+        for member in range(1, size):
+            threading.Thread(
+                target=self._serve, args=(member,), name=f"numpy_cae {member}", daemon=True
+            ).start()
 
     def run(self, work: Callable[[int], None]) -> None:
         """work(0), work(1), … side by side, each with one BLAS thread; back when all are done.
@@ -39,36 +48,54 @@ class Team:
         ------
         whatever the first member to fail has raised
         """
-        if self.size == 1:
-            with self._lock:
+        with self._lock:
+            if self.size == 1:
                 work(0)
-            return
-        with self._lock, one_blas_thread():
-            started = [
-                # With the caller's context, which holds what it said about NumPy's warnings.
-                self._others.submit(contextvars.copy_context().run, self._guarded, work, member)
-                for member in range(1, self.size)
-            ]
-            failures = [self._guarded(work, 0), *(each.result() for each in started)]
-        failures = [failure for failure in failures if failure is not None]
-        if failures:
-            self._barrier.reset()
-            broken = threading.BrokenBarrierError
-            raise next((each for each in failures if not isinstance(each, broken)), failures[0])
+                return
+            with one_blas_thread():
+                for member in range(1, self.size):
+                    # With the caller's context, which holds what it said about NumPy's warnings.
+                    context = contextvars.copy_context()
+                    self._jobs[member].put((context, work))
+                failures = [self._guarded(work, 0)]
+                failures += [self._done.get() for _ in range(1, self.size)]
+            failures = [failure for failure in failures if failure is not None]
+            if failures:
+                self._forget_arrivals()
+                raise next(each for each in failures if not isinstance(each, Abandoned))
 
-    def wait(self) -> None:
-        """Wait until every member has come to this line."""
-        if self.size > 1:
-            self._barrier.wait()
+    def wait(self, member: int) -> None:
+        """Called by every member: wait until all of them have come to this line.
+
+        Each tells each of the others, and hears from each. (`threading.Barrier` does the same in
+        three times as long, which a single window would feel.)
+        """
+        others = [other for other in range(self.size) if other != member]
+        for other in others:
+            self._arrivals[member][other].put(True)
+        for other in others:
+            if not self._arrivals[other][member].get():
+                raise Abandoned
+
+    def _serve(self, member: int) -> None:
+        """The life of a thread: one job after the other."""
+        while True:
+            context, work = self._jobs[member].get()
+            self._done.put(context.run(self._guarded, work, member))
+            del context, work
 
     def _guarded(self, work: Callable[[int], None], member: int) -> BaseException | None:
         """Run; on failure set the others free, who would wait for ever."""
         try:
             work(member)
         except BaseException as failure:
-            self._barrier.abort()
+            for arrivals in self._arrivals[member]:
+                arrivals.put(False)
             return failure
         return None
+
+    def _forget_arrivals(self) -> None:
+        self._arrivals = [[SimpleQueue() for _ in range(self.size)] for _ in range(self.size)]
 
 
 @lru_cache

@@ -9,6 +9,7 @@ the second one sum for each convolution.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -95,11 +96,11 @@ class Workspace:
             for member, each in enumerate(windows)
         ]
         for peers in zip(*convolutions, strict=True):
-            for convolution in peers:
+            for member, convolution in enumerate(peers):
                 if self.by_windows:
                     convolution.share_spectrum(peers)
                 else:
-                    convolution.share_bins(peers, team.wait)
+                    convolution.share_bins(peers, partial(team.wait, member))
         self.members = [
             Member(number, each, own, layers, halved)
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
@@ -141,7 +142,7 @@ class Workspace:
             convolution = self.members[member].layers[k].convolution
             convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
         if self.by_windows:
-            self.team.wait()
+            self.team.wait(member)
 
     def _knows(self, layers: Sequence[ConvLayer]) -> bool:
         """Whether ŵ is that of these very arrays, and they are read-only."""
@@ -155,7 +156,7 @@ class Workspace:
         member = own.number
         for layer in own.layers:
             layer.convolution.filters_gradient()
-        self.team.wait()
+        self.team.wait(member)
         for k, layer in enumerate(own.layers):
             convolution = layer.convolution
             rows = self._filter_rows(convolution, member)
@@ -165,7 +166,7 @@ class Workspace:
                     if peer is not own:
                         dw_hat += peer.layers[k].convolution.dw_hat[rows]
             multiply_columns(convolution.g[rows].T, dw_hat[None], own.dw[k][None])
-        self.team.wait()
+        self.team.wait(member)
         for k, dw in enumerate(out):
             taps = share(len(dw), member, self.team.size)
             total = dw.reshape(len(dw), -1)[taps]
