@@ -134,6 +134,21 @@ def test_what_differs_is_said(found, expected, said):
         require_same(found, expected, ("a", "b"))
 
 
+def test_a_counterexample_too_long_to_print_can_be_had():
+    def still(parents, rotations, translations):
+        rest = np.broadcast_to(np.eye(3), rotations.shape)
+        return EXERCISES["forward_kinematics"].solution(parents, rest, translations)
+
+    text = str(verify.report(still, as_="forward_kinematics"))
+    assert 'verify.example("forward_kinematics", frames=1, joints=2, seed=0)' in text
+    example = verify.example("forward_kinematics", frames=1, joints=2, seed=0)
+    assert list(example) == ["parents", "rotations", "translations"]
+    right = EXERCISES["forward_kinematics"].solution(**example)
+    assert np.abs(still(**example) - right).max() > 0.1
+    with pytest.raises(ValueError, match="forward_kinematics has the sizes frames, joints, got fr"):
+        verify.example("forward_kinematics", frames=1, seed=0)
+
+
 def test_hints_of_a_claim_stand_where_it_fails():
     def fails(function, case):
         raise AssertionError("no")
