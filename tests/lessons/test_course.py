@@ -135,16 +135,20 @@ def test_what_differs_is_said(found, expected, said):
 
 
 def test_a_counterexample_too_long_to_print_can_be_had():
-    def still(parents, rotations, translations):
-        rest = np.broadcast_to(np.eye(3), rotations.shape)
-        return EXERCISES["forward_kinematics"].solution(parents, rest, translations)
+    def locally(parents, rotations, translations):
+        positions = translations.copy()
+        for joint, parent in enumerate(parents):
+            if parent != -1:
+                reach = rotations[:, parent] @ translations[:, joint, :, None]
+                positions[:, joint] = positions[:, parent] + reach[..., 0]
+        return positions
 
-    text = str(verify.report(still, as_="forward_kinematics"))
-    assert 'verify.example("forward_kinematics", frames=1, joints=2, seed=0)' in text
-    example = verify.example("forward_kinematics", frames=1, joints=2, seed=0)
+    text = str(verify.report(locally, as_="forward_kinematics"))
+    assert 'verify.example("forward_kinematics", frames=1, joints=3, seed=0)' in text
+    example = verify.example("forward_kinematics", frames=1, joints=3, seed=0)
     assert list(example) == ["parents", "rotations", "translations"]
     right = EXERCISES["forward_kinematics"].solution(**example)
-    assert np.abs(still(**example) - right).max() > 0.1
+    assert np.abs(locally(**example) - right).max() > 0.1
     with pytest.raises(ValueError, match="forward_kinematics has the sizes frames, joints, got fr"):
         verify.example("forward_kinematics", frames=1, seed=0)
 
