@@ -21,11 +21,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="hold the operations in a Python file to their properties, with points",
         description="Hold the functions of a Python file that bear the name of an operation of "
         "numpy_cae.ops (conv1d, gru, ...) to every property of that operation, and say for each "
-        "whether it held, the smallest counterexample and the likely mistake.",
+        "whether it held, the smallest counterexample and the likely mistake. Of a lesson's "
+        "notebook (.ipynb) the exercise cells are held to what the lesson asks of them.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="a Python file")
+    parser.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE", help="a Python file or a lesson"
+    )
     parser.add_argument(
         "--as",
         dest="named",

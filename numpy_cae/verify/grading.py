@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import textwrap
 import time
 from collections.abc import Mapping
@@ -9,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from numpy_cae.verify.catalogue import properties
+from numpy_cae.verify.exercises import EXERCISES
+from numpy_cae.verify.notebook import exercise_source
 from numpy_cae.verify.reporting import WIDTH, Report, report_on, require_operation
 from numpy_cae.verify.sandbox.refusal import refused_imports
 from numpy_cae.verify.sandbox.student import Fault, Student
@@ -69,7 +72,8 @@ def grade(
     Parameters
     ----------
     path : Path
-        A Python file. Functions that bear an operation's name are tried as that operation.
+        A Python file: functions that bear an operation's name are tried as that operation. Or a
+        lesson's notebook: the functions in its exercise cells are tried as those exercises.
     named : mapping of operation to function name, optional
         Functions with other names.
     seconds, megabytes : number
@@ -92,37 +96,66 @@ def grade(
         require_operation(operation)
     graded = FileReport(path)
     text = path.read_bytes()
+    if path.suffix == ".ipynb":
+        return _grade_notebook(graded, text, named, seconds, megabytes)
+    _grade_program(graded, path, text, list(properties), named, seconds, megabytes)
+    return graded
+
+
+def _grade_notebook(graded: FileReport, text: bytes, *options) -> FileReport:
+    """The exercise cells alone, as a program."""
+    try:
+        program = exercise_source(text.decode())
+    except ValueError as error:
+        graded.faults.append(str(error))
+        return graded
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "notebook.py")
+        path.write_text(program, encoding="utf-8")
+        _grade_program(graded, path, program.encode(), [*properties, *EXERCISES], *options)
+    return graded
+
+
+def _grade_program(
+    graded: FileReport,
+    path: Path,
+    text: bytes,
+    known: list[str],
+    named: dict[str, str],
+    seconds: float,
+    megabytes: int,
+) -> None:
+    """Run a program and try those of its functions whose names are known."""
     try:
         refused = refused_imports(text.decode())
     except (SyntaxError, ValueError, RecursionError) as error:
         graded.faults.append(f"it is not Python: {error}")
-        return graded
+        return
     if refused:
         graded.faults.append(
             "refused: the operations are to be written by hand in NumPy, and it imports "
             f'{"; ".join(refused)} (self-tests may, under if __name__ == "__main__":)'
         )
-        return graded
+        return
     deadline = time.monotonic() + seconds
     try:
         todo = None
         while todo is None or todo:  # a process that had to be ended is followed by another
             with Student(path, deadline, megabytes) as student:
                 student.load()
-                todo = _functions(set(student.functions), named) if todo is None else todo
+                todo = _functions(set(student.functions), known, named) if todo is None else todo
                 while todo and not student.ended:
                     _grade_function(graded, student, *todo.pop(0))
     except Fault as fault:
         graded.faults.append(str(fault))
-    return graded
 
 
-def _functions(there: set[str], named: dict[str, str]) -> list[tuple[str, str]]:
+def _functions(there: set[str], known: list[str], named: dict[str, str]) -> list[tuple[str, str]]:
     """Operations and the functions to try as them, of those that the file has."""
     for operation, function in named.items():
         if function not in there:
             raise Fault(f"it has no function {function} to try as {operation}")
-    wanted = {name: name for name in properties if name in there} | named
+    wanted = {name: name for name in known if name in there} | named
     if not wanted:
         raise Fault(
             f"no function bears an operation's name ({', '.join(properties)}); "

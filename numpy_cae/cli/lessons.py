@@ -1,0 +1,79 @@
+"""`numpy-cae lessons student/`: the students' copies of the lessons, without the solutions."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from numpy_cae.course import execute, find_lessons, read_notebook, student_copy, write_notebook
+
+EXAMPLE = """\
+examples: numpy-cae lessons student/              write the student's copy of every lesson
+          numpy-cae lessons --execute             run the instructor's copies and store the outputs
+          numpy-cae lessons --execute --only 03   of one lesson"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Notebooks in, notebooks out."""
+    parser = subparsers.add_parser(
+        "lessons",
+        help="write the student's copies of the lessons, or run the instructor's",
+        description="Write the student's copy of every lesson: a stub in place of each solution, "
+        "no outputs. With --execute, run the instructor's copies from a fresh kernel instead and "
+        "store what they show.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("folder", type=Path, nargs="?", help="where the student's copies go")
+    parser.add_argument(
+        "--from",
+        dest="source",
+        type=Path,
+        default=Path("lessons"),
+        metavar="FOLDER",
+        help="the instructor's copies; default lessons, as in a clone",
+    )
+    parser.add_argument("--execute", action="store_true", help="run the instructor's copies")
+    parser.add_argument("--only", metavar="NN", help="only the lesson with this number")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write or execute, saying which file."""
+    if args.execute == (args.folder is not None):
+        raise ValueError("expected either a folder for the student's copies or --execute")
+    lessons = find_lessons(args.source)
+    if args.only:
+        lessons = [path for path in lessons if path.name.startswith(f"{args.only}_")]
+        if not lessons:
+            raise ValueError(f"no lesson {args.only} in {args.source}")
+    return _execute(lessons) if args.execute else _write_copies(lessons, args.folder)
+
+
+def _execute(lessons: list[Path]) -> int:
+    for path in lessons:
+        began = time.monotonic()
+        try:
+            executed = execute(read_notebook(path))
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        write_notebook(executed, path)
+        print(f"{path}: run in {time.monotonic() - began:.0f} s")
+    return 0
+
+
+def _write_copies(lessons: list[Path], folder: Path) -> int:
+    if any(folder.resolve() == path.parent.resolve() for path in lessons):
+        raise ValueError(f"{folder} holds the instructor's copies: name another folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    there = [path.name for path in lessons if (folder / path.name).exists()]
+    if there:
+        raise ValueError(
+            f"{folder} has {', '.join(there)} already, with someone's work perhaps: "
+            "name another folder or move them away"
+        )
+    for path in lessons:
+        write_notebook(student_copy(read_notebook(path)), folder / path.name)
+        print(folder / path.name)
+    return 0

@@ -1,0 +1,55 @@
+"""Notebooks as they lie on disk: JSON, nbformat 4.5."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from numpy_cae.motion.whole_file import whole_file
+
+
+def find_lessons(folder: str | Path) -> list[Path]:
+    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there are none.
+    """
+    found = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
+    if not found:
+        raise FileNotFoundError(
+            f"no lessons in {folder}: they stand in the folder lessons of a clone of the repository"
+        )
+    return found
+
+
+def read_notebook(path: str | Path) -> dict:
+    """A notebook as nbformat 4.5 has it, each source a single string.
+
+    Raises
+    ------
+    ValueError
+        If the file is no notebook.
+    """
+    try:
+        notebook = json.loads(Path(path).read_text(encoding="utf-8"))
+        for cell in notebook["cells"]:
+            cell["source"] = "".join(cell["source"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{path}: not a Jupyter notebook: {error}") from None
+    return notebook
+
+
+def write_notebook(notebook: dict, path: str | Path) -> None:
+    """Write a notebook as Jupyter does: sources line by line, indented by one."""
+    lined = {
+        **notebook,
+        "cells": [
+            {**cell, "source": cell["source"].splitlines(keepends=True)}
+            for cell in notebook["cells"]
+        ],
+    }
+    text = json.dumps(lined, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+    with whole_file(path) as beside:
+        beside.write_text(text, encoding="utf-8")

@@ -1,0 +1,56 @@
+"""The student's copy of a lesson: solutions taken out, as nbgrader's generate_assignment does."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+from numpy_cae.verify.notebook import is_exercise
+
+BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
+STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
+
+
+def student_copy(notebook: dict) -> dict:
+    """The notebook with a stub in place of every solution, and without outputs.
+
+    Parameters
+    ----------
+    notebook : dict
+        As `read_notebook` returns it; stays as it is.
+
+    Raises
+    ------
+    ValueError
+        If a solution region is not closed, or stands in a cell that is no exercise.
+    """
+    copy = deepcopy(notebook)
+    copy["metadata"].pop("numpy_cae", None)
+    for cell in copy["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        cell["outputs"], cell["execution_count"] = [], None
+        cell["source"] = _without_solutions(cell)
+        if cell["metadata"].get("nbgrader", {}).get("locked"):
+            cell["metadata"] |= {"editable": False, "deletable": False}
+    return copy
+
+
+def _without_solutions(cell: dict) -> str:
+    kept: list[str] = []
+    inside = False
+    for line in cell["source"].splitlines():
+        marker = line.strip()
+        if marker in (BEGIN, END):
+            if inside == (marker == BEGIN):
+                raise ValueError(f"cell {cell['id']}: {marker} stands where it does not belong")
+            if not is_exercise(cell):
+                raise ValueError(f"cell {cell['id']}: a solution in a cell that is no exercise")
+            inside = not inside
+            if inside:
+                indent = line[: len(line) - len(line.lstrip())]
+                kept += [indent + stub for stub in STUB]
+        elif not inside:
+            kept.append(line)
+    if inside:
+        raise ValueError(f"cell {cell['id']}: {BEGIN} without {END}")
+    return "\n".join(kept)
