@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import subprocess
 import tempfile
 
 SECONDS_A_CELL = 120
@@ -51,13 +52,26 @@ def execute(notebook: dict) -> dict:
         )
         kept = {k: v for k, v in os.environ.items() if k != "NUMPY_CAE_DATA"}
         try:
-            client.execute(env=kept | {"OPENBLAS_NUM_THREADS": "1"})
-        except (CellExecutionError, CellTimeoutError, DeadKernelError) as error:
-            raise ValueError(f"a cell fails: {error}") from None
+            # What a kernel says on standard error is about its ports, not about the lesson.
+            client.execute(env=kept | {"OPENBLAS_NUM_THREADS": "1"}, stderr=subprocess.DEVNULL)
+        except CellExecutionError as error:
+            raise ValueError(f"{_failing(node)} raises {error.ename}: {error.evalue}") from None
+        except CellTimeoutError:
+            raise ValueError(f"a cell takes longer than {SECONDS_A_CELL} s") from None
+        except DeadKernelError:
+            raise ValueError("the kernel died") from None
     executed = _as_dict(node)
     executed["metadata"]["numpy_cae"] = {"source_hash": source_hash(notebook)}
     executed["metadata"].pop("widgets", None)
     return executed
+
+
+def _failing(notebook: dict) -> str:
+    """The cell that raised, by its id and first line."""
+    for cell in notebook["cells"]:
+        if any(output["output_type"] == "error" for output in cell.get("outputs", ())):
+            return f"cell {cell['id']} ({cell['source'].splitlines()[0]} ...)"
+    return "a cell"
 
 
 def _as_dict(node):

@@ -13,7 +13,7 @@ from PIL import Image, ImageSequence
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.strip import Actor
 
-COLOURS = 16
+COLOURS = 32
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +52,7 @@ def in_notebook(
 
 
 def _few_colours(path: Path) -> bytes:
-    """The same GIF in 16 colours, about half the size; lines on white need no more."""
+    """The same GIF in 32 colours, about half the size; lines on white need no more."""
     with Image.open(path) as gif:
         frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(gif)]
         duration = gif.info["duration"]

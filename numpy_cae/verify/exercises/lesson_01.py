@@ -74,7 +74,7 @@ def _keeps_lengths(function: Callable, case: Case) -> None:
 
 
 def forward_kinematics(
-    parents: tuple[int, ...], offsets: np.ndarray, rotations: np.ndarray, root: np.ndarray
+    parents: tuple[int, ...], rotations: np.ndarray, translations: np.ndarray
 ) -> np.ndarray:
     """p_j = p_parent + G_parent t_j,  G_j = G_parent R_j, each frame and joint by itself."""
     frames, joints = rotations.shape[:2]
@@ -84,10 +84,10 @@ def forward_kinematics(
         for joint, parent in enumerate(parents):
             if parent == -1:
                 turned[joint] = rotations[frame, joint]
-                positions[frame, joint] = root[frame]
+                positions[frame, joint] = translations[frame, joint]
             else:
                 turned[joint] = turned[parent] @ rotations[frame, joint]
-                reach = turned[parent] @ offsets[joint]
+                reach = turned[parent] @ translations[frame, joint]
                 positions[frame, joint] = positions[frame, parent] + reach
     return positions
 
@@ -97,9 +97,8 @@ def _motion(case: Case) -> dict[str, object]:
     frames, joints = case["frames"], case["joints"]
     return {
         "parents": drawn_tree(case),
-        "offsets": spread(rng, (joints, 3)),
         "rotations": drawn_rotations(rng, frames * joints).reshape(frames, joints, 3, 3),
-        "root": spread(rng, (frames, 3)),
+        "translations": spread(rng, (frames, joints, 3)),
     }
 
 
@@ -108,8 +107,8 @@ def _rest_pose(function: Callable, case: Case) -> None:
     still = given | {"rotations": np.broadcast_to(np.eye(3), given["rotations"].shape)}
     positions = function(*copies(still))
     for joint in range(case["joints"]):
-        above = [j for j in chain_to_root(given["parents"], joint) if given["parents"][j] != -1]
-        expected = given["root"] + given["offsets"][above].sum(axis=0)
+        chain = list(chain_to_root(given["parents"], joint))
+        expected = given["translations"][:, chain].sum(axis=1)
         require_equal(f"without rotations joint {joint}", positions[:, joint], expected)
 
 
@@ -119,7 +118,7 @@ def _lengths(function: Callable, case: Case) -> None:
     for joint, parent in enumerate(given["parents"]):
         if parent != -1:
             lengths = np.linalg.norm(positions[:, joint] - positions[:, parent], axis=-1)
-            expected = np.full(case["frames"], np.linalg.norm(given["offsets"][joint]))
+            expected = np.linalg.norm(given["translations"][:, joint], axis=-1)
             require_equal(f"the length of the bone to joint {joint}", lengths, expected)
 
 
@@ -136,8 +135,9 @@ def _own_rotation(function: Callable, case: Case) -> None:
 def _turned_root(function: Callable, case: Case) -> None:
     given = _motion(case)
     turn = drawn_rotations(np.random.default_rng([case.seed, 3]), 1)[0]
-    whole = given | {"rotations": given["rotations"].copy(), "root": given["root"] @ turn.T}
+    whole = {name: a.copy() if isinstance(a, np.ndarray) else a for name, a in given.items()}
     whole["rotations"][:, 0] = turn @ whole["rotations"][:, 0]
+    whole["translations"][:, 0] = whole["translations"][:, 0] @ turn.T
     expected = function(*copies(given)) @ turn.T
     require_equal("with the root turned, the body", function(*copies(whole)), expected)
 
@@ -211,10 +211,10 @@ EXERCISES: tuple[Exercise, ...] = (
             ),
             Claim(
                 "rest pose",
-                "without rotations a joint sits at the sum of the offsets on its chain",
+                "without rotations a joint sits at the sum of the translations on its chain",
                 _rest_pose,
             ),
-            Claim("bone lengths", "no bone changes its length", _lengths),
+            Claim("bone lengths", "a bone is as long as its translation", _lengths),
             Claim(
                 "own rotation",
                 "a joint's own rotation moves what hangs from it, never the joint itself",

@@ -183,7 +183,7 @@ EXERCISES: tuple[Exercise, ...] = (
                 "value",
                 "each frame's vectors are turned about Y by that frame's angle",
                 same_as(turn_about_y, _vectors, ("the turned vectors",)),
-                2,
+                3,
             ),
             Claim("undone", "turning by -angle undoes it", _undone),
             unaltered(_vectors),

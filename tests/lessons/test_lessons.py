@@ -1,0 +1,146 @@
+"""Every lesson from a fresh kernel: the instructor's copy, and the student's, nothing solved."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+from numpy_cae.course import execute, find_lessons, read_notebook, source_hash, student_copy
+from numpy_cae.verify.exercises import EXERCISES, Exercise
+from numpy_cae.verify.grading import grade
+from numpy_cae.verify.notebook import is_exercise
+
+FOLDER = Path(__file__).parents[2] / "lessons"
+LESSONS = find_lessons(FOLDER)
+SECONDS = 60
+LARGEST = 1_500_000
+
+every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+
+
+def checks(notebook: dict) -> list[dict]:
+    return [c for c in notebook["cells"] if c["metadata"].get("nbgrader", {}).get("grade")]
+
+
+def checked(cell: dict) -> Exercise:
+    return EXERCISES[cell["metadata"]["nbgrader"]["grade_id"].removesuffix("_check")]
+
+
+def assert_all_points(cell: dict) -> None:
+    points = checked(cell).points
+    assert f" {points} of {points} points" in shown(cell), shown(cell)
+    assert "FAILED" not in shown(cell)
+
+
+def shown(cell: dict) -> str:
+    """What a cell shows as text."""
+    texts = [output.get("data", {}).get("text/plain", "") for output in cell["outputs"]]
+    return "".join("".join(text) for text in texts)
+
+
+def pictures(notebook: dict) -> tuple[int, int]:
+    """How many pictures and how many animations a notebook shows."""
+    data = [o.get("data", {}) for c in notebook["cells"] for o in c.get("outputs", ())]
+    animations = ["".join(d.get("text/html", "")) for d in data]
+    return (
+        sum("image/png" in d for d in data),
+        sum("data:image/gif;base64," in html for html in animations),
+    )
+
+
+def timed(notebook: dict) -> dict:
+    began = time.monotonic()
+    ran = execute(notebook)
+    assert time.monotonic() - began < SECONDS
+    return ran
+
+
+@every_lesson
+def test_stored_as_executed(path):
+    notebook = read_notebook(path)
+    assert notebook["metadata"]["numpy_cae"]["source_hash"] == source_hash(notebook), (
+        f"the outputs are older than the source: numpy-cae lessons --execute --only {path.name[:2]}"
+    )
+    assert path.stat().st_size < LARGEST
+    drawn, moving = pictures(notebook)
+    assert drawn >= 2 and moving >= 1
+    text = path.read_text(encoding="utf-8")
+    assert '"output_type": "error"' not in text and '"name": "stderr"' not in text
+    assert all(
+        c["execution_count"] == number
+        for number, c in enumerate((c for c in notebook["cells"] if c["cell_type"] == "code"), 1)
+    )
+    for cell in checks(notebook):
+        assert_all_points(cell)
+
+
+@every_lesson
+def test_marked_for_nbgrader(path):
+    notebook = read_notebook(path)
+    cells, ids = notebook["cells"], [cell["id"] for cell in notebook["cells"]]
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
+    assert len(set(ids)) == len(ids)
+    assert cells[0]["cell_type"] == "markdown" and cells[0]["source"].startswith("# ")
+    exercises = [place for place, cell in enumerate(cells) if is_exercise(cell)]
+    assert 3 <= len(exercises) <= 6
+    for place in exercises:
+        marks, check = cells[place]["metadata"]["nbgrader"], cells[place + 1]
+        name = marks["grade_id"]
+        assert f"def {name}(" in cells[place]["source"] and '"""' in cells[place]["source"]
+        assert check["source"] == f'verify.report({name}, as_="{name}")'
+        assert check["metadata"]["nbgrader"]["points"] == EXERCISES[name].points
+        assert check["metadata"]["nbgrader"]["locked"]
+        assert cells[place + 2]["source"] == f'{name} = verify.solved({name}, as_="{name}")'
+    assert len(checks(notebook)) == len(exercises)
+
+
+@every_lesson
+def test_the_student_copy_holds_no_solution(path):
+    notebook = read_notebook(path)
+    copy = student_copy(notebook)
+    assert "SOLUTION" in json.dumps(notebook) and "SOLUTION" not in json.dumps(copy)
+    for before, after in zip(notebook["cells"], copy["cells"], strict=True):
+        assert not after.get("outputs")
+        if is_exercise(before):
+            assert "    # YOUR CODE HERE\n    raise NotImplementedError()" in after["source"]
+        else:
+            assert after["source"] == before["source"]
+
+
+@pytest.mark.lessons
+@every_lesson
+def test_the_instructor_copy_runs_and_every_check_passes(path):
+    ran = timed(read_notebook(path))
+    for cell in checks(ran):
+        assert_all_points(cell)
+    assert pictures(ran) == pictures(read_notebook(path))
+
+
+@pytest.mark.lessons
+@every_lesson
+def test_the_student_copy_runs_and_every_check_fails(path):
+    notebook = read_notebook(path)
+    ran = timed(student_copy(notebook))
+    for cell in checks(ran):
+        assert f" 0 of {checked(cell).points} points" in shown(cell), shown(cell)
+        assert "not solved yet" in shown(cell) and "hint:" in shown(cell)
+    assert pictures(ran) == pictures(notebook)  # with the package's own in place of what is missing
+
+
+@pytest.mark.lessons
+@every_lesson
+def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, tmp_path):
+    solved = grade(path)
+    assert solved.held and solved.points == solved.possible, str(solved)
+    assert {r.operation for r in solved.reports} == {
+        cell["metadata"]["nbgrader"]["grade_id"]
+        for cell in read_notebook(path)["cells"]
+        if is_exercise(cell)
+    }
+    unsolved = tmp_path / path.name
+    unsolved.write_text(json.dumps(student_copy(read_notebook(path))), encoding="utf-8")
+    report = grade(unsolved)
+    assert report.points == 0 and report.possible == solved.possible and not report.faults
