@@ -165,9 +165,8 @@ def _functions(there: set[str], known: list[str], named: dict[str, str]) -> list
 
 
 def _grade_function(graded: FileReport, student: Student, operation: str, function: str) -> None:
-    graded.reports.append(
-        report_on(student.function(function), operation, function, between=student.forget)
-    )
+    tried = student.function(function, numbers_only=operation in properties)
+    graded.reports.append(report_on(tried, operation, function, between=student.forget))
     if student.printed():
         raise Fault(
             f"{function} prints {student.printed()!r}: an operation returns, it does not print"

@@ -48,10 +48,16 @@ def test_numbers_keep_their_kind():
     assert type(plain) is float and nothing is None and flag is True
 
 
-def test_tuples_are_nested_and_what_is_no_number_is_named():
-    ((array, (inner,)), text) = crossed((np.ones(2), [np.zeros(1)]), "a string")
+def test_tuples_are_nested_and_what_cannot_be_sent_is_named():
+    ((array, (inner,)), unsendable) = crossed((np.ones(2), [np.zeros(1)]), {1, 2})
     assert array.tolist() == [1, 1] and inner.tolist() == [0]
-    assert isinstance(text, wire.Unsendable) and text.kind == "str"
+    assert isinstance(unsendable, wire.Unsendable) and unsendable.kind == "set"
+
+
+def test_text_dicts_and_the_numbers_of_lent_functions_cross():
+    text, named, lent = crossed("text", {"x": np.ones(2), "y": (1.0,)}, wire.Lent(3))
+    assert text == "text" and named["x"].tolist() == [1, 1] and named["y"] == (1.0,)
+    assert isinstance(lent, wire.Lent) and lent.number == 3
 
 
 def message(**packed):

@@ -50,6 +50,7 @@ class Student:
         self.ended: str | None = None
         self._call_deadline: float | None = None
         self._calls = 0
+        self._lent: list[Callable] = []
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._printed = Path(self._folder.name, "printed").open("w+b")
         self._process = subprocess.Popen(
@@ -109,19 +110,29 @@ class Student:
         self._printed.seek(0)
         return self._printed.read(80).decode(errors="replace").strip()
 
-    def function(self, name: str) -> Callable:
-        """A function of the file, in the form of an operation."""
+    def function(self, name: str, numbers_only: bool = True) -> Callable:
+        """A function of the file, in the form of an operation.
+
+        It may be given functions, which are called on our side. What it returns has to be
+        numbers, unless `numbers_only` is False.
+        """
 
         def operation(*arguments):
             self._calls += 1
             number = self._calls
             message = {"do": "call", "function": name, "number": number}
             reply, returned = self._answer(message, arguments)
+            _require_values(returned)
+            if numbers_only:
+                _require_numbers(returned)
             if "pullback" not in reply:
                 return returned
 
             def pullback(*upstream):
-                return self._answer({"do": "pull", "number": number}, upstream)[1]
+                _, gradients = self._answer({"do": "pull", "number": number}, upstream)
+                _require_values(gradients)
+                _require_numbers(gradients)
+                return gradients
 
             return returned, pullback
 
@@ -131,6 +142,7 @@ class Student:
         """Let go of the pullbacks, which hold on to their arrays."""
         if self.ended is None:
             self._ask({"do": "forget"})
+            self._lent.clear()
 
     def _answer(self, message: dict, arguments: tuple) -> tuple[dict, object]:
         """What a function returned; its alterations of the arguments are made here as well."""
@@ -145,21 +157,40 @@ class Student:
             raise _error(kind, f"{reply['message']}{place}")
         try:
             (returned,), altered = values
-            for argument, now in zip(arguments, altered, strict=True):
-                if now is not None:
-                    argument[...] = now
-        except (ValueError, TypeError):
+            _alter(arguments, altered)
+        except (ValueError, TypeError, KeyError):
             raise Abandoned("its process answers nonsense") from None
-        _require_numbers(returned)
         return reply, returned
+
+    def _lend(self, value):
+        """The value as it can be sent: functions stay here and go by a number."""
+        if isinstance(value, tuple | list):
+            return tuple(self._lend(part) for part in value)
+        if isinstance(value, dict):
+            return {key: self._lend(part) for key, part in value.items()}
+        if not callable(value):
+            return value
+        self._lent.append(value)
+        return wire.Lent(len(self._lent) - 1)
+
+    def _called_back(self, number: int, arguments: list) -> tuple[dict, list]:
+        """What a lent function returns to the student's process, or how it fails there."""
+        try:
+            return {}, [self._lend(self._lent[number](*arguments))]
+        except Exception as error:
+            return {"raised": type(error).__name__, "message": str(error)}, []
 
     def _ask(self, message: dict, arguments: tuple = ()) -> tuple[dict, list]:
         if self.ended is not None:
             raise Abandoned(f"not tried, because {self.ended}")
         self._call_deadline = time.monotonic() + CALL_SECONDS
         try:
-            wire.send(self._process.stdin, message, arguments)
+            wire.send(self._process.stdin, message, self._lend(arguments))
             reply, values = wire.receive(self._process.stdout)
+            while "lent" in reply:
+                answer = self._called_back(reply["lent"], values)
+                wire.send(self._process.stdin, *answer)
+                reply, values = wire.receive(self._process.stdout)
         except (OSError, ValueError, wire.BrokenWire):
             self._kill("its process ended: it crashed, was killed for its memory, or ended itself")
             raise Abandoned(str(self.ended)) from None
@@ -191,6 +222,23 @@ class Student:
                 pass
 
 
+def _alter(arguments, altered) -> None:
+    """Make the alterations of the student's process in the grader's arrays."""
+    if isinstance(arguments, tuple | list):
+        for argument, now in zip(arguments, altered, strict=True):
+            _alter_one(argument, now)
+    elif isinstance(arguments, dict):
+        for name, now in altered.items():
+            _alter_one(arguments[name], now)
+
+
+def _alter_one(argument, now) -> None:
+    if isinstance(argument, np.ndarray) and now is not None:
+        argument[...] = now
+    elif isinstance(argument, dict):
+        _alter(argument, now)
+
+
 def _error(kind: type[Exception], message: str) -> Exception:
     """An exception of a builtin kind, some of which want more than a message."""
     try:
@@ -199,11 +247,16 @@ def _error(kind: type[Exception], message: str) -> Exception:
         return RuntimeError(message)
 
 
-def _require_numbers(returned) -> None:
-    parts = returned if isinstance(returned, tuple) else (returned,)
-    for part in parts:
+def _require_values(returned) -> None:
+    for part in returned if isinstance(returned, tuple) else (returned,):
         if isinstance(part, wire.Unsendable):
             raise TypeError(f"it returns {part.kind}, expected an array of floats")
+
+
+def _require_numbers(returned) -> None:
+    for part in returned if isinstance(returned, tuple) else (returned,):
+        if isinstance(part, str | dict):
+            raise TypeError(f"it returns {type(part).__name__}, expected an array of floats")
         if isinstance(part, tuple):
             raise TypeError("it returns a list of lists, expected an array of floats")
         if isinstance(part, np.ndarray) and part.dtype.kind != "f":

@@ -6,6 +6,7 @@ the project, and whatever else the student's file wants to import passes by `Gat
 
 from __future__ import annotations
 
+import builtins
 import importlib.abc
 import importlib.util
 import os
@@ -47,8 +48,8 @@ class Gatekeeper(importlib.abc.MetaPathFinder):
 class Servant:
     """Does what the grader asks: load, call, pull, forget. Each returns a reply and values."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, requests, replies) -> None:
+        self.path, self.requests, self.replies = path, requests, replies
         self.module = None
         self.pullbacks: dict[int, object] = {}
         self.gatekeeper = Gatekeeper()
@@ -78,12 +79,31 @@ class Servant:
         return {"functions": sorted(n for n, v in vars(self.module).items() if callable(v))}, []
 
     def call(self, request: dict, arguments: list) -> tuple[dict, list]:
+        arguments = self.borrowed(arguments)
         given = _copies(arguments)
         returned, reply = getattr(self.module, request["function"])(*arguments), {}
         if isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1]):
             returned, self.pullbacks[request["number"]] = returned
             reply["pullback"] = True
         return reply, [(returned,), _altered(arguments, given)]
+
+    def borrowed(self, values):
+        """The values, with a function for each that stays on the grader's side."""
+        if isinstance(values, dict):
+            return {key: self.borrowed(value) for key, value in values.items()}
+        if isinstance(values, list | tuple):
+            return type(values)(self.borrowed(value) for value in values)
+        return self._function(values.number) if isinstance(values, wire.Lent) else values
+
+    def _function(self, number: int):
+        def lent(*arguments):
+            wire.send(self.replies, {"lent": number}, arguments)
+            reply, values = wire.receive(self.requests)
+            if "raised" in reply:
+                raise getattr(builtins, reply["raised"], RuntimeError)(reply["message"])
+            return self.borrowed(values[0])
+
+        return lent
 
     def pull(self, request: dict, arguments: list) -> tuple[dict, list]:
         given = _copies(arguments)
@@ -100,7 +120,7 @@ def main() -> None:
     path, megabytes = Path(sys.argv[1]), int(sys.argv[2])
     requests, replies = _private_pipes()
     _limit(megabytes)
-    servant = Servant(path)
+    servant = Servant(path, requests, replies)
     while True:
         try:
             request, arguments = wire.receive(requests)
@@ -150,16 +170,22 @@ def _line(path: Path) -> int | None:
     return lines[-1] if lines else None
 
 
-def _copies(arguments: list) -> list:
-    return [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+def _copies(value):
+    if isinstance(value, list | tuple):
+        return [_copies(part) for part in value]
+    if isinstance(value, dict):
+        return {key: _copies(part) for key, part in value.items()}
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
-def _altered(arguments: list, given: list) -> tuple:
-    """The arrays that the call has altered, None in the place of the others."""
-    return tuple(
-        a if isinstance(a, np.ndarray) and a.tobytes() != g.tobytes() else None
-        for a, g in zip(arguments, given, strict=True)
-    )
+def _altered(value, given):
+    """The arrays that the call has altered, None in the place of everything else."""
+    if isinstance(value, list):
+        return tuple(_altered(v, g) for v, g in zip(value, given, strict=True))
+    if isinstance(value, dict):
+        return {key: _altered(value.get(key), given[key]) for key in given}
+    is_array = isinstance(value, np.ndarray) and isinstance(given, np.ndarray)
+    return value if is_array and value.tobytes() != given.tobytes() else None
 
 
 def _numpy_names() -> dict[str, dict[str, object]]:
