@@ -95,6 +95,7 @@ EXERCISES: tuple[Exercise, ...] = (
         "call the three operations of equation 1 from the inside out and keep each one's pullback; "
         "the gradient passes them in the reverse order",
         encode_layer,
+        given=("conv1d", "max_pool"),
         hints={"value": "convolve, pool, then tanh: tanh is outermost in equation 1"},
     ),
     operation_exercise(
@@ -108,6 +109,7 @@ EXERCISES: tuple[Exercise, ...] = (
         "four steps in the order of equation 2: arctanh, unpool, subtract b, convolve with W̃. "
         "The convolution's own bias is zeros, one for each channel that comes out",
         decode_layer,
+        given=("conv1d", "transpose_filters", "unpool_even"),
         hints={
             "value": "b is subtracted whole, after unpooling, and nothing is added at the end",
             "gradient for w": "the convolution returns dL/dW̃: send it through the pullback of "

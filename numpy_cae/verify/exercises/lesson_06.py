@@ -192,5 +192,6 @@ EXERCISES: tuple[Exercise, ...] = (
             ),
             unaltered(_layer),
         ),
+        given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
     ),
 )

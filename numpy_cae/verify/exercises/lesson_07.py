@@ -169,6 +169,7 @@ EXERCISES: tuple[Exercise, ...] = (
             ),
             unaltered(_inputs),
         ),
+        given=("encode_layer", "decode_layer"),
     ),
     exercise(
         "stack_loss",
@@ -201,5 +202,6 @@ EXERCISES: tuple[Exercise, ...] = (
             ),
             unaltered(_stack),
         ),
+        given=("encode_layer", "decode_layer", "mean_squared_error"),
     ),
 )
