@@ -143,7 +143,7 @@ EXERCISES: tuple[Exercise, ...] = (
                 "value",
                 "0 where the draw is below p, x everywhere else",
                 same_as(zero_values, _to_zero),
-                2,
+                3,
             ),
             Claim("kept", "what is not lost is exactly as it was", _kept),
             unaltered(_to_zero),

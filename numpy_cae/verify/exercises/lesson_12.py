@@ -232,13 +232,15 @@ def _names_the_culprit(check_gradients, case: Case) -> None:
     for name in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged"):
         (bug,) = (bug for bug in bugs_of("conv1d") if bug.name == name)
         culprit = bug.caught_by.rpartition(" ")[2]
+        message = ""
         try:
             check_gradients(*_tried(bug.operation, bug.implementation, case.seed))
         except AssertionError as error:
-            if culprit not in re.findall(r"\w+", str(error)):
-                raise AssertionError(
-                    f"the gradient for {culprit} is wrong, but the message is {str(error)!r}"
-                ) from None
+            message = str(error)
+        if culprit not in re.findall(r"\w+", message):
+            raise AssertionError(
+                f"the gradient for {culprit} is wrong, but the message is {message!r}"
+            )
 
 
 def _inputs_stay(check_gradients, case: Case) -> None:
