@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.ndimage import convolve1d, maximum_filter1d
 
 Curve = Callable[[np.ndarray], np.ndarray]
 
@@ -50,3 +51,26 @@ def drift(
         return np.sin(angles) @ sizes
 
     return curve
+
+
+def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
+    """A smooth curve that is nowhere below `need`.
+
+    The running maximum over a window, averaged over the same window, is never below the need.
+    """
+    width = 2 * int(samples / 2) + 3
+    window = np.hanning(width + 2)[1:-1]
+    highest = maximum_filter1d(need, width, mode="nearest")
+    return convolve1d(highest, window / window.sum(), mode="nearest")
+
+
+def yielding(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
+    """The values themselves well within low..high, bent smoothly to stay within it.
+
+    From `share` of the range before each end on: e + s tanh((x - e) / s).
+    """
+    slack = share * (high - low)
+    over = np.maximum(values - (high - slack), 0.0)
+    under = np.maximum(low + slack - values, 0.0)
+    bent = np.clip(values, low + slack, high - slack)
+    return bent + slack * (np.tanh(over / slack) - np.tanh(under / slack))

@@ -13,21 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIGN, Body
-from data_synth.curves import drift, ease, fading
+from data_synth.curves import drift, ease, fading, smooth_over
+from data_synth.leg_angles import LegAngles
 from data_synth.manner import Manner, in_radians
 from data_synth.pose import Leg
 from data_synth.route import Route
 from data_synth.stride import LONG_AGO, Stances, pitched, turned
-
-# Standing at ease: thigh slightly forwards, knee slightly bent, foot flat.
-_STANDING_THIGH, _STANDING_KNEE = np.radians(3.5), np.radians(7.0)
-# The toes bend no further than this against the foot, so the foot stands no steeper at toe off.
-_STEEPEST = np.radians(72.0)
-_GRAVITY = 9.81
 
 
 class Gait:
@@ -52,13 +46,15 @@ class Gait:
         self.body, self.route, self._phase = body, route, phase
         self.manner = in_radians(manner)
         self.full_speed = max(float(route.speeds.max()), 1e-6)
-        self.rate = float(np.max(np.diff(phase)) / (route.times[1] - route.times[0]))
+        rate = float(np.max(np.diff(phase)) / (route.times[1] - route.times[0]))
         # Where the clock stands still only the ends of that time tell when a phase was reached.
         ticks = np.concatenate([[False], np.diff(phase) > 1e-9, [False]])
         ticking = ticks[1:] | ticks[:-1]
         self._clock = phase[ticking], route.times[ticking]
-        self._fit_pelvis()
-        self._drifts = [drift(rng, 1.0) for _ in range(4)]
+        self._stride = self.full_speed / rate
+        self._angles = LegAngles(body, self.manner)
+        self._implied = self._angles.implied_by_stride(self._stride)
+        self._drifts = [drift(rng, 1.0) for _ in range(2)]
         self.stances = [self._plan(side, rng) for side in (0, 1)]
         self._lowered = lambda t: 0.0
         self._lowered = self._lowering()
@@ -89,55 +85,17 @@ class Gait:
         sway = sway + 0.006 * (1 - vigour) * self._drifts[0](t)
         twice = np.stack([np.cos(2 * angle), np.sin(2 * angle)], axis=-1)
         surge = 0.012 * vigour * np.cos(2 * angle + 0.9) + 0.004 * (1 - vigour) * self._drifts[1](t)
-        bob = vigour**2 * (self._sink + twice @ self._bob)
+        bob = vigour**2 * (self._implied.sink + twice @ self._implied.bob)
         place = turned(
-            np.stack([sway, self._height + bob - self._lowered(t), surge], axis=-1),
+            np.stack([sway, self._implied.height + bob - self._lowered(t), surge], axis=-1),
             self.route.heading(t),
         )
         place[..., [0, 2]] += self.route.place(t)
         yaw, tilt, drop = self.pelvis_angles(t)
         return place, Rotation.from_euler("YXZ", np.stack([yaw, tilt, drop], axis=-1))
 
-    def _fit_pelvis(self) -> None:
-        """The fullness of the angles, and the pelvis's height and bob that they imply.
-
-        While a foot stands, its ankle is known and so is the way from the hip to it: their
-        difference is where the pelvis is. By least squares over the stance,
-        height = h + c cos 4πφ + s sin 4πφ and way ahead = z + L φ; the angles are as full as
-        makes the stride L the one that speed and cadence ask for.
-        """
-        body, curves = self.body, self.manner.curves
-        hip_below = -float(body.hip(0)[1])
-        phase = np.linspace(0.01, curves.toe_off - 0.06, 40)
-        waves = np.stack(
-            [np.ones(40), phase, np.cos(4 * np.pi * phase), np.sin(4 * np.pi * phase)], axis=-1
-        )
-        rolls = (phase < curves.foot_flat) | (phase > curves.heel_off)
-        pivots = np.where((phase < curves.foot_flat)[:, None], body.heel, body.ball)
-        low, high = 0.0, 2.0
-        for _ in range(24):
-            self.fullness = (low + high) / 2
-            pitch = np.where(rolls, self._pitch(phase, self.fullness), 0.0)
-            rolled = pivots - pitched(pivots, pitch)
-            ahead, down = self._leg_vector(phase, self.fullness)
-            self._ahead, stride = np.linalg.lstsq(waves[:, :2], rolled[:, 2] - ahead, rcond=None)[0]
-            if stride < self.full_speed / self.rate:
-                low = self.fullness
-            else:
-                high = self.fullness
-        height = body.ankle_height + rolled[:, 1] - down + hip_below
-        mean, *bob = np.linalg.lstsq(waves[:, [0, 2, 3]], height, rcond=None)[0]
-        _, down = self._leg_vector(np.zeros(1), 0.0)
-        self._height = body.ankle_height - float(down[0]) + hip_below
-        self._sink = mean - self._height
-        self._bob = self.manner.bob * np.array(bob)
-
     def _lowering(self):
-        """How far the pelvis sinks so that both standing feet are within reach, a smooth curve.
-
-        The running maximum over a window, averaged over the same window, is never below the
-        need itself.
-        """
+        """How far the pelvis sinks so that both standing feet are within reach, smoothed."""
         rate = 100.0
         t = np.arange(self.route.times[0], self.route.times[-1] + 1 / rate, 1 / rate)
         place, pelvis = self.pelvis(t)
@@ -151,9 +109,7 @@ class Gait:
             flat = np.sum((ankle - hip)[:, [0, 2]] ** 2, axis=-1)
             highest = np.sqrt(np.maximum((0.993 * self.body.leg) ** 2 - flat, 1e-4))
             need = np.maximum(need, np.where(standing, hip[:, 1] - ankle[:, 1] - highest, 0.0))
-        width = 23
-        window = np.hanning(width + 2)[1:-1]
-        need = convolve1d(maximum_filter1d(need, width), window / window.sum(), mode="nearest")
+        need = smooth_over(need, 0.2 * rate)
         return CubicSpline(t, need)
 
     # -- the feet --------------------------------------------------------------------------
@@ -190,26 +146,10 @@ class Gait:
         u = np.where(standing, 0.0, (t - stances.toe_off[k]) / span)
         return k, standing, u
 
-    def _leg_vector(self, phase: np.ndarray, fullness) -> tuple[np.ndarray, np.ndarray]:
-        """From hip to ankle, forwards and upwards, by the angles of the laboratory."""
-        m, body = self.manner, self.body
-        thigh = _STANDING_THIGH + fullness * (m.curves.thigh(phase) - _STANDING_THIGH)
-        bending = _bending(fullness)
-        knee = _STANDING_KNEE + bending * (m.curves.knee(phase) - _STANDING_KNEE) + m.crouch
-        thigh = thigh + 0.5 * m.crouch
-        shank = thigh - knee
-        ahead = body.thigh * np.sin(thigh) + body.shank * np.sin(shank)
-        return ahead, -body.thigh * np.cos(thigh) - body.shank * np.cos(shank)
-
-    def _pitch(self, phase: np.ndarray, fullness) -> np.ndarray:
-        curves = self.manner.curves
-        pitch = fullness * (curves.thigh(phase) + curves.ankle(phase))
-        pitch = self.manner.roll * (pitch - _bending(fullness) * curves.knee(phase))
-        steep = np.where(pitch < 0, pitch / _STEEPEST, 0.0)
-        return pitch / (1 + steep**4) ** 0.25
-
     def _free_pitch(self, t: np.ndarray, side: int) -> np.ndarray:
-        return self._pitch(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
+        return self._angles.pitch(
+            self.phase(t) - 0.5 * side, self._implied.fullness * self.vigour(t)
+        )
 
     def _standing_pitch(self, t: np.ndarray, k: np.ndarray, side: int) -> np.ndarray:
         return self._free_pitch(t, side) * self.stances[side].rolling(t, k)
@@ -222,7 +162,9 @@ class Gait:
         """The ankle by the angles alone, (F, 3), in the world."""
         body, sign = self.body, SIGN[side]
         place, pelvis = self.pelvis(t)
-        ahead, up = self._leg_vector(self.phase(t) - 0.5 * side, self.fullness * self.vigour(t))
+        ahead, up = self._angles.way(
+            self.phase(t) - 0.5 * side, self._implied.fullness * self.vigour(t)
+        )
         aside = np.full_like(ahead, sign * (self.manner.width - body.hip_width) / 2)
         hip = place + pelvis.apply(body.hip(side))
         return hip + turned(np.stack([aside, up, ahead], axis=-1), self.route.heading(t))
@@ -234,7 +176,8 @@ class Gait:
         strikes = np.arange(np.floor(first - 0.5 * side + 1e-9), last) + 0.5 * side
         strikes = strikes[strikes < last - 0.04]
         count = len(strikes)
-        jitter = np.clip(rng.normal(0.0, 0.006, (4, count)), -0.012, 0.012)
+        # Small enough for a walker who pauses to do so with both feet flat (see `set_out`).
+        jitter = np.clip(rng.normal(0.0, 0.003, (3, count)), -0.004, 0.004)
 
         def time(after, row):
             return np.interp(strikes + after + jitter[row], *self._clock)
@@ -246,9 +189,9 @@ class Gait:
         middle_phase = 0.5 * (curves.foot_flat + curves.heel_off)
         passing = np.interp(strikes + middle_phase, *self._clock)
         heading, vigour = route.heading(passing), self.vigour(passing)
-        stride = self.full_speed / self.rate
-        ahead = self.body.hip(0)[2] - vigour * (self._ahead + stride * middle_phase)
-        ahead += (1 - vigour) * self._leg_vector(np.zeros(1), 0.0)[0]
+        behind = self._implied.ahead + self._stride * middle_phase
+        ahead = self.body.hip(0)[2] - vigour * behind
+        ahead += (1 - vigour) * self._angles.way(np.zeros(1), 0.0)[0]
         aside = sign * (0.5 * m.width + np.clip(rng.normal(0, 0.008, count), -0.016, 0.016))
         ankle = turned(np.stack([aside, np.zeros(count), ahead], axis=-1), heading)
         ankle[:, [0, 2]] += route.place(passing)
@@ -302,8 +245,3 @@ class Gait:
         ankle = self._swing_unlifted(t, k, u, side, ends)
         ankle[:, 1] += lift[k] * np.sin(np.pi * u) ** 2
         return ankle
-
-
-def _bending(fullness):
-    """How full the knee's angles are: they grow less with speed than the thigh's (Winter, 1991)."""
-    return np.tanh(fullness) / np.tanh(1.0)

@@ -105,7 +105,7 @@ class LegCurves:
 
 WALK = LegCurves(
     **{joint: fourier_series(degrees) for joint, degrees in _WALK.items()},
-    foot_flat=0.08,
+    foot_flat=0.058,
     heel_off=0.34,
     toe_off=0.57,
 )

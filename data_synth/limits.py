@@ -117,13 +117,15 @@ def _hip(rotation: Rotation, sign: float) -> Angles:
 
 
 def _shoulder(rotation: Rotation, sign: float) -> Angles:
-    # Its own turn is measured against the hanging arm, whichever way it was lifted.
+    # Its own turn is measured against the hanging arm, whichever way it was lifted. Overhead that
+    # depends on the way (Codman's paradox), and within 40° of straight up nothing is measured.
     hanging = rotation * Rotation.from_euler("z", sign * np.pi / 2)
     arm = rotation.apply([sign, 0.0, 0.0])
+    overhead = arm[:, 1] > np.cos(np.radians(40))
     return {
         "extension": np.arcsin(np.clip(-arm[:, 2], -1, 1)),
         "adduction": np.arcsin(np.clip(-sign * arm[:, 0], -1, 1)),
-        "turn": sign * _turn_about(1, hanging),
+        "turn": np.where(overhead, 0.0, sign * _turn_about(1, hanging)),
     }
 
 

@@ -61,7 +61,7 @@ class Plank:
         self.hands_turn = np.radians(rng.uniform(0, 20))
         reach = np.sqrt((0.955 * body.arm) ** 2 - (self.hands_out - half) ** 2)
         self.high = self._slope_for(self.wrist_height + reach)
-        self.deep = self._slope_for(self.wrist_height + rng.uniform(0.22, 0.32) * body.arm)
+        self.deep = self._slope_for(self.wrist_height + rng.uniform(0.28, 0.38) * body.arm)
         self.slope = self.high + (self.deep - self.high) * low
         self.level = self._level(self.slope, self._unrest("turn"))
         self.place = self._place(self.slope, self.level)

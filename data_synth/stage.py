@@ -11,14 +11,19 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIDES, SIGN, Body
-from data_synth.curves import drift, ease
+from data_synth.curves import drift, ease, smooth_over, yielding
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
 from data_synth.stride import turned
+
+# How far gestures together can take an angle, degrees; the joints themselves go a little further.
+_REACH = {"bend": (-45, 95), "side": (-60, 60), "twist": (-58, 58), "nod": (-45, 75),
+          "lean": (-60, 60), "look": (-72, 72), "pronation": (-80, 90), "wrist": (-85, 75),
+          "elbow": (4, 145), "curl": (-20, 90), "raised": (-8, 34),
+          "forwards": (-22, 26)}  # fmt: skip
 
 
 class Stage:
@@ -96,7 +101,10 @@ class Stage:
     # -- from angles to a pose ---------------------------------------------------------------
 
     def _radians(self, name: str) -> np.ndarray:
-        return np.radians(self.angles[name])
+        # Gestures add up; where they would add up to too much the joint yields.
+        angles = self.angles[name]
+        reach = _REACH.get(name.removeprefix("l.").removeprefix("r."))
+        return np.radians(angles if reach is None else yielding(angles, *reach))
 
     def pose(self) -> tuple[Pose, np.ndarray]:
         """The pose at every time, and which foot's ball stands still, (F, 2) bool."""
@@ -184,21 +192,9 @@ class Stage:
         fields = ("flexion", "abduction", "turn", "elbow", "pronation", "wrist", "raised",
                   "forwards", "curl")  # fmt: skip
         angles = {field: self._radians(f"{name}.{field}") for field in fields}
-        angles["elbow"] = np.maximum(angles["elbow"], np.radians(4.0))
         return Arm(**angles, **self.goals[side])
 
 
 def bump(t: np.ndarray, start: float, rise: float, hold: float, fall: float) -> np.ndarray:
     """0, then 1 from start + rise for `hold` seconds, then 0 again, without a corner."""
     return ease((t - start) / rise) - ease((t - start - rise - hold) / fall)
-
-
-def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
-    """A smooth curve that is nowhere below `need`.
-
-    The running maximum over a window, averaged over the same window, is never below the need.
-    """
-    width = 2 * int(samples / 2) + 3
-    window = np.hanning(width + 2)[1:-1]
-    highest = maximum_filter1d(need, width, mode="nearest")
-    return convolve1d(highest, window / window.sum(), mode="nearest")

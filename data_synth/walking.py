@@ -16,6 +16,9 @@ from data_synth.manner import Manner
 from data_synth.pose import Arm, Pose
 from data_synth.route import Route
 
+# Strides after a heel strike when a walker stops: that foot is flat, the other has not left.
+_STOP = 0.064
+
 
 def set_out(
     rng: np.random.Generator,
@@ -60,7 +63,7 @@ def set_out(
         done = np.concatenate([[0.0], np.cumsum((ticking[1:] + ticking[:-1]) / 2) * step])
         # The last foot comes down flat before its clock stops, and the other foot has not left.
         before = phase[-1]
-        arrived = np.ceil(2 * (before + np.interp(end - 0.3, times, done))) / 2 + 0.06
+        arrived = np.ceil(2 * (before + np.interp(end - 0.3, times, done))) / 2 + _STOP
         phase = np.minimum(before + done, arrived) if begin <= times[0] else np.where(
             times < begin, phase, np.minimum(before + done, arrived)
         )  # fmt: skip

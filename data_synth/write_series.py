@@ -60,6 +60,7 @@ def write_series(
     table = io.StringIO()
     rows = csv.writer(table, lineterminator="\n")
     rows.writerow(_COLUMNS)
+    has_skeleton: set[int] = set()
     for plan in plans:
         person = f"{plan.person:02d}"
         _make_folder(folder / person)
@@ -68,9 +69,9 @@ def write_series(
         if file_format == "bvh":
             write_bvh(take.motion, path, _CENTIMETRE)
         else:
-            skeleton = folder / person / f"{person}.asf"
-            if plan.name.endswith("_01") or not skeleton.exists():
-                write_asf(take.motion.skeleton, skeleton)
+            if plan.person not in has_skeleton:
+                write_asf(take.motion.skeleton, folder / person / f"{person}.asf")
+                has_skeleton.add(plan.person)
             write_amc(take.motion, path)
         rows.writerow(
             [path.relative_to(folder).as_posix(), take.kind, take.style, plan.person,

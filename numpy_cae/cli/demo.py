@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from data_synth import KINDS, make_take
+from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed, typical
@@ -14,6 +14,7 @@ from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
 
+KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES = 96
 SECONDS = 8.0
 SCHEDULE = Schedule(layer=Stage(epochs=7), fine_tuning=Stage(20, 0.15, 0.93, 0.0))

@@ -7,7 +7,7 @@ mean square a coordinate; held frames do not count.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,11 +89,12 @@ def half_zeroed(
     def error(x: np.ndarray) -> float:
         return position_error(manifold.denormalise(x), manifold.denormalise(truth), real)
 
+    features = truth.shape[-1]
     rows = [
         Row("doing nothing", error(truth), error(lost)),
         Row("the mean pose", error(0 * truth), error(0 * truth)),
-        _pca("PCA on frames", seen, truth, lost, error, truth.shape[2:]),
-        _pca("PCA on windows", seen, truth, lost, error, truth.shape[1:]),
+        _pca("PCA on frames", seen, truth, lost, error, features),
+        _pca("PCA on windows", seen, truth, lost, error, length * features),
         Row("the network", error(_projected(manifold, truth)), error(_projected(manifold, lost))),
     ]
     return HalfZeroed(rows, len(truth), len(testing))
@@ -112,14 +113,24 @@ def _projected(manifold: MotionManifold, x: np.ndarray, at_once: int = 64) -> np
     return np.concatenate([manifold.network.project(part) for part in parts])
 
 
-def _pca(method: str, seen, truth, lost, error, shape: tuple[int, ...]) -> Row:
-    pca = PCA.fit(seen.reshape(-1, *np.atleast_1d(np.prod(shape))).astype(np.float64))
+SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000)
+
+
+def _pca(
+    method: str,
+    seen: np.ndarray,
+    truth: np.ndarray,
+    lost: np.ndarray,
+    error: Callable[[np.ndarray], float],
+    numbers: int,
+) -> Row:
+    """PCA of rows of so many numbers, at the best of `SIZES` (or all axes) for each column."""
+    pca = PCA.fit(seen.reshape(-1, numbers).astype(np.float64))
     largest = len(pca.axes)
-    sizes = [size for size in (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700)]
-    sizes = [size for size in sizes if size < largest] + [largest]
+    sizes = [size for size in SIZES if size < largest] + [largest]
 
     def best(x: np.ndarray) -> tuple[float, int]:
-        rows = x.reshape(-1, pca.mean.size)
+        rows = x.reshape(-1, numbers)
         return min((error(pca.project(rows, size).reshape(x.shape)), size) for size in sizes)
 
     (reconstruction, whole), (repair, few) = best(truth), best(lost)

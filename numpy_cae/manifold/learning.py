@@ -10,17 +10,28 @@ import numpy as np
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.body import RATE
-from numpy_cae.motion.features import positions_to_features
+from numpy_cae.motion.features import (
+    FEATURES,
+    POSITIONS,
+    TURN,
+    VELOCITY,
+    positions_to_features,
+)
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 from numpy_cae.training import Schedule, train_autoencoder
 
 RMS = 0.25
-"""What the one scale brings the features to, root mean square. The paper does not say; much
+"""What each kind of features is scaled to, root mean square. The paper does not say; much
 smaller and the rate 0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
 LOUDEST = 2.0
 """How many times that the loudest window may have: at one window a step, a person lying down among
 people standing is enough to diverge."""
+
+
+STILL = 1e-3
+"""A kind of features that varies less (metres, radians) is not blown up to be seen: where nobody
+turned in training, the first who does must not be a thousand."""
 
 
 def learn_manifold(
@@ -77,12 +88,8 @@ def learn_manifold(
     ]
     frames = np.concatenate(features)
     mean_pose = frames.mean(axis=0)
-    spread = np.sqrt(np.mean((frames - mean_pose) ** 2))
-    if spread < 1e-9:
-        raise ValueError("every frame of the takes is the same: there is nothing to learn")
     windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])
-    loudest = np.sqrt(np.mean((windows - mean_pose) ** 2, axis=(1, 2)).max())
-    scale = min(rms / spread, LOUDEST * rms / loudest)
+    scale = _scale(frames - mean_pose, windows - mean_pose, rms)
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
 
     history = train_autoencoder(
@@ -98,3 +105,19 @@ def learn_manifold(
         "losses": history.losses,
     }
     return manifold
+
+
+def _scale(frames: np.ndarray, windows: np.ndarray, rms: float) -> np.ndarray:
+    """What each feature is multiplied by, (63,): one factor for a kind of features.
+
+    Each kind (positions, velocity, turn) is brought to `rms`, or none would learn to turn: a turn
+    of a frame is a hundredth of a radian where positions are a tenth of a metre.
+    """
+    scale = np.ones(FEATURES)
+    for kind in (POSITIONS, VELOCITY, TURN):
+        spread = np.sqrt(np.mean(frames[:, kind] ** 2))
+        if kind is POSITIONS and spread < STILL:
+            raise ValueError("every frame of the takes is the same: there is nothing to learn")
+        scale[kind] = rms / max(spread, STILL)
+    loudest = np.sqrt(np.mean((windows * scale) ** 2, axis=(1, 2)).max())
+    return scale * min(1.0, LOUDEST * rms / loudest)

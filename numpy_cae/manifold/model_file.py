@@ -27,7 +27,7 @@ def save_manifold(manifold: MotionManifold, path: str | Path) -> None:
     arrays = {
         "format": np.array(FORMAT),
         "mean_pose": manifold.mean_pose,
-        "scale": np.array(manifold.scale),
+        "scale": manifold.scale,
         "rate": np.array(manifold.rate),
         "joints": np.array(JOINTS),
         "parents": np.array(PARENTS),
@@ -76,7 +76,7 @@ def _assembled(arrays: dict[str, np.ndarray]) -> MotionManifold:
     return MotionManifold(
         network,
         _checked(arrays, "mean_pose", (FEATURES,)),
-        float(_checked(arrays, "scale", ())),
+        _checked(arrays, "scale", (FEATURES,)),
         _checked(arrays, "lengths", (len(JOINTS),)),
         float(_checked(arrays, "rate", ())),
         json.loads(str(arrays["settings"])),

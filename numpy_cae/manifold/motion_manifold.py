@@ -1,7 +1,7 @@
 """A trained network together with what it was taught to see: the motion manifold.
 
 The network knows numbers near zero. What turns a body into those numbers and back (the mean
-skeleton, the mean pose, one scale for all features) belongs to it and is kept with it.
+skeleton, the mean pose, a scale) belongs to it and is kept with it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import Place, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.windows import hold_last_pose
 
 
 @dataclass
@@ -25,8 +24,9 @@ class MotionManifold:
     network : ConvAutoencoder
     mean_pose : (63,) array of float64
         Subtracted from every frame of features (holden2015, section 4).
-    scale : float
-        Multiplies what is left: one number for all features.
+    scale : (63,) array of float64
+        Multiplies what is left: one factor for all positions, one for the velocity, one for the
+        turn.
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate : float
@@ -37,7 +37,7 @@ class MotionManifold:
 
     network: ConvAutoencoder
     mean_pose: np.ndarray
-    scale: float
+    scale: np.ndarray
     lengths: np.ndarray
     rate: float = 30.0
     settings: dict = field(default_factory=dict)
@@ -69,7 +69,9 @@ class MotionManifold:
     def project(self, features: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
 
-        A clip whose length is no multiple of 8 holds its last pose until it is, and is cut back.
+        The zeros that a convolution sees beyond a clip are the mean pose, and near its ends they
+        pull a motion there. So the clip is continued on both sides, its first and its last
+        frame held as far as the network sees, and cut back afterwards.
 
         Parameters
         ----------
@@ -80,5 +82,7 @@ class MotionManifold:
         (F, 63) array of float64
         """
         frames, unit = len(features), self.network.frames_per_unit
-        whole = hold_last_pose(features, -(-frames // unit) * unit)
-        return self.denormalise(self.network.project(self.normalise(whole)[None])[0])[:frames]
+        seen = sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
+        more = -(frames + 2 * seen) % unit
+        whole = np.pad(self.normalise(features), ((seen, seen + more), (0, 0)), mode="edge")
+        return self.denormalise(self.network.project(whole[None])[0])[seen : seen + frames]

@@ -1,4 +1,8 @@
-"""The convolutional autoencoder of holden2015: three tied layers between motion and manifold."""
+"""The convolutional autoencoder of holden2015: three tied layers between motion and manifold.
+
+What it computes is written down in `models.composed`, out of `numpy_cae.ops`. How it computes it
+is `models.fast`: the same numbers, up to rounding, in a third of the time and less.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae import ops
+from numpy_cae.models.composed import Gradients
 from numpy_cae.models.conv_layer import ConvLayer
-
-Gradients = list[tuple[np.ndarray, np.ndarray]]
+from numpy_cae.models.fast import FastNetwork
+from numpy_cae.ops.shapes import require_shape
 
 
 class ConvAutoencoder:
@@ -51,6 +55,7 @@ class ConvAutoencoder:
             ConvLayer.initial(taps, below, above, bound, rng, dtype)
             for below, above in pairwise(channels)
         ]
+        self._fast = FastNetwork()
 
     @property
     def frames_per_unit(self) -> int:
@@ -65,15 +70,19 @@ class ConvAutoencoder:
         ValueError
             If the features do not fit or T is not a multiple of `frames_per_unit`.
         """
-        for layer in self.layers:
-            x, _ = layer.encode(x)
-        return x
+        _require_windows("x", x, self.layers)
+        return self._fast.encode(self.layers, x)
 
     def decode(self, y: np.ndarray) -> np.ndarray:
-        """X̂ = Φ†(Y), unpooling evenly: hidden units (B, T/8, 256) to windows (B, T, features)."""
-        for layer in reversed(self.layers):
-            y, _ = layer.decode(y)
-        return y
+        """X̂ = Φ†(Y), unpooling evenly: hidden units (B, T/8, 256) to windows (B, T, features).
+
+        Raises
+        ------
+        ValueError
+            If the hidden units do not fit.
+        """
+        require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
+        return self._fast.decode(self.layers, y)
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)): the motion on the manifold that stands for x, (B, T, features) to the same."""
@@ -116,36 +125,47 @@ class ConvAutoencoder:
         holden2015, section 6, equation 3.
         """
         layers = self.layers if layer is None else [self.layers[layer]]
-        masks = [None] * len(layers) if first is None else list(first)
-        if len(masks) != len(layers):
-            raise ValueError(
-                f"first has {len(masks)} masks, expected one for each of {len(layers)}"
-            )
+        _require_windows("x", x, layers)
+        require_shape("corrupted", corrupted, x.shape)
+        if x.size == 0:
+            raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
+        if first is not None:
+            _require_masks(first, x, layers)
+        return self._fast.loss_and_gradients(layers, x, corrupted, alpha, first)
 
-        y, encode_backs = corrupted, []
-        for each in layers:
-            y, back = each.encode(y)
-            encode_backs.append(back)
-        x_hat, decode_backs = y, []
-        for each, mask in zip(reversed(layers), reversed(masks), strict=True):
-            x_hat, back = each.decode(x_hat, mask)
-            decode_backs.append(back)
-        error, error_back = ops.mean_squared_error(x_hat, x)
-        activity, activity_back = ops.mean_absolute(y)
-        loss = error + alpha * activity
+    def freeze(self) -> ConvAutoencoder:
+        """Make the weights read-only, so that the filters' spectra are computed once; returns self.
 
-        down = []
-        d = error_back()
-        for back in reversed(decode_backs):
-            d, dw, db = back(d)
-            down.append((dw, db))
-        up = []
-        d = d + activity_back(alpha)
-        for back in reversed(encode_backs):
-            d, dw, db = back(d)
-            up.append((dw, db))
-        gradients = [
-            (dw_up + dw_down, db_up + db_down)
-            for (dw_up, db_up), (dw_down, db_down) in zip(reversed(up), down, strict=True)
-        ]
-        return float(loss), gradients
+        `encode`, `decode` and `project` of a single window then take about half the time. Training
+        makes the weights writeable again.
+        """
+        for layer in self.layers:
+            layer.w.flags.writeable = layer.b.flags.writeable = False
+        return self
+
+    def thaw(self) -> ConvAutoencoder:
+        """Give every layer weights of its own that can be changed; returns self."""
+        for layer in self.layers:
+            layer.w, layer.b = layer.w.copy(), layer.b.copy()
+        return self
+
+
+def _require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+    require_shape(name, x, ("batch", "frames", layers[0].w.shape[1]))
+    if x.shape[1] % 2 ** len(layers):
+        raise ValueError(
+            f"{name} has shape {x.shape}: pooling {len(layers)} times needs an even number of "
+            f"frames each time, so expected a multiple of {2 ** len(layers)} frames"
+        )
+
+
+def _require_masks(first: Sequence[np.ndarray], x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+    if len(first) != len(layers):
+        raise ValueError(f"first has {len(first)} masks, expected one for each of {len(layers)}")
+    batch, frames, _ = x.shape
+    for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
+        if mask is None:
+            continue
+        require_shape(f"first[{k}]", mask, (batch, frames >> (k + 1), layer.b.size))
+        if np.asarray(mask).dtype != bool:
+            raise ValueError(f"first[{k}] has dtype {np.asarray(mask).dtype}, expected bool")

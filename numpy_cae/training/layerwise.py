@@ -7,6 +7,7 @@ corrupted motion to clean motion.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,9 +25,16 @@ class DivergedError(ArithmeticError):
 
 @dataclass
 class History:
-    """The mean loss of every epoch, by stage: "layer 1", …, "fine tuning"."""
+    """What happened in each stage: "layer 1", …, "fine tuning".
+
+    Attributes
+    ----------
+    losses : stage to the mean loss of every epoch
+    seconds : stage to the time that its epochs took
+    """
 
     losses: dict[str, list[float]] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
 
 
 def train_autoencoder(
@@ -62,16 +70,21 @@ def train_autoencoder(
     schedule = schedule or Schedule()
     rng = rng or np.random.default_rng(0)
     history = History()
+    model.thaw()
     inputs = windows
     for index, layer in enumerate(model.layers):
         name = f"layer {index + 1}"
+        start = time.perf_counter()
         history.losses[name] = _train_stage(
             model, inputs, schedule.layer, schedule, rng, name, show_progress, index
         )
-        inputs = _encoded(layer, inputs)
+        history.seconds[name] = time.perf_counter() - start
+        inputs = _encoded(layer, inputs) if index + 1 < len(model.layers) else None
+    start = time.perf_counter()
     history.losses["fine tuning"] = _train_stage(
         model, windows, schedule.fine_tuning, schedule, rng, "fine tuning", show_progress
     )
+    history.seconds["fine tuning"] = time.perf_counter() - start
     return history
 
 

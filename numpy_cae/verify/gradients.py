@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -22,12 +23,26 @@ KINKS_EXCUSED = 0.05
 
 
 class GradientError(AssertionError):
-    """A gradient that differences contradict; `mistake` says why, where the pattern shows it."""
+    """A gradient that differences contradict; `mistake` says why, where the pattern shows it.
 
-    def __init__(self, report: str, mistake: str | None = None) -> None:
-        super().__init__(report + (f"\nLikely mistake: {mistake}" if mistake else ""))
+    The mistake is looked for when it is asked for: that takes many more differences, and whoever
+    shrinks an example raises this a hundred times and reads it once.
+    """
+
+    def __init__(self, report: str, at: Point, diagnose: Callable[[Point], str | None]) -> None:
+        super().__init__(report)
         self.report = report
-        self.mistake = mistake
+        self.at, self.diagnose = at, diagnose
+
+    @cached_property
+    def mistake(self) -> str | None:
+        try:
+            return self.diagnose(self.at)
+        except Exception:  # whatever f does elsewhere must not hide what it does here
+            return None
+
+    def __str__(self) -> str:
+        return self.report + (f"\nLikely mistake: {self.mistake}" if self.mistake else "")
 
 
 def check_gradients(
@@ -136,7 +151,8 @@ def _check_argument(f, inputs, position, names, value, dy, gradient, rng, tolera
         found = "None" if gradient is None else f"shape {np.shape(gradient)}"
         raise GradientError(
             f"the gradient for {name} is {found}, expected shape {x.shape}, that of {name}",
-            mistake_in_shape(at),
+            at,
+            mistake_in_shape,
         )
     if not isinstance(gradient, np.ndarray | np.generic):
         raise AssertionError(
@@ -159,13 +175,15 @@ def _check_argument(f, inputs, position, names, value, dy, gradient, rng, tolera
             f"    by the pullback         {verdict.analytic:.10g}\n"
             f"    by central differences  {verdict.numeric:.10g}\n"
             f"    wrong in {len(wrong)} of {len(verdicts)} {tried}",
-            likely_mistake(at),
+            at,
+            likely_mistake,
         )
     if len(kinks) > max(1, int(KINKS_EXCUSED * len(verdicts))):
         raise GradientError(
             f"the slope in {name}, shape {x.shape}, does not settle in {len(kinks)} of "
             f"{len(verdicts)} {tried}, more than may be excused as kinks",
-            mistake_in_roughness(at),
+            at,
+            mistake_in_roughness,
         )
 
 

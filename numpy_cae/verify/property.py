@@ -165,7 +165,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> None:
             for name, a in operation.arguments(case).items()
         }
         value, pullback = implementation(*arguments.values())
-        dy = dtype(BEYOND_FLOAT32 * drawn_upstream(case, value))
+        dy = (BEYOND_FLOAT32 * drawn_upstream(case, value)).astype(dtype)
         results = {"the value": value}
         for name, gradient in differentiated(operation, pullback(dy)).items():
             results[f"the gradient for {name}"] = gradient

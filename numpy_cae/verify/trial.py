@@ -107,20 +107,25 @@ def try_property(
     except Exception:
         if not failures:  # then it is ours and not the implementation's
             raise
+        case, error = failures[-1]
         try:
-            known = _known_bug(tried, implementation, witnesses)
+            mistake = _known_bug(tried, implementation, witnesses) or _mistake_in(error)
         except Abandoned:
-            known = None
-        return _failed(tried, *failures[-1], known)
+            mistake = ""
+        return _failed(tried, case, error, mistake)
     return Outcome(tried, held=True)
 
 
-def _failed(tried: Property, case: Case, error: Exception, known: str | None) -> Outcome:
-    mistake = known or getattr(error, "mistake", None) or mistake_in_error(error) or ""
+def _failed(tried: Property, case: Case, error: Exception, mistake: str) -> Outcome:
     problem = getattr(error, "report", None) or str(error)
     if not isinstance(error, AssertionError):
         problem = f"{type(error).__name__}: {problem}"
     return Outcome(tried, False, problem, described(case, tried.arguments(case)), mistake)
+
+
+def _mistake_in(error: Exception) -> str:
+    """What the numbers of a failed gradient check show, or the words of another exception."""
+    return getattr(error, "mistake", None) or mistake_in_error(error) or ""
 
 
 def _known_bug(tried: Property, implementation: Callable, witnesses: list[Witness]) -> str | None:

@@ -12,11 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import LIMITS, beyond_limits, draw_body, joint_angles, make_body, make_take
 from data_synth.body import NAMES
-from data_synth.curves import drift, ease, fading
+from data_synth.curves import drift, ease, fading, smooth_over, yielding
 from data_synth.exercise import bounce
 from data_synth.gait_curves import _RUN, _WALK, RUN, WALK
 from data_synth.pictures import main as draw_pictures
-from data_synth.stage import smooth_over
 from data_synth.two_bones import reach
 from numpy_cae.motion import load_motion
 
@@ -116,6 +115,15 @@ def test_curves_have_no_corners():
     assert ease(np.array([-1.0, 0.0, 1.0, 9.0])).tolist() == [0, 0, 1, 1]
     wander = drift(np.random.default_rng(0), 2.0)(np.linspace(0, 2000, 200_000))
     assert wander.std() == pytest.approx(2.0, rel=0.1)
+
+
+def test_what_yields_stays_within_and_is_left_alone_inside():
+    values = np.linspace(-500, 500, 10_001)
+    bent = yielding(values, -60, 40)
+    assert -60 <= bent.min() and bent.max() <= 40
+    inside = (values > -50) & (values < 30)
+    np.testing.assert_array_equal(bent[inside], values[inside])
+    assert (np.diff(bent) >= 0).all() and np.abs(np.diff(bent, 2)).max() < 0.01
 
 
 def test_who_jumps_falls_as_things_do():

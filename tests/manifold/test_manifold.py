@@ -14,7 +14,7 @@ from numpy_cae.manifold import (
     save_manifold,
 )
 from numpy_cae.measures import position_error
-from numpy_cae.motion import JOINTS, bone_lengths, fit_motion
+from numpy_cae.motion import JOINTS, POSITIONS, TURN, VELOCITY, bone_lengths, fit_motion
 from numpy_cae.motion.fit import body_skeleton
 from numpy_cae.training import Schedule, Stage
 
@@ -56,12 +56,18 @@ def test_the_mean_skeleton_is_the_mean_of_the_takes(manifold):
     np.testing.assert_allclose(manifold.lengths, expected)
 
 
-def test_normalised_features_have_mean_zero_and_one_scale(manifold):
+def test_normalised_features_have_mean_zero_and_one_scale_a_kind(manifold):
     features = [manifold.features(take(s, size=0.9 + 0.02 * s).positions())[0] for s in range(12)]
     x = manifold.normalise(np.concatenate(features))
     np.testing.assert_allclose(x.mean(axis=0), 0, atol=1e-6)
-    assert np.sqrt(np.mean(x**2)) == pytest.approx(0.25, rel=1e-4)
+    assert np.sqrt(np.mean(x[:, POSITIONS] ** 2)) == pytest.approx(0.25, rel=1e-4)
+    assert len(set(manifold.scale[POSITIONS])) == len(set(manifold.scale[VELOCITY])) == 1
     np.testing.assert_allclose(manifold.denormalise(x), np.concatenate(features), atol=1e-6)
+
+
+def test_where_nobody_turned_a_turn_is_not_blown_up(manifold):
+    """Nobody in these takes turns: what a turn is multiplied by stays within reason."""
+    assert manifold.scale[TURN] == pytest.approx(250)
 
 
 def test_one_loud_take_does_not_drown_the_others():
@@ -82,6 +88,15 @@ def test_projection_takes_any_length(manifold, frames):
     projected = manifold.project(features[:frames])
     assert projected.shape == (frames, 63)
     assert np.all(np.isfinite(projected))
+
+
+def test_projection_of_the_ends_does_not_fall_back_to_the_mean_pose(manifold):
+    """What lies beyond a clip is its own first and last frame, not zeros."""
+    features, _ = manifold.features(take(4, frames=64).positions())
+    bare = manifold.denormalise(manifold.network.project(manifold.normalise(features)[None])[0])
+    ends = [0, 1, 2, 3, -4, -3, -2, -1]
+    error = position_error(manifold.project(features)[ends], features[ends])
+    assert error < position_error(bare[ends], features[ends])
 
 
 def test_projection_brings_a_damaged_motion_nearer_to_the_truth(manifold):
@@ -183,5 +198,5 @@ def test_learning_says_what_it_cannot_use():
 def test_a_manifold_can_be_put_together_by_hand():
     from numpy_cae.models import ConvAutoencoder
 
-    by_hand = MotionManifold(ConvAutoencoder(), np.zeros(63), 1.0, LENGTHS)
+    by_hand = MotionManifold(ConvAutoencoder(), np.zeros(63), np.ones(63), LENGTHS)
     assert by_hand.project(np.zeros((5, 63))).shape == (5, 63)

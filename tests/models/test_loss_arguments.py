@@ -33,3 +33,21 @@ def test_each_mask_is_used_by_its_own_layer():
     assert loss == pytest.approx(np.mean((x_hat - X) ** 2), rel=1e-12)
     evenly, _ = MODEL.loss_and_gradients(X, CORRUPTED)
     assert abs(loss - evenly) > 1e-3
+
+
+def test_float32_stays_float32():
+    model = ConvAutoencoder(3, (4, 5), taps=3)
+    x = X.astype(np.float32)
+    y, encode_back = model.layers[0].encode(x)
+    for first in (None, np.ones(y.shape, dtype=bool)):
+        decoded, decode_back = model.layers[0].decode(y, first)
+        arrays = [y, decoded, *encode_back(y), *decode_back(decoded)]
+        assert {array.dtype for array in arrays} == {np.dtype(np.float32)}
+    _, gradients = model.loss_and_gradients(x, x, 0.1)
+    assert {g.dtype for pair in gradients for g in pair} == {np.dtype(np.float32)}
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_model_is_in_the_dtype_that_it_was_asked_for(dtype):
+    layers = ConvAutoencoder(3, (4, 5), taps=3, dtype=dtype).layers
+    assert {array.dtype for layer in layers for array in (layer.w, layer.b)} == {np.dtype(dtype)}

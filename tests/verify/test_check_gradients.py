@@ -189,3 +189,29 @@ def test_a_small_error_in_one_entry_of_many_is_found(size):
 
     with pytest.raises(AssertionError, match=r"index \(1, 2\)"):
         check_gradients(off, np.random.default_rng(0).uniform(-1, 1, (3, 4)))
+
+
+def test_the_mistake_is_looked_for_once_and_only_when_read():
+    calls = []
+
+    def wrong(x):
+        calls.append(x)
+        return x * x, lambda dy: dy * x
+
+    with pytest.raises(AssertionError) as failure:
+        check_gradients(wrong, np.linspace(1, 2, 5))
+    before = len(calls)
+    assert "a factor of 2 too little" in str(failure.value)
+    after = len(calls)
+    assert after > before
+    assert str(failure.value) and len(calls) == after
+
+
+def test_a_diagnosis_that_fails_does_not_hide_the_failure():
+    def fragile(x):
+        if not np.all(np.abs(x - 1) < 1e-4):
+            raise RuntimeError("only near 1")
+        return x * x, lambda dy: dy * x * (1 if np.count_nonzero(dy) == dy.size else np.nan)
+
+    with pytest.raises(AssertionError, match="is wrong at index"):
+        check_gradients(fragile, np.ones((2, 3, 2)))

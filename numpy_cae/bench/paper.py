@@ -1,0 +1,106 @@
+"""The paper's whole training on this machine, beside its 43 + 51 + 77 + 133 minutes (section 6)."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training import Schedule, Stage, train_autoencoder
+
+WINDOWS = 9673
+"""Windows of 160 frames that the paper trained on."""
+
+MINUTES = {"layer 1": 43, "layer 2": 51, "layer 3": 77, "fine tuning": 133}
+"""What each stage took there, on a Quadro K2000."""
+
+EPOCHS = 25
+
+
+@dataclass(frozen=True)
+class PaperRun:
+    """What a run took.
+
+    Parameters
+    ----------
+    batch, windows, epochs : int
+        As run; `minutes` are scaled to the paper's epochs.
+    minutes : dict, stage to float
+    once : float
+        Minutes that do not grow with the epochs: encoding the fixed lower layers.
+    memory : int or None
+        The most that the process has held so far, bytes; None where the system does not say.
+    """
+
+    batch: int
+    windows: int
+    epochs: int
+    minutes: dict[str, float]
+    once: float
+    memory: int | None
+
+    @property
+    def total(self) -> float:
+        """Minutes of the whole training."""
+        return sum(self.minutes.values()) + self.once
+
+    def text(self) -> str:
+        """Beside the paper, stage by stage."""
+        scaled = "" if self.epochs == EPOCHS else f", scaled from {self.epochs} to {EPOCHS} epochs"
+        lines = [
+            f"batch {self.batch}, {self.windows} windows{scaled}:",
+            "",
+            "| stage       | minutes here | minutes in the paper |",
+            "|---|---|---|",
+        ]
+        for stage, minutes in self.minutes.items():
+            lines.append(f"| {stage:11} | {minutes:12.1f} | {MINUTES[stage]:20} |")
+        lines.append(f"| all         | {self.total:12.1f} | {sum(MINUTES.values()):20} |")
+        if self.memory is not None:
+            lines.append(f"\npeak memory of the process: {self.memory / 1e9:.2f} GB")
+        return "\n".join(lines)
+
+
+def synthetic_windows(windows: int, frames: int = 160, seed: int = 0) -> np.ndarray:
+    """Sums of slow sines that the features share, root mean square 0.25: (windows, frames, 63)."""
+    rng = np.random.default_rng(seed)
+    mixing = rng.normal(size=(6, 63)).astype(np.float32) / np.sqrt(3) / 4
+    out = np.empty((windows, frames, 63), np.float32)
+    for window in out:
+        cycles, phases = rng.uniform(0.5, 6, size=6), rng.uniform(0, 2 * np.pi, size=6)
+        angles = 2 * np.pi * cycles * np.arange(frames)[:, None] / frames + phases
+        np.matmul(np.sin(angles).astype(np.float32), mixing, out=window)
+    return out
+
+
+def run_paper(
+    batch: int, epochs: int = 1, windows: int = WINDOWS, show_progress: bool = True
+) -> PaperRun:
+    """Train the paper's network by the paper's four stages, of so many epochs each."""
+    schedule = Schedule(
+        layer=Stage(epochs=epochs),
+        fine_tuning=Stage(epochs, rate=0.01, alpha=0.0),
+        batch=batch,
+    )
+    data = synthetic_windows(windows)
+    start = time.perf_counter()
+    history = train_autoencoder(
+        ConvAutoencoder(), data, schedule, np.random.default_rng(0), show_progress
+    )
+    seconds = time.perf_counter() - start
+    minutes = {name: each * EPOCHS / epochs / 60 for name, each in history.seconds.items()}
+    once = (seconds - sum(history.seconds.values())) / 60
+    return PaperRun(batch, windows, epochs, minutes, once, peak_of_process())
+
+
+def peak_of_process() -> int | None:
+    """The most memory that this process has held so far, bytes."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else most * 1024

@@ -1,0 +1,68 @@
+"""`numpy-cae bench`: how fast it is here, beside this machine's limit, PyTorch and the paper."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from numpy_cae.bench import growth, paper, table
+from numpy_cae.bench.peak import matrix_product_peak
+from numpy_cae.cli import arguments as kinds
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """A table by default; the paper's schedule or the growth of the cost where asked."""
+    parser = subparsers.add_parser(
+        "bench",
+        help="measure the speed of training and projection",
+        description="Time training steps, encoding and projection. 'of peak' is the arithmetic of "
+        "the direct convolution over the time, as a share of what a large matrix product reaches "
+        "in this process: blocks need less arithmetic, so it may pass 100%%. Where PyTorch is "
+        "installed, the same network in it is checked to agree and timed in turns with ours.",
+        epilog="example: numpy-cae bench --batch 1 16",
+    )
+    parser.add_argument(
+        "--batch",
+        type=kinds.positive_number,
+        nargs="+",
+        metavar="B",
+        help="windows at a time (default: 1 4 16 64; with --paper and --full 1 16)",
+    )
+    parser.add_argument(
+        "--rounds", type=kinds.positive_number, default=21, help="of the table (default: 21)"
+    )
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
+        "--paper",
+        action="store_true",
+        help="train the paper's four stages on 9673 windows for an epoch each, scaled to 25",
+    )
+    instead.add_argument("--full", action="store_true", help="the same, all 25 epochs")
+    instead.add_argument(
+        "--growth",
+        type=Path,
+        metavar="PNG",
+        help="double windows, frames and channels in turn, and draw what that costs",
+    )
+    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure and print."""
+    if args.paper or args.full:
+        epochs = paper.EPOCHS if args.full else 1
+        for batch in args.batch or (1, 16):
+            print(paper.run_paper(batch, epochs, show_progress=not args.quiet).text(), flush=True)
+            print()
+    elif args.growth:
+        grown = growth.growth()
+        print("\n".join(each.text() for each in grown))
+        growth.draw(grown, args.growth)
+        print(f"{args.growth}: the same, drawn")
+    else:
+        peak = matrix_product_peak()
+        print(table.header(peak), flush=True)
+        for row in table.rows(peak, args.batch or table.BATCHES, args.rounds):
+            print(row.text(), flush=True)
+    return 0

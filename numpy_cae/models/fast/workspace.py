@@ -1,0 +1,179 @@
+"""Everything that a step needs, allocated once: each member's layers and what they share.
+
+A team can share out the windows of a batch or, where there are too few of them, the bins s of
+y = C ((A x) ∘ ŵ): a member then has some rows of A and ŵ and some columns of C, and the members'
+outputs add up to y. The first needs no word between members while they go up and down the layers,
+the second one sum for each convolution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from numpy_cae.models.conv_layer import ConvLayer
+from numpy_cae.models.fast.layer import FastLayer
+from numpy_cae.models.fast.team import Team, share
+from numpy_cae.models.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
+from numpy_cae.ops.fast.products import multiply_columns
+
+WINDOWS_FOR_EACH = 4
+"""With fewer windows for each member, the bins are shared out and not the windows."""
+
+
+class Member:
+    """What one thread works with.
+
+    Attributes
+    ----------
+    number : int
+        The first is 0.
+    windows : slice
+        Its share of the batch.
+    layers : list of FastLayer, lowest first
+    dw : list of (K, C·D) arrays
+        What this member contributes to the gradient of W.
+    db : list of (D,) arrays
+    """
+
+    def __init__(
+        self, number: int, windows: slice, convolutions: list[TiedConvolution], layers, halved
+    ):
+        self.number, self.windows = number, windows
+        batch = windows.stop - windows.start
+        top, dtype = layers[-1], convolutions[-1].w_hat.dtype
+        frames = len(convolutions[-1].x) // 2
+        places = [above.x for above in convolutions[1:]]
+        places.append(buffer(frames, batch * top.b.size, dtype))
+        self.layers = [
+            FastLayer(convolution, layer.bound, place, even)
+            for convolution, layer, place, even in zip(
+                convolutions, layers, places, halved, strict=True
+            )
+        ]
+        self.top = places[-1]
+        self.d_top = buffer(frames, batch * top.b.size, dtype)
+        self.dw = [np.empty((len(layer.w), layer.w[0].size), dtype) for layer in layers]
+        self.db = [np.empty(layer.b.size, dtype) for layer in layers]
+        self.loss = 0.0
+
+
+class Workspace:
+    """The members of a team and their buffers, for one size of batch and window.
+
+    Parameters
+    ----------
+    layers : sequence of ConvLayer
+        Of which only the shapes and the bounds are taken.
+    batch, frames : int
+    dtype : dtype
+    halved : tuple of bool
+        For each layer, whether unpooling is even.
+    team : Team
+    """
+
+    def __init__(
+        self,
+        layers: Sequence[ConvLayer],
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        halved: tuple[bool, ...],
+        team: Team,
+    ):
+        self.team = team
+        self.by_windows = team.size == 1 or batch >= WINDOWS_FOR_EACH * team.size
+        self._transformed: list[np.ndarray] = []
+        self._up_to_date = False
+        windows = [
+            share(batch, member, team.size) if self.by_windows else slice(0, batch)
+            for member in range(team.size)
+        ]
+        convolutions = [
+            self._convolutions(layers, each, member, frames, dtype, halved, batch)
+            for member, each in enumerate(windows)
+        ]
+        for peers in zip(*convolutions, strict=True):
+            for member, convolution in enumerate(peers):
+                if self.by_windows:
+                    convolution.share_spectrum(peers)
+                else:
+                    convolution.share_bins(peers, partial(team.wait, member))
+        self.members = [
+            Member(number, each, own, layers, halved)
+            for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
+        ]
+
+    def _convolutions(self, layers, windows, member, frames, dtype, halved, batch):
+        def bins(products: int) -> slice:
+            everything = slice(0, products)
+            return everything if self.by_windows else share(products, member, self.team.size)
+
+        made = []
+        for k, layer in enumerate(layers):
+            below = frames // 2**k
+            longest = cheapest_length(*layer.w.shape, batch, below)
+            size = windows.stop - windows.start
+            made.append(
+                TiedConvolution(layer.w.shape, size, below, longest, dtype, halved[k], bins)
+            )
+        return made
+
+    def run(self, layers: Sequence[ConvLayer], work: Callable[[Member], None]) -> None:
+        """work(member) for every member, with the ŵ of these layers in place."""
+        self._up_to_date = self._knows(layers)
+        if not self._up_to_date:
+            self._transformed = []
+
+        def with_filters(number: int) -> None:
+            self._transform_filters(layers, number)
+            work(self.members[number])
+
+        self.team.run(with_filters)
+        self._transformed = [layer.w for layer in layers]
+
+    def _transform_filters(self, layers: Sequence[ConvLayer], member: int) -> None:
+        """ŵ = G w of every layer, unless it is known and w cannot have changed since."""
+        if self._up_to_date:
+            return
+        for k, layer in enumerate(layers):
+            convolution = self.members[member].layers[k].convolution
+            convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
+        if self.by_windows:
+            self.team.wait(member)
+
+    def _knows(self, layers: Sequence[ConvLayer]) -> bool:
+        """Whether ŵ is that of these very arrays, and they are read-only."""
+        return len(self._transformed) == len(layers) and all(
+            layer.w is known and not known.flags.writeable
+            for layer, known in zip(layers, self._transformed, strict=True)
+        )
+
+    def filters_gradient(self, own: Member, out: Sequence[np.ndarray]) -> None:
+        """dw = Gᵀ dŵ of every layer into `out`, when all members have gone down and back up."""
+        member = own.number
+        for layer in own.layers:
+            layer.convolution.filters_gradient()
+        self.team.wait(member)
+        for k, layer in enumerate(own.layers):
+            convolution = layer.convolution
+            rows = self._filter_rows(convolution, member)
+            dw_hat = convolution.dw_hat[rows]
+            if self.by_windows:
+                for peer in self.members:
+                    if peer is not own:
+                        dw_hat += peer.layers[k].convolution.dw_hat[rows]
+            multiply_columns(convolution.g[rows].T, dw_hat[None], own.dw[k][None])
+        self.team.wait(member)
+        for k, dw in enumerate(out):
+            taps = share(len(dw), member, self.team.size)
+            total = dw.reshape(len(dw), -1)[taps]
+            np.copyto(total, self.members[0].dw[k][taps])
+            for peer in self.members[1:]:
+                total += peer.dw[k][taps]
+
+    def _filter_rows(self, convolution: TiedConvolution, member: int) -> slice:
+        products = len(convolution.w_hat)
+        return share(products, member, self.team.size) if self.by_windows else slice(0, products)

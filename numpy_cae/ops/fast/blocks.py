@@ -1,0 +1,133 @@
+"""Three constant matrices that make a convolution cheap: y = C ((A x) ∘ (G w)).
+
+A convolution of N numbers is a product of N spectra. Convolve a block of L frames with K taps, and
+the block needs N = L + K - 1 frames of input: one discrete Fourier transform of N points, which at
+this length is best written as what it is, a constant matrix.
+
+**The transform, in real numbers.** With c_f[n] = cos(2π f n / N) and s_f[n] = sin(2π f n / N), the
+spectrum of x at the frequency f is a + i b with a = Σ c_f x and b = -Σ s_f x. The filter slides
+along x without being flipped (y[t] = Σ_k x[t + k] w[k], a correlation), so its spectrum enters
+conjugated, as p + i q with p = Σ c_f w and q = +Σ s_f w. Their product
+
+    (a + i b)(p + i q) = (a p - b q) + i (a q + b p)
+
+has four real products; three are enough (Gauss):
+
+    k1 = (a + b) p        k2 = a (q - p)        k3 = b (p + q)
+    real = k1 - k3        imaginary = k1 + k2
+
+So A has the three rows c_f - s_f, c_f and -s_f for each frequency, G the three rows c_f, s_f - c_f
+and c_f + s_f, and C holds what the inverse transform makes of k1, k2 and k3. The real frequencies
+(0, and N/2 where N is even) are one product each. Together that is S ≈ 3N/2 products.
+
+**Why it pays.** x and w are scalars only in this derivation. With C channels in and D filters
+out, each of the S products ∘ is a product of matrices over the channels: S · C · D multiplications
+for L frames, where the sum over taps needs K · L · C · D. For 15 taps and blocks of 40 frames,
+S = 80 instead of 600. What A, G and C cost grows with C + D, not with C · D, and is a matrix
+product as well.
+
+**The adjoint** needs no other matrices: dx = Aᵀ((Cᵀ dy) ∘ (G w)) and dw = Gᵀ((A x) ∘ (Cᵀ dy)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """A, G and C for filters of K taps over blocks of L frames.
+
+    Attributes
+    ----------
+    a : (S, N) array
+        From N = L + K - 1 frames of input to the S values that are multiplied.
+    g : (S, K) array
+        From K taps to the S values that they are multiplied with.
+    c : (L, S) array
+        From S products to L frames of output.
+    """
+
+    a: np.ndarray
+    g: np.ndarray
+    c: np.ndarray
+
+    @property
+    def frames(self) -> int:
+        """L, the frames of output of a block."""
+        return self.c.shape[0]
+
+    @property
+    def points(self) -> int:
+        """N, the frames of input of a block."""
+        return self.a.shape[1]
+
+    @property
+    def products(self) -> int:
+        """S, the products of a block."""
+        return self.a.shape[0]
+
+
+@lru_cache
+def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
+    """The matrices, computed in float64, in the dtype asked for; made once for each argument."""
+    points = frames + taps - 1
+    n, k, t = np.arange(points), np.arange(taps), np.arange(frames)
+    a, g, c = [], [], []
+    for f in range(points // 2 + 1):
+        angle = 2 * np.pi * f / points
+        cos, sin = np.cos(angle * n), np.sin(angle * n)
+        cos_k, sin_k = np.cos(angle * k), np.sin(angle * k)
+        cos_t, sin_t = np.cos(angle * t) / points, np.sin(angle * t) / points
+        if 2 * f in (0, points):
+            a += [cos]
+            g += [cos_k]
+            c += [cos_t]
+        else:  # y = 2 (real · cos - imaginary · sin) / N: f stands for its mirror image -f as well
+            a += [cos - sin, cos, -sin]
+            g += [cos_k, sin_k - cos_k, cos_k + sin_k]
+            c += [2 * (cos_t - sin_t), -2 * sin_t, -2 * cos_t]
+    made = [np.array(a), np.array(g), np.array(c).T]
+    matrices = [np.ascontiguousarray(matrix, dtype=dtype) for matrix in made]
+    for matrix in matrices:
+        matrix.flags.writeable = False
+    return Blocks(*matrices)
+
+
+def block_length(frames: int, longest: int) -> tuple[int, int]:
+    """L and the number of blocks that hold so many frames, L even and at most about `longest`."""
+    count = max(1, -(-frames // longest))
+    length = -(-frames // count)
+    return length + length % 2, count
+
+
+def overlapping(padded: np.ndarray, blocks: Blocks, count: int) -> np.ndarray:
+    """The N frames that each block reads, (count, N, width), a view: neighbours share K - 1.
+
+    Parameters
+    ----------
+    padded : (count · L + K - 1, width) array
+    """
+    frame, value = padded.strides
+    shape = (count, blocks.points, padded.shape[1])
+    return as_strided(padded, shape, (blocks.frames * frame, frame, value), writeable=False)
+
+
+def overlap_add(parts: np.ndarray, blocks: Blocks, out: np.ndarray) -> None:
+    """The adjoint of `overlapping`: where blocks share frames, their parts are added.
+
+    Parameters
+    ----------
+    parts : (count, N, width) array
+    out : (count · L + K - 1, width) array
+        Is overwritten.
+    """
+    out[: blocks.points] = parts[0]
+    out[blocks.points :] = 0
+    for block in range(1, len(parts)):
+        start = block * blocks.frames
+        out[start : start + blocks.points] += parts[block]

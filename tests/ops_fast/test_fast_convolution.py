@@ -1,0 +1,119 @@
+"""The fast convolution equals the readable one, forwards and backwards, whatever the shape."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from numpy_cae import ops
+from numpy_cae.ops import fast
+from numpy_cae.verify import check_gradients
+
+SIZES = {
+    "batch": st.integers(1, 5),
+    "frames": st.one_of(st.integers(1, 20), st.integers(1, 130)),
+    "channels": st.integers(1, 9),
+    "filters": st.integers(1, 9),
+    "taps": st.integers(0, 12).map(lambda half: 2 * half + 1),
+    "seed": st.integers(0, 2**32 - 1),
+}
+
+
+def drawn(rng, batch, frames, channels, filters, taps, dtype=np.float64):
+    """Arguments and an upstream gradient, none of them ones or zeros."""
+    shapes = [(batch, frames, channels), (taps, channels, filters), (filters,)]
+    x, w, b = (rng.normal(size=shape).astype(dtype) for shape in shapes)
+    return x, w, b, rng.normal(size=(batch, frames, filters)).astype(dtype)
+
+
+def both(x, w, b, dy):
+    """Value and gradients, by the readable and by the fast form."""
+    for conv1d in (ops.conv1d, fast.conv1d):
+        y, pullback = conv1d(x, w, b)
+        yield y, *pullback(dy)
+
+
+def assert_equal(readable, quick, tolerance):
+    """Every array within `tolerance` of the readable one, as a share of its largest value."""
+    for name, a, b in zip(("y", "dx", "dw", "db"), readable, quick, strict=True):
+        assert a.shape == b.shape, name
+        assert a.dtype == b.dtype, name
+        atol = tolerance * max(1.0, np.abs(a).max())
+        np.testing.assert_allclose(b, a, rtol=0, atol=atol, err_msg=name)
+
+
+@settings(max_examples=300)
+@given(**SIZES)
+def test_equal_in_float64(seed, **sizes):
+    arguments = drawn(np.random.default_rng(seed), **sizes)
+    assert_equal(*both(*arguments), tolerance=1e-10)
+
+
+@given(**SIZES)
+def test_equal_in_float32(seed, **sizes):
+    """No further from the exact value than a few roundings: the direct form is not exact either."""
+    arguments = drawn(np.random.default_rng(seed), **sizes, dtype=np.float32)
+    assert_equal(*both(*arguments), tolerance=3e-6)
+
+
+@pytest.mark.parametrize("shape", [(4, 160, 63, 64, 15), (2, 80, 64, 128, 15)])
+def test_float32_is_as_exact_as_the_direct_form(shape):
+    """Both against float64: the fast form's error is at most three times the direct form's."""
+    arguments = drawn(np.random.default_rng(0), *shape, dtype=np.float32)
+    exact = next(both(*(argument.astype(np.float64) for argument in arguments)))
+    for truth, direct, quick in zip(exact, *both(*arguments), strict=True):
+        error_direct, error_quick = (np.abs(a - truth).std() for a in (direct, quick))
+        assert error_quick <= 3 * error_direct
+        assert error_quick < 2e-6 * np.abs(truth).max()
+
+
+@given(**SIZES)
+def test_any_strides_and_arguments_left_alone(seed, **sizes):
+    arguments = drawn(np.random.default_rng(seed), **sizes)
+    strided = []
+    for array in arguments:
+        wide = np.full((*(2 * length for length in array.shape[::-1]),), np.nan)
+        view = wide[tuple(slice(None, None, 2) for _ in wide.shape)].T[::-1]
+        view[...] = array
+        strided.append(view)
+    assert_equal(*both(*strided), tolerance=1e-10)
+    for view, array in zip(strided, arguments, strict=True):
+        np.testing.assert_array_equal(view, array)
+
+
+@settings(max_examples=25)
+@given(**{**SIZES, "frames": st.integers(1, 12), "taps": st.sampled_from([1, 3, 7, 15])})
+def test_gradients_by_finite_differences(seed, **sizes):
+    rng = np.random.default_rng(seed)
+    *arguments, _ = drawn(rng, **sizes)
+    check_gradients(fast.conv1d, *arguments, rng=rng)
+
+
+@given(**SIZES)
+def test_the_pullback_is_the_exact_adjoint(seed, **sizes):
+    """<conv(x), y> = <x, conv'(y)>, and the same for w."""
+    x, w, b, dy = drawn(np.random.default_rng(seed), **sizes)
+    y, pullback = fast.conv1d(x, w, 0 * b)
+    dx, dw, _ = pullback(dy)
+    size = 1 + np.abs(y * dy).sum()
+    assert abs(np.vdot(y, dy) - np.vdot(x, dx)) < 1e-12 * size
+    assert abs(np.vdot(y, dy) - np.vdot(w, dw)) < 1e-12 * size
+
+
+@pytest.mark.parametrize(
+    ("x", "w", "b", "said"),
+    [
+        ((2, 8, 4), (3, 3, 5), (5,), r"x has shape \(2, 8, 4\), expected \(batch, frames, 3\)"),
+        ((2, 8, 3), (3, 3, 5), (4,), r"b has shape \(4,\), expected \(5,\)"),
+        ((2, 8, 3), (4, 3, 5), (5,), "must be odd, got 4"),
+    ],
+)
+def test_a_wrong_shape_is_named(x, w, b, said):
+    with pytest.raises(ValueError, match=said):
+        fast.conv1d(np.zeros(x), np.zeros(w), np.zeros(b))
+
+
+def test_a_wrong_gradient_is_named():
+    _, pullback = fast.conv1d(np.zeros((2, 8, 3)), np.zeros((3, 3, 5)), np.zeros(5))
+    with pytest.raises(ValueError, match="dy has shape"):
+        pullback(np.zeros((2, 8, 3)))
