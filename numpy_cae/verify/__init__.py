@@ -20,7 +20,7 @@ from numpy_cae.verify.gradients import check_gradients
 if TYPE_CHECKING:
     from numpy_cae.verify.reporting import Report
 
-__all__ = ["check_adjoint", "check_gradients", "properties", "report", "solved"]
+__all__ = ["check_adjoint", "check_gradients", "example", "properties", "report", "solved"]
 
 
 def report(implementation: Callable, as_: str | None = None) -> Report:
@@ -57,6 +57,36 @@ def report(implementation: Callable, as_: str | None = None) -> Report:
     if os.environ.get("NBGRADER_EXECUTION") and not made.held:
         raise AssertionError(str(made))  # to nbgrader, a cell that raises is one that failed
     return made
+
+
+def example(of: str, seed: int, **sizes: int) -> dict[str, object]:
+    """The arguments of a counterexample, as a report that fails writes it.
+
+    Parameters
+    ----------
+    of : str
+        The operation or exercise.
+    seed : int
+    **sizes : int
+        Such as frames=2, all that the report names.
+
+    Returns
+    -------
+    dict of argument names to arrays and numbers
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation or exercise, or a size is missing.
+    """
+    from numpy_cae.verify.case import Case
+    from numpy_cae.verify.reporting import require_operation, stated_of
+
+    require_operation(of)
+    tried = stated_of(of)[0]
+    if set(sizes) != set(tried.sizes):
+        raise ValueError(f"{of} has the sizes {', '.join(tried.sizes)}, got {', '.join(sizes)}")
+    return tried.arguments(Case(tuple(sizes.items()), seed))
 
 
 def solved(implementation: Callable, as_: str | None = None) -> Callable:

@@ -40,12 +40,22 @@ def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0)
     return rng.permutation(grid)[:count].reshape(shape)
 
 
-def described(case: Case, arguments: Mapping[str, object]) -> str:
-    """The case and, where they are short, its arrays: something to type in and try."""
+def described(name: str, case: Case, arguments: Mapping[str, object]) -> str:
+    """The case and its arrays, something to type in and try; where they are long, how to get them.
+
+    Parameters
+    ----------
+    name : str
+        Of the operation or exercise.
+    case : Case
+    arguments : mapping of str to object
+        Those that the case makes.
+    """
     arrays = [a for a in arguments.values() if isinstance(a, np.ndarray)]
     if sum(a.size for a in arrays) > WORTH_PRINTING:
-        return str(case)
-    lines = [f"{name} = {_written(value)}" for name, value in arguments.items()]
+        numbers = ", ".join(f"{size}={number}" for size, number in case.sizes)
+        return f'{case}\nverify.example("{name}", {numbers}, seed={case.seed})'
+    lines = [f"{argument} = {_written(value)}" for argument, value in arguments.items()]
     return "\n".join([str(case), *lines])
 
 

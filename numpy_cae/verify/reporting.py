@@ -144,7 +144,7 @@ def report_on(
     """
     convention = _convention_of(implementation, operation)
     outcomes: list[Outcome] = []
-    for tried in _stated(operation, convention):
+    for tried in stated_of(operation, convention):
         if outcomes and outcomes[0].problem.startswith(UNSOLVED):
             outcomes.append(Outcome(tried, held=False, problem=UNSOLVED))
             continue
@@ -154,7 +154,7 @@ def report_on(
     return Report(operation, called, tuple(outcomes), convention, hint)
 
 
-def _stated(operation: str, convention: Convention) -> tuple[Property, ...]:
+def stated_of(operation: str, convention: Convention = PYTORCH) -> tuple[Property, ...]:
     """The properties, with the lesson's hints where it is an exercise."""
     if operation in EXERCISES and convention == PYTORCH:
         return EXERCISES[operation].properties
@@ -174,9 +174,7 @@ def _convention_of(implementation: Callable, operation: str) -> Convention:
 
 def solved(implementation: Callable, name: str) -> bool:
     """Whether every property holds; stops at the first that does not."""
-    return all(
-        try_property(tried, implementation, shrink=False).held for tried in _stated(name, PYTORCH)
-    )
+    return all(try_property(tried, implementation, shrink=False).held for tried in stated_of(name))
 
 
 def require_operation(name: str) -> None:

@@ -120,7 +120,8 @@ def _failed(tried: Property, case: Case, error: Exception, mistake: str) -> Outc
     problem = getattr(error, "report", None) or str(error)
     if not isinstance(error, AssertionError):
         problem = f"{type(error).__name__}: {problem}"
-    return Outcome(tried, False, problem, described(case, tried.arguments(case)), mistake)
+    counterexample = described(tried.operation, case, tried.arguments(case))
+    return Outcome(tried, False, problem, counterexample, mistake)
 
 
 def _mistake_in(error: Exception) -> str:

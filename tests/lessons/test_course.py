@@ -134,6 +134,25 @@ def test_what_differs_is_said(found, expected, said):
         require_same(found, expected, ("a", "b"))
 
 
+def test_a_counterexample_too_long_to_print_can_be_had():
+    def locally(parents, rotations, translations):
+        positions = translations.copy()
+        for joint, parent in enumerate(parents):
+            if parent != -1:
+                reach = rotations[:, parent] @ translations[:, joint, :, None]
+                positions[:, joint] = positions[:, parent] + reach[..., 0]
+        return positions
+
+    text = str(verify.report(locally, as_="forward_kinematics"))
+    assert 'verify.example("forward_kinematics", frames=1, joints=3, seed=0)' in text
+    example = verify.example("forward_kinematics", frames=1, joints=3, seed=0)
+    assert list(example) == ["parents", "rotations", "translations"]
+    right = EXERCISES["forward_kinematics"].solution(**example)
+    assert np.abs(locally(**example) - right).max() > 0.1
+    with pytest.raises(ValueError, match="forward_kinematics has the sizes frames, joints, got fr"):
+        verify.example("forward_kinematics", frames=1, seed=0)
+
+
 def test_hints_of_a_claim_stand_where_it_fails():
     def fails(function, case):
         raise AssertionError("no")

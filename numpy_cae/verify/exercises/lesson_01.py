@@ -64,7 +64,7 @@ def _channels(case: Case) -> dict[str, object]:
 
 
 def _one_channel(function: Callable, case: Case) -> None:
-    same_as(rotation_from_channels, _channels, ("the matrix",))(function, case)
+    same_as(rotation_from_channels, _channels, ("the matrix's entry",))(function, case)
 
 
 def _keeps_lengths(function: Callable, case: Case) -> None:
@@ -109,7 +109,9 @@ def _rest_pose(function: Callable, case: Case) -> None:
     for joint in range(case["joints"]):
         chain = list(chain_to_root(given["parents"], joint))
         expected = given["translations"][:, chain].sum(axis=1)
-        require_equal(f"without rotations joint {joint}", positions[:, joint], expected)
+        require_equal(
+            f"without rotations, the place of joint {joint}", positions[:, joint], expected
+        )
 
 
 def _lengths(function: Callable, case: Case) -> None:
@@ -128,7 +130,9 @@ def _own_rotation(function: Callable, case: Case) -> None:
     twisted = given | {"rotations": given["rotations"].copy()}
     twisted["rotations"][:, leaf] = twisted["rotations"][:, leaf] @ drawn_rotations(case.rng(), 1)
     require_equal(
-        "with its last joint turned, the body", function(*copies(twisted)), function(*copies(given))
+        "with its last joint turned, a position",
+        function(*copies(twisted)),
+        function(*copies(given)),
     )
 
 
@@ -139,7 +143,7 @@ def _turned_root(function: Callable, case: Case) -> None:
     whole["rotations"][:, 0] = turn @ whole["rotations"][:, 0]
     whole["translations"][:, 0] = whole["translations"][:, 0] @ turn.T
     expected = function(*copies(given)) @ turn.T
-    require_equal("with the root turned, the body", function(*copies(whole)), expected)
+    require_equal("with the root turned, a position", function(*copies(whole)), expected)
 
 
 def speeds(positions: np.ndarray, rate: float) -> np.ndarray:
@@ -205,7 +209,7 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "value",
                 "p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
-                same_as(forward_kinematics, _motion, ("the positions",)),
+                same_as(forward_kinematics, _motion, ("the position",)),
                 3,
                 "is G_parent the parent's global rotation or its local one? on which side is R_j?",
             ),
@@ -237,7 +241,7 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "value",
                 "the distance between a joint's places in neighbouring frames, a second",
-                same_as(speeds, _moving, ("the speeds",)),
+                same_as(speeds, _moving, ("the speed",)),
                 2,
             ),
             Claim("steady", "at a steady 5 m/s it is 5 in every frame", _steady),

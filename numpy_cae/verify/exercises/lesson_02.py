@@ -104,7 +104,7 @@ def _elsewhere(function: Callable, case: Case) -> None:
     turn = 0.5 + case.seed % 5
     turned = turn_about_y(positions, np.full(len(theta), turn)) + [3.0, 0.0, -2.0]
     require_equal(
-        "elsewhere and facing another way, the features",
+        "elsewhere and facing another way, a feature",
         function(turned, theta + turn),
         function(positions.copy(), theta.copy()),
     )
@@ -125,13 +125,13 @@ def _round_trip(function: Callable, case: Case) -> None:
     positions, theta = _walking(case).values()
     start = (float(positions[0, 0, 0]), float(positions[0, 0, 2]), float(theta[0]))
     back = function(to_features(positions, theta), *start)
-    require_same(back, positions, ("there and back, the positions",))
+    require_same(back, positions, ("there and back, a position",))
 
 
 def _first_frame(function: Callable, case: Case) -> None:
     given = _features(case)
     found = np.asarray(function(*copies(given)))
-    require_equal("the first pose", found[0], from_features(**given)[0])
+    require_equal("a position in the first frame", found[0], from_features(**given)[0])
 
 
 def _last_velocity(function: Callable, case: Case) -> None:
@@ -139,7 +139,7 @@ def _last_velocity(function: Callable, case: Case) -> None:
     other = given | {"features": given["features"].copy()}
     other["features"][-1, 60:] += 1.0
     require_equal(
-        "with another last velocity, the positions",
+        "with another last velocity, a position",
         function(*copies(other)),
         function(*copies(given)),
     )
@@ -182,7 +182,7 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "value",
                 "each frame's vectors are turned about Y by that frame's angle",
-                same_as(turn_about_y, _vectors, ("the turned vectors",)),
+                same_as(turn_about_y, _vectors, ("the turned vector",)),
                 3,
             ),
             Claim("undone", "turning by -angle undoes it", _undone),
@@ -200,7 +200,7 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "positions",
                 "the first 60 are R(-θ) (p - h), joint by joint",
-                _columns(slice(0, 60), "positions"),
+                _columns(slice(0, 60), "a position"),
                 2,
                 "only x and z of the hips are taken away: a jump must stay a jump",
             ),
@@ -233,7 +233,7 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "value",
                 "h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
-                same_as(from_features, _features, ("the positions",)),
+                same_as(from_features, _features, ("a position",)),
                 3,
                 "frame 0 has summed nothing yet, frame 1 one step",
             ),
