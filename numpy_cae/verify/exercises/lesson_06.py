@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.models import ConvLayer, composed
 from numpy_cae.training import decayed_rate
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
@@ -36,9 +36,8 @@ def sgd_step(parameter, gradient, rate, decay, epoch):
 
 def layer_loss(x, corrupted, w, b, first, alpha, bound):
     """Equation 3 of one layer and its derivatives, from the package."""
-    network = ConvAutoencoder(features=w.shape[1], filters=(w.shape[2],), taps=1, bound=bound)
-    network.layers = [ConvLayer(w, b, bound)]
-    loss, [(dw, db)] = network.loss_and_gradients(x, corrupted, alpha, [first])
+    layers = [ConvLayer(w, b, bound)]
+    loss, [(dw, db)] = composed.loss_and_gradients(layers, x, corrupted, alpha, [first])
     return loss, dw, db
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.models import ConvLayer, composed
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.exercises.exercise import Claim, Exercise, exercise, unaltered
@@ -39,9 +39,8 @@ def stage_inputs(x, layers):
 
 def stack_loss(x, corrupted, layers, bound):
     """Equation 3 of the whole stack with α = 0, and its derivatives, from the package."""
-    network = ConvAutoencoder(filters=(1,), taps=1)
-    network.layers = [ConvLayer(w, b, bound) for w, b in layers]
-    return network.loss_and_gradients(x, corrupted)
+    layers = [ConvLayer(w, b, bound) for w, b in layers]
+    return composed.loss_and_gradients(layers, x, corrupted)
 
 
 def _layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
