@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import tempfile
 import textwrap
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from numpy_cae import ops
 from numpy_cae.verify.catalogue import properties
 from numpy_cae.verify.exercises import EXERCISES
 from numpy_cae.verify.notebook import exercise_source
@@ -112,8 +114,25 @@ def _grade_notebook(graded: FileReport, text: bytes, *options) -> FileReport:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "notebook.py")
         path.write_text(program, encoding="utf-8")
-        _grade_program(graded, path, program.encode(), [*properties, *EXERCISES], *options)
+        known = [*properties, *EXERCISES]
+        _grade_program(graded, path, program.encode(), known, *options, given=_given(program))
     return graded
+
+
+def _given(program: str) -> dict[str, Callable]:
+    """What the exercises that a program solves may call of earlier lessons, as a lesson imports it.
+
+    Never what the program is to define itself.
+    """
+    try:
+        defined = {node.name for node in ast.parse(program).body if hasattr(node, "name")}
+    except (SyntaxError, ValueError, RecursionError):  # which grading reports
+        return {}
+    wanted = {name for own in defined & set(EXERCISES) for name in EXERCISES[own].given}
+    return {
+        name: getattr(ops, name) if hasattr(ops, name) else EXERCISES[name].solution
+        for name in wanted - defined
+    }
 
 
 def _grade_program(
@@ -124,6 +143,7 @@ def _grade_program(
     named: dict[str, str],
     seconds: float,
     megabytes: int,
+    given: Mapping[str, Callable] | None = None,
 ) -> None:
     """Run a program and try those of its functions whose names are known."""
     try:
@@ -142,7 +162,7 @@ def _grade_program(
         todo = None
         while todo is None or todo:  # a process that had to be ended is followed by another
             with Student(path, deadline, megabytes) as student:
-                student.load()
+                student.load(given)
                 todo = _functions(set(student.functions), known, named) if todo is None else todo
                 while todo and not student.ended:
                     _grade_function(graded, student, *todo.pop(0))

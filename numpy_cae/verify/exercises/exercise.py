@@ -48,12 +48,15 @@ class Exercise:
     solution : callable
         The package's own, which later cells fall back on.
     properties : tuple of Property
+    given : tuple of str
+        Functions of earlier lessons that a solution may call: operations, or other exercises.
     """
 
     name: str
     hint: str
     solution: Callable = field(repr=False)
     properties: tuple[Property, ...] = field(repr=False)
+    given: tuple[str, ...] = ()
 
     @property
     def points(self) -> int:
@@ -65,6 +68,7 @@ def operation_exercise(
     hint: str,
     solution: Callable | None = None,
     hints: Mapping[str, str] | None = None,
+    given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
 
@@ -77,6 +81,8 @@ def operation_exercise(
         By default the function of this name in `numpy_cae.ops`.
     hints : mapping of property name to str, optional
         What to think about where that property fails.
+    given : tuple of str, optional
+        As `Exercise` has it.
     """
     if isinstance(operation, str):
         operation = OPERATIONS[operation]
@@ -86,7 +92,7 @@ def operation_exercise(
         stated = (*shared_properties(operation), *particular_properties(operation))
     hints = hints or {}
     hinted = tuple(replace(prop, hint=hints.get(prop.name, "")) for prop in stated)
-    return Exercise(operation.name, hint, solution or getattr(ops, operation.name), hinted)
+    return Exercise(operation.name, hint, solution or getattr(ops, operation.name), hinted, given)
 
 
 def exercise(
@@ -96,12 +102,13 @@ def exercise(
     arguments: Arguments,
     sizes: Sizes,
     claims: Iterable[Claim],
+    given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise that is no operation, held to claims of its own.
 
     Parameters
     ----------
-    name, hint, solution
+    name, hint, solution, given
         As `Exercise` has them.
     arguments : callable
         A case to the arguments by name, in the order of the call; what a counterexample prints.
@@ -122,7 +129,7 @@ def exercise(
         )
         for claim in claims
     )
-    return Exercise(name, hint, solution, properties)
+    return Exercise(name, hint, solution, properties, given)
 
 
 def same_as(definition: Callable, arguments: Arguments, names: tuple[str, ...] = ()) -> Check:

@@ -1,0 +1,68 @@
+"""What a lesson imports of earlier lessons is there when its notebook is graded, and only that."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from numpy_cae.verify.grading import grade
+
+ENCODE = """
+def encode_layer(x, w, b):
+    convolved, convolve_back = conv1d(x, w, b)
+    pooled, pool_back = max_pool(convolved)
+    y, tanh_back = tanh(pooled)
+    return y, lambda dy: convolve_back(pool_back(tanh_back(dy)))
+"""
+TANH = """
+def tanh(x):
+    y = np.tanh(x)
+    return y, lambda dy: dy * (1 - y * y)
+"""
+TAKEN = "def encode_layer(x, w, b):\n    return decode_layer(x, w, b)"
+
+
+def notebook(tmp_path, *cells):
+    marks = {"nbgrader": {"solution": True}}
+    written = [{"cell_type": "code", "metadata": marks, "source": source} for source in cells]
+    path = tmp_path / "lesson.ipynb"
+    path.write_text(json.dumps({"cells": written}), encoding="utf-8")
+    return path
+
+
+def report_on(graded, operation):
+    return next(report for report in graded.reports if report.operation == operation)
+
+
+def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
+    graded = grade(notebook(tmp_path, TANH, ENCODE))
+    assert report_on(graded, "encode_layer").held, str(graded)
+    assert {report.operation for report in graded.reports} == {"tanh", "encode_layer"}
+
+
+def test_an_exercise_of_the_same_lesson_is_not_given(tmp_path):
+    graded = grade(notebook(tmp_path, ENCODE))
+    assert not report_on(graded, "encode_layer").points
+    assert "name 'tanh' is not defined" in str(graded)
+
+
+def test_a_later_exercise_is_not_given(tmp_path):
+    assert "name 'decode_layer' is not defined" in str(grade(notebook(tmp_path, TAKEN)))
+
+
+def test_the_students_own_goes_before_what_is_given(tmp_path):
+    own = "def conv1d(x, w, b):\n    raise ValueError('mine')"
+    graded = grade(notebook(tmp_path, TANH, own, ENCODE))
+    assert "mine" in str(report_on(graded, "encode_layer"))
+
+
+def test_a_program_that_is_no_notebook_is_given_nothing(tmp_path):
+    path = tmp_path / "student.py"
+    path.write_text("import numpy as np\n" + TANH.replace("np.tanh(x)", "conv1d(x)"))
+    assert "name 'conv1d' is not defined" in str(grade(path))
+
+
+@pytest.mark.parametrize("broken", ["def encode_layer(", "\0"])
+def test_what_is_no_python_is_still_said(tmp_path, broken):
+    assert "not Python" in str(grade(notebook(tmp_path, broken)))
