@@ -96,6 +96,15 @@ def small_for_table(dtype=np.float32):
     return small(dtype)
 
 
+@pytest.mark.parametrize(("load", "warned"), [(0.1, False), (3.0, True)])
+def test_a_busy_machine_is_said(monkeypatch, capsys, load, warned):
+    monkeypatch.setattr(bench.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
+    monkeypatch.setattr(bench.table, "rows", lambda *arguments: iter(()))
+    monkeypatch.setattr(bench, "matrix_product_peak", lambda: 1e11)
+    assert main(["bench"]) == 0
+    assert ("other programs are at work" in capsys.readouterr().err) == warned
+
+
 def test_the_papers_run_names_its_stages_and_scales_to_25_epochs():
     run = paper.run_paper(4, epochs=1, windows=8, show_progress=False)
     assert list(run.minutes) == list(paper.MINUTES)
