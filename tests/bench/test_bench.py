@@ -12,6 +12,10 @@ from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.cli import bench, main
 from numpy_cae.models import ConvAutoencoder
 
+if torch_twin.torch is not None:
+    # What is compared here are values; PyTorch's threads only get into each other's way.
+    torch_twin.torch.set_num_threads(1)
+
 NAMES = [
     *(f"{what}, {how}" for what in ("layer 1", "layer 2", "whole") for how in ("random", "even")),
     "encode",
