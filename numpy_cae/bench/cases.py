@@ -40,14 +40,13 @@ class Case:
 
     def ours(self, model: ConvAutoencoder) -> Callable[[], object]:
         """The case as a function without arguments."""
-        if self.kind == "step":
-            return lambda: model.loss_and_gradients(
+        return {
+            "step": lambda: model.loss_and_gradients(
                 self.x, self.corrupted, alpha(self), self.first, self.layer
-            )
-        return (lambda: model.encode(self.x)) if self.kind == "encode" else self._project(model)
-
-    def _project(self, model: ConvAutoencoder) -> Callable[[], object]:
-        return lambda: model.project(self.x)
+            ),
+            "encode": lambda: model.encode(self.x),
+            "project": lambda: model.project(self.x),
+        }[self.kind]
 
 
 def alpha(case: Case) -> float:

@@ -46,7 +46,7 @@ class Growth:
         return f"{self.what}: {pairs}; twice as many cost {2**self.exponent:.2f} times as much"
 
 
-def growth(windows: int = 256, rounds: int = 3) -> list[Growth]:
+def growth(windows: int = 128, rounds: int = 3) -> list[Growth]:
     """Double one of the three at a time, the others as in the paper (and `windows` windows)."""
 
     def epoch(count: int = windows, frames: int = 160, width: int = 64) -> float:

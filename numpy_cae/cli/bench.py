@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from pathlib import Path
 
 from numpy_cae.bench import growth, paper, table
@@ -50,6 +52,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print."""
+    _warn_of_others()
     if args.paper or args.full:
         epochs = paper.EPOCHS if args.full else 1
         for batch in args.batch or (1, 16):
@@ -66,3 +69,15 @@ def run(args: argparse.Namespace) -> int:
         for row in table.rows(peak, args.batch or table.BATCHES, args.rounds):
             print(row.text(), flush=True)
     return 0
+
+
+def _warn_of_others() -> None:
+    """Say so where other programs keep the processor busy: no figure would mean anything then."""
+    busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    if busy > 0.5:
+        print(
+            f"numpy-cae bench: other programs are at work here ({busy:.1f} of them on average over "
+            "the last minute); threads that wait for each other suffer most, PyTorch's more than "
+            "ours, so neither the times nor the ratios are to be quoted",
+            file=sys.stderr,
+        )

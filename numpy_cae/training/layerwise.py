@@ -152,7 +152,11 @@ def _drawn_mask(x: np.ndarray, filters: int, rng: np.random.Generator) -> np.nda
     return rng.random((batch, frames // 2, filters), dtype=np.float32) < 0.5
 
 
-def _encoded(layer, inputs: np.ndarray, at_once: int = 256) -> np.ndarray:
+def _encoded(layer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:
     """What the layer makes of clean input, a part at a time to spare memory."""
-    parts = [inputs[start : start + at_once] for start in range(0, len(inputs), at_once)]
-    return np.concatenate([layer.encode(part)[0] for part in parts])
+    windows, frames, _ = inputs.shape
+    encoded = np.empty((windows, frames // 2, layer.b.size), dtype=inputs.dtype)
+    for start in range(0, windows, at_once):
+        part = slice(start, start + at_once)
+        encoded[part], _ = layer.encode(inputs[part])
+    return encoded

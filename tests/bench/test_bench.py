@@ -12,6 +12,10 @@ from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.cli import bench, main
 from numpy_cae.models import ConvAutoencoder
 
+if torch_twin.torch is not None:
+    # What is compared here are values; PyTorch's threads only get into each other's way.
+    torch_twin.torch.set_num_threads(1)
+
 NAMES = [
     *(f"{what}, {how}" for what in ("layer 1", "layer 2", "whole") for how in ("random", "even")),
     "encode",
@@ -94,6 +98,15 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, capsys):
 
 def small_for_table(dtype=np.float32):
     return small(dtype)
+
+
+@pytest.mark.parametrize(("load", "warned"), [(0.1, False), (3.0, True)])
+def test_a_busy_machine_is_said(monkeypatch, capsys, load, warned):
+    monkeypatch.setattr(bench.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
+    monkeypatch.setattr(bench.table, "rows", lambda *arguments: iter(()))
+    monkeypatch.setattr(bench, "matrix_product_peak", lambda: 1e11)
+    assert main(["bench"]) == 0
+    assert ("other programs are at work" in capsys.readouterr().err) == warned
 
 
 def test_the_papers_run_names_its_stages_and_scales_to_25_epochs():

@@ -165,14 +165,21 @@ class Workspace:
                 for peer in self.members:
                     if peer is not own:
                         dw_hat += peer.layers[k].convolution.dw_hat[rows]
-            multiply_columns(convolution.g[rows].T, dw_hat[None], own.dw[k][None])
-        self.team.wait(member)
+            part = own.dw[k] if self.team.size > 1 else out[k].reshape(own.dw[k].shape)
+            multiply_columns(convolution.g[rows].T, dw_hat[None], part[None])
+        if self.team.size > 1:
+            self.team.wait(member)
+            self._add_up(member, out)
+
+    def _add_up(self, member: int, out: Sequence[np.ndarray]) -> None:
+        """What all members contribute to dw; each member adds up some of the taps."""
         for k, dw in enumerate(out):
             taps = share(len(dw), member, self.team.size)
             total = dw.reshape(len(dw), -1)[taps]
-            np.copyto(total, self.members[0].dw[k][taps])
-            for peer in self.members[1:]:
-                total += peer.dw[k][taps]
+            one, two, *others = (peer.dw[k][taps] for peer in self.members)
+            np.add(one, two, out=total)
+            for another in others:
+                total += another
 
     def _filter_rows(self, convolution: TiedConvolution, member: int) -> slice:
         products = len(convolution.w_hat)
