@@ -18,7 +18,7 @@ SIZES = {
     "batch": (1, 2),
     "units": (1, 2),
     "channels": (1, 2, 3),
-    "filters": (1, 2),
+    "filters": (1, 2, 3),
     "taps": (1, 3),
     "layers": (1, 2, 3),
 }
@@ -44,7 +44,7 @@ def stack_loss(x, corrupted, layers, bound):
 
 
 def _layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
-    channels = [case["channels"] + min(k, 1) * case["filters"] for k in range(case["layers"] + 1)]
+    channels = [case["channels"]] + case["layers"] * [case["filters"]]
     return [
         (scattered(rng, (case["taps"], below, above), 0.6), scattered(rng, (above,), 0.3))
         for below, above in pairwise(channels)
