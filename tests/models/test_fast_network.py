@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.models import ConvAutoencoder, composed
-from numpy_cae.models.fast import FastNetwork, network, workspace
+from numpy_cae.models.fast import FastNetwork, network
 from numpy_cae.models.fast.blas import blas_threads, one_blas_thread
 from numpy_cae.models.fast.team import share, team
 
@@ -21,6 +21,7 @@ TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 def shared_out(monkeypatch):
     """Small networks would use one thread; here they are to use those that they are given."""
     monkeypatch.setattr(network, "WORTH_SHARING", 0)
+    monkeypatch.setattr(network, "WINDOWS_FOR_EACH", 1)
 
 
 def drawn(seed, batch, filters, taps, length, unpooling, dtype=np.float64, features=3):
@@ -100,16 +101,6 @@ def test_the_papers_network_in_float32(batch, unpooling):
     for truth, a, b in zip(exact, direct, quick, strict=True):
         size = np.abs(truth).max()
         assert np.abs(b - truth).max() < max(1e-5 * size, 4 * np.abs(a - truth).max())
-
-
-def test_windows_and_bins_are_both_shared_out():
-    """The two ways to share are both used by the tests above: few windows, many windows."""
-    model, *_ = drawn(0, 1, (4, 3), 3, 4, "even")
-    ways = {
-        workspace.Workspace(model.layers, batch, 16, np.float64, (True, True), team(2)).by_windows
-        for batch in (1, 9)
-    }
-    assert ways == {True, False}
 
 
 @pytest.mark.parametrize("batch", [1, 9])

@@ -18,6 +18,10 @@ from numpy_cae.models.fast.workspace import Member, Workspace
 FRAMES_AT_ONCE = 64 * 160
 """Frames that one workspace holds when no gradient is wanted; longer input goes in parts."""
 
+WINDOWS_FOR_EACH = 2
+"""Fewer windows are not shared out. (Threads that share the rows s of y = C ((A x) ∘ ŵ)
+for one window, and add up their parts of y, took two thirds more of the processor's time.)"""
+
 WORTH_SHARING = 10_000_000
 """Multiplications of a direct convolution below which threads cost more than they save."""
 
@@ -100,7 +104,7 @@ class FastNetwork:
         with self._lock:
             workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
             workspace.run(layers, work)
-            members = workspace.members if workspace.by_windows else workspace.members[:1]
+            members = workspace.members
             dbs = [sum(member.db[k] for member in members) for k in range(len(layers))]
             loss = sum(float(member.loss) for member in members)
         return loss, list(zip(dws, dbs, strict=True))
@@ -158,7 +162,8 @@ class FastNetwork:
 
     def _team(self, layers: Sequence[ConvLayer], batch: int, frames: int) -> Team:
         work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
-        return team(1 if work < WORTH_SHARING else self._threads)
+        size = team(self._threads).size
+        return team(max(1, min(size, batch // WINDOWS_FOR_EACH)) if work >= WORTH_SHARING else 1)
 
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:

@@ -20,8 +20,6 @@ Time is the leading axis everywhere: rows are frames, B windows of C channels si
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from numpy_cae.ops.fast.blocks import block_length, blocks, overlap_add, overlapping
@@ -75,9 +73,6 @@ class TiedConvolution:
     dtype : dtype
     halved : bool
         The decoder's input is at half the rate, each row standing for two frames.
-    bins : slice
-        The rows of A x and ŵ that this member works on; where they are not all, its outputs are a
-        part of a sum.
 
     Attributes
     ----------
@@ -101,13 +96,11 @@ class TiedConvolution:
         longest: int,
         dtype: np.dtype,
         halved: bool,
-        bins: Callable[[int], slice],
     ):
         taps, channels, filters = shape
         length, count = block_length(frames, longest)
         self.blocks = constants = blocks(taps, length, np.dtype(dtype).name)
-        own = bins(constants.products)
-        self.a, self.g, self.c = constants.a[own], constants.g[own], constants.c[:, own]
+        self.a, self.g, self.c = constants.a, constants.g, constants.c
         self.c_down = self.c[0::2] + self.c[1::2] if halved else self.c
         products, rows = len(self.a), count * length
         rate = 2 if halved else 1
@@ -153,25 +146,10 @@ class TiedConvolution:
         self._count = count
         self.w_hat, self.dw_hat = (buffer(products, channels * filters, dtype) for _ in "wd")
         self.shape = products, channels, filters
-        self._sum_of_parts: Callable[[str], np.ndarray] | None = None
 
     def share_spectrum(self, peers: list[TiedConvolution]) -> None:
         """Use the first member's ŵ: members with windows of their own have W in common."""
         self.w_hat = peers[0].w_hat
-
-    def share_bins(self, peers: list[TiedConvolution], wait: Callable[[], None]) -> None:
-        """Add up with the other members what each makes of its bins, always in the same order."""
-        totals = {name: np.empty_like(self.output(name)) for name in self._outputs}
-
-        def sum_of_parts(name: str) -> np.ndarray:
-            wait()
-            total, (one, two, *others) = totals[name], (peer.output(name) for peer in peers)
-            np.add(one, two, out=total)
-            for another in others:
-                total += another
-            return total
-
-        self._sum_of_parts = sum_of_parts
 
     def transform_filters(self, w: np.ndarray, rows: slice) -> None:
         """Some rows of ŵ = G w."""
@@ -208,7 +186,7 @@ class TiedConvolution:
         multiply_columns(
             c, _by_block(self._product_d, self._count), _cut(self._outputs[name], self._count)
         )
-        return self._whole(name)
+        return self._outputs[name][self._valid[name]]
 
     def _backwards(self, spectra: np.ndarray, name: str) -> np.ndarray:
         """Aᵀ (spectra ∘ ŵᵀ), the overlaps added."""
@@ -216,15 +194,7 @@ class TiedConvolution:
         multiply_rows(spectra, w_hat, self._product_c)
         multiply_columns(self.a.T, _by_block(self._product_c, self._count), self._parts)
         overlap_add(self._parts, self.blocks, self._outputs[name])
-        return self._whole(name)
-
-    def output(self, name: str) -> np.ndarray:
-        """What this member has made, without the margins."""
         return self._outputs[name][self._valid[name]]
-
-    def _whole(self, name: str) -> np.ndarray:
-        """The output; where the members have the bins between them, the sum of what they made."""
-        return self.output(name) if self._sum_of_parts is None else self._sum_of_parts(name)
 
 
 def _by_block(rows: np.ndarray, count: int) -> np.ndarray:

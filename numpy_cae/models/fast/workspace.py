@@ -1,15 +1,12 @@
 """Everything that a step needs, allocated once: each member's layers and what they share.
 
-A team can share out the windows of a batch or, where there are too few of them, the bins s of
-y = C ((A x) ∘ ŵ): a member then has some rows of A and ŵ and some columns of C, and the members'
-outputs add up to y. The first needs no word between members while they go up and down the layers,
-the second one sum for each convolution.
+The members of a team share out the windows of a batch. They have ŵ in common, each transforming
+some of its rows, and add up at the end what each has found of its gradient.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -18,9 +15,6 @@ from numpy_cae.models.fast.layer import FastLayer
 from numpy_cae.models.fast.team import Team, share
 from numpy_cae.models.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
 from numpy_cae.ops.fast.products import multiply_columns
-
-WINDOWS_FOR_EACH = 4
-"""With fewer windows for each member, the bins are shared out and not the windows."""
 
 
 class Member:
@@ -84,42 +78,20 @@ class Workspace:
         team: Team,
     ):
         self.team = team
-        self.by_windows = team.size == 1 or batch >= WINDOWS_FOR_EACH * team.size
         self._transformed: list[np.ndarray] = []
         self._up_to_date = False
-        windows = [
-            share(batch, member, team.size) if self.by_windows else slice(0, batch)
-            for member in range(team.size)
-        ]
+        windows = [share(batch, member, team.size) for member in range(team.size)]
         convolutions = [
-            self._convolutions(layers, each, member, frames, dtype, halved, batch)
-            for member, each in enumerate(windows)
+            _convolutions(layers, each.stop - each.start, batch, frames, dtype, halved)
+            for each in windows
         ]
         for peers in zip(*convolutions, strict=True):
-            for member, convolution in enumerate(peers):
-                if self.by_windows:
-                    convolution.share_spectrum(peers)
-                else:
-                    convolution.share_bins(peers, partial(team.wait, member))
+            for convolution in peers:
+                convolution.share_spectrum(peers)
         self.members = [
             Member(number, each, own, layers, halved)
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
-
-    def _convolutions(self, layers, windows, member, frames, dtype, halved, batch):
-        def bins(products: int) -> slice:
-            everything = slice(0, products)
-            return everything if self.by_windows else share(products, member, self.team.size)
-
-        made = []
-        for k, layer in enumerate(layers):
-            below = frames // 2**k
-            longest = cheapest_length(*layer.w.shape, batch, below)
-            size = windows.stop - windows.start
-            made.append(
-                TiedConvolution(layer.w.shape, size, below, longest, dtype, halved[k], bins)
-            )
-        return made
 
     def run(self, layers: Sequence[ConvLayer], work: Callable[[Member], None]) -> None:
         """work(member) for every member, with the ŵ of these layers in place."""
@@ -141,8 +113,7 @@ class Workspace:
         for k, layer in enumerate(layers):
             convolution = self.members[member].layers[k].convolution
             convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
-        if self.by_windows:
-            self.team.wait(member)
+        self.team.wait(member)
 
     def _knows(self, layers: Sequence[ConvLayer]) -> bool:
         """Whether ŵ is that of these very arrays, and they are read-only."""
@@ -161,10 +132,9 @@ class Workspace:
             convolution = layer.convolution
             rows = self._filter_rows(convolution, member)
             dw_hat = convolution.dw_hat[rows]
-            if self.by_windows:
-                for peer in self.members:
-                    if peer is not own:
-                        dw_hat += peer.layers[k].convolution.dw_hat[rows]
+            for peer in self.members:
+                if peer is not own:
+                    dw_hat += peer.layers[k].convolution.dw_hat[rows]
             part = own.dw[k] if self.team.size > 1 else out[k].reshape(own.dw[k].shape)
             multiply_columns(convolution.g[rows].T, dw_hat[None], part[None])
         if self.team.size > 1:
@@ -182,5 +152,21 @@ class Workspace:
                 total += another
 
     def _filter_rows(self, convolution: TiedConvolution, member: int) -> slice:
-        products = len(convolution.w_hat)
-        return share(products, member, self.team.size) if self.by_windows else slice(0, products)
+        """The rows of ŵ and dŵ that a member transforms."""
+        return share(len(convolution.w_hat), member, self.team.size)
+
+
+def _convolutions(
+    layers: Sequence[ConvLayer],
+    windows: int,
+    batch: int,
+    frames: int,
+    dtype: np.dtype,
+    halved: tuple[bool, ...],
+) -> list[TiedConvolution]:
+    """A member's, for its windows out of a batch; the length of blocks is the same for all."""
+    made = []
+    for k, layer in enumerate(layers):
+        longest = cheapest_length(*layer.w.shape, batch, frames >> k)
+        made.append(TiedConvolution(layer.w.shape, windows, frames >> k, longest, dtype, halved[k]))
+    return made
