@@ -26,6 +26,7 @@ from numpy_cae.motion.joints import (
 )
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.load import find_motion_files, load_motion
+from numpy_cae.motion.load_windows import FileWindows, load_windows
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read_amc import read_amc
 from numpy_cae.motion.read_asf import read_asf
@@ -42,6 +43,7 @@ __all__ = [
     "POSITIONS",
     "TURN",
     "VELOCITY",
+    "FileWindows",
     "Motion",
     "MotionFileError",
     "Place",
@@ -60,6 +62,7 @@ __all__ = [
     "joint_slice",
     "load_body",
     "load_motion",
+    "load_windows",
     "positions_to_features",
     "read_amc",
     "read_asf",

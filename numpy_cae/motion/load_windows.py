@@ -1,0 +1,92 @@
+"""Windows straight from a folder of motion files, for lessons and quick experiments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.motion.body import RATE, load_body
+from numpy_cae.motion.error import MotionFileError
+from numpy_cae.motion.features import positions_to_features
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.load import find_motion_files
+from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
+
+
+@dataclass(frozen=True)
+class FileWindows:
+    """Windows and where they come from.
+
+    Parameters
+    ----------
+    features : (N, length, 63) array of float64
+        On the mean skeleton of the files, nothing subtracted yet.
+    real : (N, length) array of bool
+        False on held frames.
+    takes : (N,) array of int
+        Which file each window comes from, counted from 0.
+    """
+
+    features: np.ndarray
+    real: np.ndarray
+    takes: np.ndarray
+
+
+def load_windows(
+    folder: str | Path,
+    pattern: str = "*",
+    minutes: float = np.inf,
+    length: int = LENGTH,
+    overlap: int = OVERLAP,
+) -> FileWindows:
+    """The windows of the motion files below a folder.
+
+    Parameters
+    ----------
+    folder : path
+    pattern : str
+        Names of the files to use, such as "*walk*".
+    minutes : float
+        Of motion at most; the files are taken in steps through the list, not from its beginning.
+    length, overlap : int
+        Of a window, in frames at 30 a second.
+
+    Raises
+    ------
+    MotionFileError
+        If there is no such file or one cannot be read.
+    UnknownRigError
+        If joints are missing.
+
+    References
+    ----------
+    holden2015, section 4.
+    """
+    paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
+    if not paths:
+        raise MotionFileError(folder, None, f"no motion file matches {pattern!r}")
+    # A prime step walks through the whole list, so that a part of it shows something of everything.
+    order = [paths[i * 61 % len(paths)] for i in range(len(paths))] if len(paths) % 61 else paths
+    takes, seconds = [], 0.0
+    for path in order:
+        if seconds >= 60 * minutes:
+            break
+        takes.append(load_body(path)[0])
+        seconds += len(takes[-1]) / RATE
+    mean = np.mean([bone_lengths(take) for take in takes], axis=0)
+    cut = [
+        cut_windows(
+            positions_to_features(change_lengths(take, bone_lengths(take), mean), RATE)[0],
+            length,
+            overlap,
+        )
+        for take in takes
+    ]
+    return FileWindows(
+        np.concatenate([windows for windows, _ in cut]),
+        np.concatenate([real for _, real in cut]),
+        np.concatenate([np.full(len(real), take) for take, (_, real) in enumerate(cut)]),
+    )
