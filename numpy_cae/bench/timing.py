@@ -9,6 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 
+REST = 0.03
+"""Seconds before each turn: the threads of OpenMP and BLAS go on spinning for a while after their
+work is done, and would take the processor from whoever has the next turn."""
+
+
 @dataclass(frozen=True)
 class Timing:
     """Seconds of many rounds.
@@ -48,6 +53,7 @@ def time_in_turns(functions: Mapping[str, Callable[[], object]], rounds: int) ->
     seconds: dict[str, list[float]] = {name: [] for name in functions}
     for _ in range(rounds):
         for name, function in functions.items():
+            time.sleep(REST)
             function()  # whoever ran before has left the caches to others
             start = time.perf_counter()
             for _ in range(repeats[name]):
@@ -56,7 +62,7 @@ def time_in_turns(functions: Mapping[str, Callable[[], object]], rounds: int) ->
     return {name: Timing(np.array(each)) for name, each in seconds.items()}
 
 
-def _repeats(function: Callable[[], object], at_least: float = 0.01) -> int:
+def _repeats(function: Callable[[], object], at_least: float = 0.03) -> int:
     """Calls in a round, so that a round is long enough to be timed; warms up as well."""
     function()
     start = time.perf_counter()

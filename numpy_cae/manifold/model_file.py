@@ -74,7 +74,7 @@ def _assembled(arrays: dict[str, np.ndarray]) -> MotionManifold:
         layer.w = _checked(arrays, f"w{index + 1}", layer.w.shape)
         layer.b = _checked(arrays, f"b{index + 1}", layer.b.shape)
     return MotionManifold(
-        network,
+        network.freeze(),
         _checked(arrays, "mean_pose", (FEATURES,)),
         _checked(arrays, "scale", (FEATURES,)),
         _checked(arrays, "lengths", (len(JOINTS),)),
