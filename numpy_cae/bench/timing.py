@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 REST = 0.03
 """Seconds before each turn: the threads of OpenMP and BLAS go on spinning for a while after their
 work is done, and would take the processor from whoever has the next turn."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from pathlib import Path
 
+from data_synth import make_takes
 from numpy_cae.bench import growth, paper, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
@@ -46,6 +48,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="PNG",
         help="double windows, frames and channels in turn, and draw what that costs",
     )
+    instead.add_argument(
+        "--walks",
+        type=kinds.positive,
+        metavar="MINUTES",
+        help="make so many minutes of synthetic walking at 30 frames a second",
+    )
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 
@@ -58,6 +66,8 @@ def run(args: argparse.Namespace) -> int:
         for batch in args.batch or (1, 16):
             print(paper.run_paper(batch, epochs, show_progress=not args.quiet).text(), flush=True)
             print()
+    elif args.walks:
+        print(_walks(args.walks))
     elif args.growth:
         grown = growth.growth()
         print("\n".join(each.text() for each in grown))
@@ -69,6 +79,17 @@ def run(args: argparse.Namespace) -> int:
         for row in table.rows(peak, args.batch or table.BATCHES, args.rounds):
             print(row.text(), flush=True)
     return 0
+
+
+def _walks(minutes: float) -> str:
+    """How fast data_synth makes people walk, in processor time, so on one core."""
+    start = time.process_time()
+    motion = sum(take.motion.seconds for take in make_takes(minutes, kinds=["walk"], rate=30))
+    spent = time.process_time() - start
+    return (
+        f"{motion / 60:.1f} minutes of walking at 30 frames a second made in {spent:.1f} s of one "
+        f"core: {motion / spent:.0f} times real time"
+    )
 
 
 def _warn_of_others() -> None:
