@@ -15,9 +15,8 @@ from numpy_cae.motion.features import (
     POSITIONS,
     TURN,
     VELOCITY,
-    positions_to_features,
 )
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 from numpy_cae.training import Schedule, train_autoencoder
 
@@ -81,11 +80,7 @@ def learn_manifold(
     if window % network.frames_per_unit:
         raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
 
-    lengths = np.mean([bone_lengths(take) for take in takes], axis=0)
-    features = [
-        positions_to_features(change_lengths(take, bone_lengths(take), lengths), RATE)[0]
-        for take in takes
-    ]
+    features, lengths = features_on_mean_skeleton(takes, RATE)
     frames = np.concatenate(features)
     mean_pose = frames.mean(axis=0)
     windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])

@@ -10,9 +10,8 @@ import numpy as np
 
 from numpy_cae.motion.body import RATE, load_body
 from numpy_cae.motion.error import MotionFileError
-from numpy_cae.motion.features import positions_to_features
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.load import find_motion_files
+from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 
@@ -76,15 +75,8 @@ def load_windows(
             break
         takes.append(load_body(path)[0])
         seconds += len(takes[-1]) / RATE
-    mean = np.mean([bone_lengths(take) for take in takes], axis=0)
-    cut = [
-        cut_windows(
-            positions_to_features(change_lengths(take, bone_lengths(take), mean), RATE)[0],
-            length,
-            overlap,
-        )
-        for take in takes
-    ]
+    features, _ = features_on_mean_skeleton(takes, RATE)
+    cut = [cut_windows(take, length, overlap) for take in features]
     return FileWindows(
         np.concatenate([windows for windows, _ in cut]),
         np.concatenate([real for _, real in cut]),
