@@ -1,0 +1,121 @@
+"""What the experiments are run on: takes with their labels, those learned from and those not.
+
+The split is by take, never by window: two windows of one take overlap.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.motion import find_motion_files, load_body
+
+_BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
+_LABELS = "labels.csv"
+_SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
+
+
+@dataclass(frozen=True)
+class LabelledTake:
+    """One take and what is known of it.
+
+    Parameters
+    ----------
+    path : Path
+    positions : (F, 20, 3) array of float64
+        World positions in metres at 30 frames a second.
+    source : "synthetic", "bandai" or "other"
+        Who labelled it: data_synth's labels.csv, a file name of Bandai Namco's, nobody.
+    content, style : str
+        What is done and in which manner; empty where nobody says.
+    """
+
+    path: Path
+    positions: np.ndarray
+    source: str = _UNLABELLED
+    content: str = ""
+    style: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Takes to learn from (or to fit a baseline to) and takes to measure on."""
+
+    training: list[LabelledTake]
+    testing: list[LabelledTake]
+
+    def where(self, chosen: Callable[[LabelledTake], bool]) -> Material:
+        """The takes that are chosen, of both halves."""
+        return Material(
+            [take for take in self.training if chosen(take)],
+            [take for take in self.testing if chosen(take)],
+        )
+
+    def of(self, source: str) -> Material:
+        """The takes of one source."""
+        return self.where(lambda take: take.source == source)
+
+
+def is_test(path: Path, patterns: Sequence[str]) -> bool:
+    """Whether a file's name matches one of the patterns, such as "*_005.bvh"."""
+    return any(fnmatch(path.name, pattern) for pattern in patterns)
+
+
+def read_material(
+    folders: Sequence[str | Path],
+    patterns: Sequence[str],
+    mapping: dict[str, str] | None = None,
+    unit: float | None = None,
+) -> Material:
+    """Every motion file below the folders, labelled and split.
+
+    Parameters
+    ----------
+    folders : sequence of paths
+    patterns : sequence of str
+        Files whose name matches one of them are for testing.
+    mapping, unit
+        As `numpy_cae.motion.load_body` takes them.
+
+    Raises
+    ------
+    MotionFileError, UnknownRigError
+        As `load_body` does.
+    """
+    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
+    for path in (path for folder in folders for path in find_motion_files(folder)):
+        positions, _ = load_body(path, mapping, unit)
+        halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
+    return Material(*halves)
+
+
+def labels_of(path: Path) -> tuple[str, str, str]:
+    """Source, content and style of a motion file."""
+    named = _BANDAI.fullmatch(path.stem)
+    if named:
+        return _BANDAI_NAMCO, named["content"], named["style"]
+    for folder in list(path.parents)[:2]:
+        row = _label_rows(folder).get(path.relative_to(folder).as_posix())
+        if row:
+            return _SYNTHETIC, row["kind"], row["style"]
+    return _UNLABELLED, "", ""
+
+
+def _label_rows(folder: Path) -> dict[str, dict[str, str]]:
+    """The rows of a folder's labels.csv by file; none where there is no such table."""
+    table = folder / _LABELS
+    return _read_labels(table, table.stat().st_mtime_ns) if table.is_file() else {}
+
+
+@lru_cache(maxsize=16)
+def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
+    # Once a table, not once a file of it; `changed` is there so that a new table is read anew.
+    with open(table, newline="", encoding="utf-8") as file:
+        return {row["file"]: row for row in csv.DictReader(file) if "file" in row}
