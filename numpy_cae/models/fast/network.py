@@ -15,8 +15,9 @@ from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.models.fast.team import Team, team
 from numpy_cae.models.fast.workspace import Member, Workspace
 
-FRAMES_AT_ONCE = 64 * 160
-"""Frames that one workspace holds when no gradient is wanted; longer input goes in parts."""
+FRAMES_AT_ONCE = 16 * 160
+"""Frames that one workspace holds when no gradient is wanted; longer input goes in parts. (With four
+times as many the buffers no longer fit the cache, and a window takes a fifth longer.)"""
 
 WINDOWS_FOR_EACH = 2
 """Fewer windows are not shared out. (Threads that share the rows s of y = C ((A x) ∘ ŵ)
@@ -53,12 +54,12 @@ class FastNetwork:
         batch, frames, _ = x.shape
         out = np.empty((batch, frames >> len(layers), layers[-1].b.size), _dtype(layers, x))
 
-        def encode_part(workspace: Workspace, part: slice) -> None:
+        def encode_part(workspace: Workspace, part: slice, again: bool) -> None:
             def work(member: Member) -> None:
                 self._up(layers, member, x[part])
                 _copy_windows(member.top, out[part][member.windows])
 
-            workspace.run(layers, work)
+            workspace.run(layers, work, again)
 
         self._in_parts(layers, batch, frames, out.dtype, encode_part)
         return out
@@ -68,13 +69,13 @@ class FastNetwork:
         batch, frames = len(y), y.shape[1] << len(layers)
         out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
 
-        def decode_part(workspace: Workspace, part: slice) -> None:
+        def decode_part(workspace: Workspace, part: slice, again: bool) -> None:
             def work(member: Member) -> None:
                 _place_windows(y[part][member.windows], member.top)
                 decoded = self._down(layers, member, [None] * len(layers))
                 _copy_windows(decoded, out[part][member.windows])
 
-            workspace.run(layers, work)
+            workspace.run(layers, work, again)
 
         self._in_parts(layers, batch, frames, out.dtype, decode_part)
         return out
@@ -102,7 +103,7 @@ class FastNetwork:
             workspace.filters_gradient(member, dws)
 
         with self._lock:
-            workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first))
+            workspace = self._workspace(layers, batch, frames, dtype, _halved(layers, first), True)
             workspace.run(layers, work)
             members = workspace.members
             dbs = [sum(member.db[k] for member in members) for k in range(len(layers))]
@@ -135,12 +136,15 @@ class FastNetwork:
     def _in_parts(self, layers, batch: int, frames: int, dtype, work) -> None:
         """Windows in parts that bound the memory, none where there is nothing in them."""
         at_once = max(1, FRAMES_AT_ONCE // max(frames, 1))
-        for start in range(0, batch if frames else 0, at_once):
-            part = slice(start, min(start + at_once, batch))
-            with self._lock:
+        halved = _halved(layers, None)
+        last = None
+        with self._lock:
+            for start in range(0, batch if frames else 0, at_once):
+                part = slice(start, min(start + at_once, batch))
                 size = part.stop - start
-                halved = _halved(layers, None)
-                work(self._workspace(layers, size, frames, dtype, halved), part)
+                workspace = self._workspace(layers, size, frames, dtype, halved, False)
+                work(workspace, part, again=workspace is last)
+                last = workspace
 
     def _workspace(
         self,
@@ -149,14 +153,17 @@ class FastNetwork:
         frames: int,
         dtype: np.dtype,
         halved: tuple[bool, ...],
+        training: bool,
     ) -> Workspace:
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         members = self._team(layers, batch, frames)
-        key = (shapes, batch, frames, dtype, halved, members.size)
+        key = (shapes, batch, frames, dtype, halved, members.size, training)
         if key not in self._workspaces:
             if len(self._workspaces) == self.KEPT:
                 self._workspaces.popitem(last=False)
-            self._workspaces[key] = Workspace(layers, batch, frames, dtype, halved, members)
+            self._workspaces[key] = Workspace(
+                layers, batch, frames, dtype, halved, members, training
+            )
         self._workspaces.move_to_end(key)
         return self._workspaces[key]
 

@@ -35,26 +35,39 @@ def buffer(rows: int, width: int, dtype: np.dtype) -> np.ndarray:
     return np.zeros((rows, width + SPARE), dtype)[:, :width]
 
 
-def cheapest_length(taps: int, channels: int, filters: int, batch: int, frames: int) -> int:
-    """The longest block to use: the one with the least arithmetic in a step of training.
+def cheapest_length(
+    taps: int, channels: int, filters: int, batch: int, frames: int, training: bool = True
+) -> int:
+    """The longest block to use: the one with the least arithmetic.
 
     Long blocks save products, short blocks need fewer rows of ŵ, which cost the same for one window
-    as for many: two transforms, and reading or writing all of ŵ or dŵ eight times, which takes as
-    long as multiplying each number five times. In multiplications, each way of the step counted:
+    as for many. In multiplications, each way of a step of training counted:
 
-        2 S K C D + 8 · 5 S C D     ŵ = G w, dw = Gᵀ dŵ, and the memory
+        2 S K C D + 8 · 5 S C D     ŵ = G w, dw = Gᵀ dŵ, and the memory: all of ŵ or dŵ is read or
+                                    written eight times, each number as long as five multiplications
         6 S B C D a block           ∘ up, down, back through both, and both gradients
         4 S N B C a block           A and Aᵀ
         3 S L B D a block           C and Cᵀ, at half the rate in the decoder
+
+    and up or down alone, with ŵ known, which is then read once by products that keep the
+    processor busier:
+
+        3 S C D                     the memory
+        (S C D + S N C + S L D) B a block
     """
 
     def cost(longest: int) -> float:
         length, count = block_length(frames, longest)
         points = length + taps - 1
         products = points // 2 + 1 + 2 * ((points - 1) // 2)
-        once = (2 * taps + 40) * channels * filters
-        a_block = 6 * channels * filters + 4 * points * channels + 3 * length * filters
-        return products * (once + count * batch * a_block)
+        once = 2 * taps + 40 if training else 3
+        mixing, analysis, synthesis = (6, 4, 3) if training else (1, 1, 1)
+        a_block = (
+            mixing * channels * filters
+            + analysis * points * channels
+            + synthesis * length * filters
+        )
+        return products * (once * channels * filters + count * batch * a_block)
 
     return min(range(4, 65, 2), key=cost)
 

@@ -66,6 +66,8 @@ class Workspace:
     halved : tuple of bool
         For each layer, whether unpooling is even.
     team : Team
+    training : bool
+        Whether gradients will be asked for; the blocks are as long as suits that.
     """
 
     def __init__(
@@ -76,13 +78,16 @@ class Workspace:
         dtype: np.dtype,
         halved: tuple[bool, ...],
         team: Team,
+        training: bool,
     ):
         self.team = team
         self._transformed: list[np.ndarray] = []
         self._up_to_date = False
         windows = [share(batch, member, team.size) for member in range(team.size)]
         convolutions = [
-            _convolutions(layers, each.stop - each.start, batch, frames, dtype, halved)
+            _convolutions(
+                layers, each.stop - each.start, batch, frames, dtype, halved, training
+            )
             for each in windows
         ]
         for peers in zip(*convolutions, strict=True):
@@ -93,9 +98,14 @@ class Workspace:
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
 
-    def run(self, layers: Sequence[ConvLayer], work: Callable[[Member], None]) -> None:
-        """work(member) for every member, with the ŵ of these layers in place."""
-        self._up_to_date = self._knows(layers)
+    def run(
+        self, layers: Sequence[ConvLayer], work: Callable[[Member], None], again: bool = False
+    ) -> None:
+        """work(member) for every member, with the ŵ of these layers in place.
+
+        `again` says that W is what it was at the last run.
+        """
+        self._up_to_date = self._knows(layers, again)
         if not self._up_to_date:
             self._transformed = []
 
@@ -115,10 +125,10 @@ class Workspace:
             convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
         self.team.wait(member)
 
-    def _knows(self, layers: Sequence[ConvLayer]) -> bool:
-        """Whether ŵ is that of these very arrays, and they are read-only."""
+    def _knows(self, layers: Sequence[ConvLayer], again: bool) -> bool:
+        """Whether ŵ is that of these very arrays, and they cannot have changed since."""
         return len(self._transformed) == len(layers) and all(
-            layer.w is known and not known.flags.writeable
+            layer.w is known and (again or not known.flags.writeable)
             for layer, known in zip(layers, self._transformed, strict=True)
         )
 
@@ -163,10 +173,11 @@ def _convolutions(
     frames: int,
     dtype: np.dtype,
     halved: tuple[bool, ...],
+    training: bool,
 ) -> list[TiedConvolution]:
     """A member's, for its windows out of a batch; the length of blocks is the same for all."""
     made = []
     for k, layer in enumerate(layers):
-        longest = cheapest_length(*layer.w.shape, batch, frames >> k)
+        longest = cheapest_length(*layer.w.shape, batch, frames >> k, training)
         made.append(TiedConvolution(layer.w.shape, windows, frames >> k, longest, dtype, halved[k]))
     return made
