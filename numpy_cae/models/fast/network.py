@@ -16,8 +16,8 @@ from numpy_cae.models.fast.team import Team, team
 from numpy_cae.models.fast.workspace import Member, Workspace
 
 FRAMES_AT_ONCE = 16 * 160
-"""Frames that one workspace holds when no gradient is wanted; longer input goes in parts. (With four
-times as many the buffers no longer fit the cache, and a window takes a fifth longer.)"""
+"""Frames that one workspace holds when no gradient is wanted; longer input goes in parts. (With
+four times as many the buffers no longer fit the cache, and a window takes a fifth longer.)"""
 
 WINDOWS_FOR_EACH = 2
 """Fewer windows are not shared out. (Threads that share the rows s of y = C ((A x) ∘ ŵ)
