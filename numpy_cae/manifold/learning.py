@@ -98,6 +98,7 @@ def learn_manifold(
         "windows": len(windows),
         "schedule": asdict(schedule),
         "losses": history.losses,
+        "seconds": history.seconds,
     }
     return manifold
 

@@ -66,6 +66,11 @@ class MotionManifold:
         """The features that `normalise` makes x of, float64."""
         return x.astype(np.float64) / self.scale + self.mean_pose
 
+    @property
+    def reach(self) -> int:
+        """How many frames to either side of its own a unit of the top layer sees."""
+        return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
+
     def project(self, features: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
 
@@ -81,8 +86,7 @@ class MotionManifold:
         -------
         (F, 63) array of float64
         """
-        frames, unit = len(features), self.network.frames_per_unit
-        seen = sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
+        frames, unit, seen = len(features), self.network.frames_per_unit, self.reach
         more = -(frames + 2 * seen) % unit
         whole = np.pad(self.normalise(features), ((seen, seen + more), (0, 0)), mode="edge")
         return self.denormalise(self.network.project(whole[None])[0])[seen : seen + frames]

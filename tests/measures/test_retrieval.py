@@ -1,0 +1,57 @@
+"""Retrieval, worked out by hand, and how sure a difference is."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.measures.retrieval import (
+    average_precision,
+    bootstrapped_difference,
+    precision_at_1,
+)
+
+# Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
+DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
+ALIKE = np.array([[True, True, False, False], [False, True, False, True]])
+
+
+def test_precision_at_1_by_hand():
+    np.testing.assert_array_equal(precision_at_1(DISTANCES, ALIKE), [1.0, 0.0])
+
+
+def test_average_precision_by_hand():
+    # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
+    np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
+
+
+def test_what_is_infinitely_far_is_out_of_the_gallery():
+    itself = DISTANCES.copy()
+    itself[0, 1] = np.inf
+    # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
+    assert precision_at_1(itself, ALIKE)[0] == 0
+    assert average_precision(itself, ALIKE)[0] == pytest.approx(1 / 2)
+    alone = np.array([[np.inf, 1.0]])
+    with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):
+        average_precision(alone, np.array([[True, False]]))
+
+
+def test_a_perfect_distance_scores_1_and_a_drawn_one_its_share():
+    labels = np.arange(400) % 4
+    alike = labels[:, None] == labels
+    np.testing.assert_array_equal(average_precision(1.0 - alike, alike), 1.0)
+    drawn = np.random.default_rng(0).random(alike.shape)
+    assert precision_at_1(drawn, alike).mean() == pytest.approx(1 / 4, abs=0.06)
+    assert average_precision(drawn, alike).mean() == pytest.approx(1 / 4, abs=0.03)
+
+
+def test_the_interval_of_a_difference():
+    rng = np.random.default_rng(1)
+    theirs = rng.normal(size=100)
+    gaps = rng.normal(0.5, 1.0, size=100)
+    found = bootstrapped_difference(theirs + gaps, theirs)
+    assert found.mean == pytest.approx(gaps.mean())
+    # Of a mean of many draws the interval is that of the normal distribution.
+    half = 1.96 * gaps.std() / 10
+    np.testing.assert_allclose([found.low, found.high], gaps.mean() + [-half, half], atol=0.03)
+    assert found.certain == (found.low > 0)
+    same = bootstrapped_difference(theirs, theirs)
+    assert (same.mean, same.low, same.high, same.certain) == (0, 0, 0, False)
