@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.baselines import PCA
+from numpy_cae.experiments.clips import clips_of, project
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures import position_error
-from numpy_cae.motion.windows import cut_windows
 from numpy_cae.training import zero_values
 
 P = 0.5
@@ -81,36 +80,18 @@ def half_zeroed(
     seed : int
         Of the lost values.
     """
-    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
-    seen, _ = _windows(manifold, training, length, overlap)
-    truth, real = _windows(manifold, testing, length, overlap)
+    seen, held_out = clips_of(manifold, training).x, clips_of(manifold, testing)
+    truth, error = held_out.x, held_out.error
     lost = zero_values(truth, P, np.random.default_rng(seed))
-
-    def error(x: np.ndarray) -> float:
-        return position_error(manifold.denormalise(x), manifold.denormalise(truth), real)
-
-    features = truth.shape[-1]
+    length, features = truth.shape[1:]
     rows = [
         Row("doing nothing", error(truth), error(lost)),
         Row("the mean pose", error(0 * truth), error(0 * truth)),
         _pca("PCA on frames", seen, truth, lost, error, features),
         _pca("PCA on windows", seen, truth, lost, error, length * features),
-        Row("the network", error(_projected(manifold, truth)), error(_projected(manifold, lost))),
+        Row("the network", error(project(manifold, truth)), error(project(manifold, lost))),
     ]
     return HalfZeroed(rows, len(truth), len(testing))
-
-
-def _windows(
-    manifold: MotionManifold, takes: Sequence[np.ndarray], length: int, overlap: int
-) -> tuple[np.ndarray, np.ndarray]:
-    cut = [cut_windows(manifold.features(take)[0], length, overlap) for take in takes]
-    windows = np.concatenate([windows for windows, _ in cut])
-    return manifold.normalise(windows), np.concatenate([real for _, real in cut])
-
-
-def _projected(manifold: MotionManifold, x: np.ndarray, at_once: int = 64) -> np.ndarray:
-    parts = [x[start : start + at_once] for start in range(0, len(x), at_once)]
-    return np.concatenate([manifold.network.project(part) for part in parts])
 
 
 SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000)

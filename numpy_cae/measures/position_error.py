@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.motion.features import POSITIONS
+from numpy_cae.motion.features import POSITIONS, joint_slice
 
 
 def position_error(
-    features: np.ndarray, truth: np.ndarray, real: np.ndarray | None = None
+    features: np.ndarray,
+    truth: np.ndarray,
+    real: np.ndarray | None = None,
+    joint: str | None = None,
 ) -> float:
-    """Root mean square over the coordinates of all joints, in centimetres.
+    """Root mean square over the coordinates of all joints, or of one, in centimetres.
 
         100 · √ mean((q̂ - q)²)
 
@@ -23,8 +26,11 @@ def position_error(
         In metres.
     real : (…, F) array of bool, optional
         Frames to count; held ones are False.
+    joint : str, optional
+        The only joint to count, such as "left_wrist".
     """
-    gap = (np.asarray(features) - truth)[..., POSITIONS]
+    counted = POSITIONS if joint is None else joint_slice(joint)
+    gap = (np.asarray(features) - truth)[..., counted]
     if real is not None:
         gap = gap[real]
     return float(100 * np.sqrt(np.mean(np.square(gap, dtype=np.float64))))

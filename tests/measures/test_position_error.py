@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.measures import position_error
-from numpy_cae.motion import POSITIONS
+from numpy_cae.motion import POSITIONS, joint_slice
 
 
 def test_a_centimetre_everywhere_is_one():
@@ -21,3 +21,11 @@ def test_velocities_and_held_frames_do_not_count():
     real = np.arange(8) < 6
     measured = position_error(off, truth, np.stack([real, real]))
     assert measured == pytest.approx(3 / np.sqrt(60))
+
+
+def test_one_joint_can_be_counted_alone():
+    truth = np.zeros((8, 63))
+    off = truth.copy()
+    off[:, joint_slice("left_wrist")] = 0.02
+    assert position_error(off, truth, joint="left_wrist") == pytest.approx(2.0)
+    assert position_error(off, truth, joint="right_wrist") == 0.0

@@ -1,0 +1,57 @@
+"""Smoothing over time, each feature by itself: what removes noise without knowing of bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import savgol_filter
+
+
+def median(x: np.ndarray, length: int) -> np.ndarray:
+    """Each value becomes the median of the `length` around it in time.
+
+        y_t = median(x_{t-h}, …, x_{t+h}),    h = (length - 1) / 2
+
+    It drops single outliers whole and keeps edges, as long as fewer than half of the values in
+    reach are wrong.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+    length : int
+        Frames, odd. Beyond the ends the first and last value are held.
+
+    Returns
+    -------
+    array of the shape and dtype of x
+    """
+    _require_odd(length)
+    return median_filter(x, (1,) * (x.ndim - 2) + (length, 1), mode="nearest")
+
+
+def savitzky_golay(x: np.ndarray, length: int, order: int) -> np.ndarray:
+    """Each value becomes that of the polynomial that fits the `length` around it best.
+
+        y_t = π_t(t),    π_t = argmin_{π of degree ≤ order} Σ_{|s-t| ≤ h} (x_s - π(s))²
+
+    Order 0 is the moving average. Near the ends the polynomial of the outermost `length` values
+    is used.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+    length : int
+        Frames, odd, above `order` and at most T.
+    order : int
+
+    Returns
+    -------
+    array of the shape of x
+    """
+    _require_odd(length)
+    return savgol_filter(x, length, order, axis=-2)
+
+
+def _require_odd(length: int) -> None:
+    if length < 1 or length % 2 == 0:
+        raise ValueError(f"length is {length}, expected an odd number of frames")

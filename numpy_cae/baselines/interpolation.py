@@ -1,0 +1,58 @@
+"""Known values joined over time: another, easier problem than repair, where nobody says which
+values are right."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+
+def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Each feature by itself, straight from one known value to the next.
+
+        x̂_t = x_a + (t - a) / (b - a) · (x_b - x_a),    a ≤ t ≤ b the known frames around t
+
+    Before the first known value and after the last, that value is held; a feature that is never
+    known stays as it is.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+        What stands where nothing is known does not matter.
+    known : array of bool of the same shape
+
+    Returns
+    -------
+    array of the shape and dtype of x
+    """
+    if np.shape(known) != x.shape:
+        raise ValueError(f"known has shape {np.shape(known)}, expected that of x, {x.shape}")
+    filled = x.copy()
+    frames = np.arange(x.shape[-2])
+    for index in np.ndindex(x.shape[:-2]):
+        for feature in range(x.shape[-1]):
+            series = (*index, slice(None), feature)
+            sure = known[series]
+            if sure.any():
+                filled[series] = np.interp(frames, frames[sure], x[series][sure])
+    return filled
+
+
+def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """The cubic spline through key frames, twice continuously differentiable, "not a knot" at its
+    ends; the last key is held.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+    keys : (K,) array of int
+        The known frames, rising, at least two.
+
+    Returns
+    -------
+    array of the shape and dtype of x
+    """
+    if len(keys) < 2:
+        raise ValueError(f"{len(keys)} key frames, expected at least 2")
+    spline = CubicSpline(keys, np.take(x, keys, axis=-2), axis=x.ndim - 2)
+    return spline(np.clip(np.arange(x.shape[-2]), keys[0], keys[-1])).astype(x.dtype)
