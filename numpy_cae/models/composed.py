@@ -6,7 +6,7 @@ the same by `numpy_cae.models.fast`, which tests hold equal to what stands here.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from numpy_cae import ops
 from numpy_cae.models.conv_layer import ConvLayer
 
 Gradients = list[tuple[np.ndarray, np.ndarray]]
+Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
+"""From X̂ to a loss and its gradient for X̂."""
 
 
 def encode(layers: Sequence[ConvLayer], x: np.ndarray) -> np.ndarray:
@@ -28,6 +30,32 @@ def decode(layers: Sequence[ConvLayer], y: np.ndarray) -> np.ndarray:
     for layer in reversed(layers):
         y, _ = layer.decode(y)
     return y
+
+
+def latent_gradient(
+    layers: Sequence[ConvLayer], y: np.ndarray, objective: Objective
+) -> tuple[float, np.ndarray]:
+    """L(Φ†(Y)) and its gradient for Y, unpooling evenly: what descends along the manifold.
+
+    Parameters
+    ----------
+    layers : sequence of ConvLayer, lowest first
+    y : (B, t, D) array of float
+    objective : function, X̂ (B, T, C) -> (L, dL/dX̂)
+
+    Returns
+    -------
+    loss : float
+    dy : (B, t, D) array
+    """
+    x_hat, backs = y, []
+    for layer in reversed(layers):
+        x_hat, back = layer.decode(x_hat)
+        backs.append(back)
+    loss, d = objective(x_hat)
+    for back in reversed(backs):
+        d, _, _ = back(d)
+    return loss, d
 
 
 def loss_and_gradients(

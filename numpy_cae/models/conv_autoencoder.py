@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.models.composed import Gradients
+from numpy_cae.models.composed import Gradients, Objective
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.models.fast import FastNetwork
 from numpy_cae.ops.shapes import require_shape
@@ -87,6 +87,24 @@ class ConvAutoencoder:
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)): the motion on the manifold that stands for x, (B, T, features) to the same."""
         return self.decode(self.encode(x))
+
+    def latent_gradient(self, y: np.ndarray, objective: Objective) -> tuple[float, np.ndarray]:
+        """L(Φ†(Y)) and dL/dY: how to move along the manifold so that the motion suits a wish.
+
+        Parameters
+        ----------
+        y : (B, T/8, 256) array of float
+            Hidden units; beyond the bound of arctanh nothing changes, and dL/dY is 0.
+        objective : function, X̂ (B, T, features) -> (L, dL/dX̂)
+            A loss of the decoded windows and its gradient; X̂ is not to be kept.
+
+        Returns
+        -------
+        loss : float
+        dy : array of the shape of y
+        """
+        require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
+        return self._fast.latent_gradient(self.layers, y, objective)
 
     def loss_and_gradients(
         self,

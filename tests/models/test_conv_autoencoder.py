@@ -173,3 +173,19 @@ def test_one_mask_a_layer():
     x = np.zeros((1, 8, 3))
     with pytest.raises(ValueError, match="first has 1 masks, expected one for each of 3"):
         model.loss_and_gradients(x, x, first=[np.zeros((1, 4, 4), dtype=bool)])
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_gradient_for_the_hidden_units(seed):
+    rng = np.random.default_rng(seed)
+    model = drawn_model(rng)
+    y = rng.uniform(-0.2, 0.2, size=(2, 3, FILTERS[-1]))  # far from where arctanh clips
+    upstream = rng.normal(size=(2, 24, 3))
+
+    def decoded(y):
+        value, dy = model.latent_gradient(
+            y, lambda x_hat: (np.sum(upstream * x_hat**2), 2 * upstream * x_hat)
+        )
+        return np.float64(value), lambda d: d * dy
+
+    check_gradients(decoded, y, names=["y"], rng=rng)

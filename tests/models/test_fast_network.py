@@ -128,6 +128,33 @@ def test_buffers_left_from_other_calls_change_nothing():
         np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.parametrize("batch", [1, 2, 5])
+def test_latent_gradient_is_the_composed_one(batch):
+    model, x, _, _ = drawn(batch, batch, (4, 3), 5, 8, "even")
+    y = np.random.default_rng(1).uniform(-1.2, 1.2, size=model.encode(x).shape)
+
+    def objective(x_hat):
+        gap = x_hat - x
+        return float(np.sum(gap**2)), 2 * gap
+
+    expected = composed.latent_gradient(model.layers, y, objective)
+    for threads in (1, 2):
+        loss, dy = FastNetwork(threads).latent_gradient(model.layers, y, objective)
+        assert_same(expected, (loss, dy), 1e-10)
+
+
+def test_an_objective_that_fails_is_heard():
+    model, x, _, _ = drawn(0, 4, (4, 3), 5, 8, "even")
+
+    def objective(x_hat):
+        raise KeyError("no such joint")
+
+    fast = FastNetwork(2)
+    with pytest.raises(KeyError, match="no such joint"):
+        fast.latent_gradient(model.layers, model.encode(x), objective)
+    assert_same([composed.encode(model.layers, x)], [fast.encode(model.layers, x)], 1e-10)
+
+
 def test_results_belong_to_the_caller():
     model, x, corrupted, _ = drawn(0, 9, (4, 3), 5, 8, "even")
     y, x_hat = model.encode(x), model.decode(model.encode(x))

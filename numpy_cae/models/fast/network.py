@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.models.composed import Gradients, Objective
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.models.fast.team import Team, team
 from numpy_cae.models.fast.workspace import Member, Workspace
@@ -25,8 +26,6 @@ for one window, and add up their parts of y, took two thirds more of the process
 
 WORTH_SHARING = 10_000_000
 """Multiplications of a direct convolution below which threads cost more than they save."""
-
-Gradients = list[tuple[np.ndarray, np.ndarray]]
 
 
 class FastNetwork:
@@ -79,6 +78,34 @@ class FastNetwork:
 
         self._in_parts(layers, batch, frames, out.dtype, decode_part)
         return out
+
+    def latent_gradient(
+        self, layers: Sequence[ConvLayer], y: np.ndarray, objective: Objective
+    ) -> tuple[float, np.ndarray]:
+        """L(Φ†(Y)) and dL/dY; the first member asks the objective for all of them."""
+        batch, frames = len(y), y.shape[1] << len(layers)
+        dtype = _dtype(layers, y)
+        x_hat = np.empty((batch, frames, layers[0].w.shape[1]), dtype)
+        dy = np.empty_like(y, dtype)
+        answer = []
+
+        def work(member: Member) -> None:
+            _place_windows(y[member.windows], member.top)
+            decoded = self._down(layers, member, [None] * len(layers))
+            _copy_windows(decoded, x_hat[member.windows])
+            workspace.team.wait(member.number)
+            if member.number == 0:
+                answer.extend(objective(x_hat))
+            workspace.team.wait(member.number)
+            _place_windows(answer[1][member.windows], member.layers[0].convolution.error)
+            self._down_back(member)
+            _copy_windows(member.d_top, dy[member.windows])
+
+        with self._lock:
+            halved = _halved(layers, None)
+            workspace = self._workspace(layers, batch, frames, dtype, halved, False)
+            workspace.run(layers, work)
+        return answer[0], dy
 
     def loss_and_gradients(
         self,
