@@ -2,5 +2,6 @@
 
 from numpy_cae.models.conv_autoencoder import ConvAutoencoder
 from numpy_cae.models.conv_layer import ConvLayer
+from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder
 
-__all__ = ["ConvAutoencoder", "ConvLayer"]
+__all__ = ["ConvAutoencoder", "ConvLayer", "SequentialAutoencoder"]

@@ -1,0 +1,227 @@
+"""jang2018's network: its whole loss against differences, and what others got wrong in it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from numpy_cae import ops
+from numpy_cae.models import SequentialAutoencoder, composed_sequence
+from numpy_cae.models.sequence_weights import weight_shapes
+from numpy_cae.training import unit_directions
+from numpy_cae.verify import check_gradients
+
+
+def drawn_model(rng, features=3, hidden=4, latent=2, dtype=np.float64, scale=0.6):
+    """A small network whose biases are not zero."""
+    model = SequentialAutoencoder(features, hidden, latent, rng, dtype)
+    for name, weight in model.weights.items():
+        model.weights[name] = rng.normal(scale=scale, size=weight.shape).astype(dtype)
+    return model
+
+
+def drawn_material(rng, model, batch, frames, directions=5):
+    """Clips, draws of the prior and directions."""
+    dtype = model.weights["state_w"].dtype
+    x = rng.normal(size=(batch, frames, model.features)).astype(dtype)
+    prior = rng.normal(size=(batch, model.latent)).astype(dtype)
+    return x, prior, unit_directions(directions, model.latent, rng, dtype)
+
+
+def check_whole_loss(loss_and_gradients, model, rng, x, *rest, only=None):
+    """Differences of the whole loss in every weight."""
+    names = list(model.weights)
+
+    def loss(*arrays):
+        value, gradients = loss_and_gradients(dict(zip(names, arrays, strict=True)), x, *rest)
+        assert list(gradients) == names
+        return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
+
+    start = [model.weights[name].copy() for name in names]
+    check_gradients(loss, *start, names=names, rng=rng, only=only)
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    batch=st.integers(1, 4),
+    frames=st.integers(1, 4),
+    weight=st.sampled_from([0.0, 0.7]),
+)
+def test_gradients_of_the_whole_loss(seed, batch, frames, weight):
+    rng = np.random.default_rng(seed)
+    model = drawn_model(rng, features=2, hidden=3)
+    material = drawn_material(rng, model, batch, frames)
+    check_whole_loss(composed_sequence.loss_and_gradients, model, rng, *material, weight)
+
+
+def test_gradients_reach_the_first_states():
+    """z -> h_0 -> … -> clip: the pullback of `decode` for z and for the map to the first state."""
+    rng = np.random.default_rng(5)
+    model = drawn_model(rng)
+    z = rng.normal(size=(2, 2))
+
+    def decoded(z, state_w, state_b):
+        weights = model.weights | {"state_w": state_w, "state_b": state_b}
+        x_hat, back = composed_sequence.decode(weights, z, 6)
+
+        def pullback(dx_hat):
+            dz, gradients = back(dx_hat)
+            return dz, gradients["state_w"], gradients["state_b"]
+
+        return x_hat, pullback
+
+    check_gradients(decoded, z, model.weights["state_w"], model.weights["state_b"], rng=rng)
+
+
+def test_gradients_go_through_the_fed_back_frames():
+    """What a step is fed counts: without that path the gradient would be another one."""
+    rng = np.random.default_rng(6)
+    model = drawn_model(rng)
+    z, dx_hat = rng.normal(size=(2, 2)), rng.normal(size=(2, 2, 3))
+    _, back = composed_sequence.decode(model.weights, z, 2)
+    whole = back(dx_hat)[1]["frame_b"]
+    # y_2 is emitted first in time; cut its input off and only the direct paths are left.
+    without = model.weights | {"decoder_w": np.zeros_like(model.weights["decoder_w"])}
+    _, back_without = composed_sequence.decode(without, z, 2)
+    np.testing.assert_allclose(back_without(dx_hat)[1]["frame_b"], dx_hat.sum((0, 1)))
+    assert np.abs(whole - dx_hat.sum((0, 1))).max() > 1e-3
+
+
+@pytest.mark.parametrize("frames", [1, 4])
+def test_the_first_step_is_fed_zeros_and_every_other_its_own_frame(frames):
+    rng = np.random.default_rng(7)
+    model = drawn_model(rng)
+    w, z = model.weights, rng.normal(size=(3, 2))
+    gru = [w[f"decoder_{letter}"] for letter in "wubc"]
+    h, y, written = z @ w["state_w"] + w["state_b"], np.zeros((3, 3)), []
+    for _ in range(frames):
+        h, _ = ops.gru_step(y, h, *gru)
+        y = h @ w["frame_w"] + w["frame_b"]
+        written.insert(0, y)
+    np.testing.assert_allclose(model.decode(z, frames), np.stack(written, axis=1), atol=1e-12)
+
+
+def test_the_reversal_is_done_once():
+    """A clip like no other in reverse is compared frame by frame in the order of time."""
+    rng = np.random.default_rng(8)
+    model = drawn_model(rng, hidden=6)
+    ramp = np.arange(5.0)[None, :, None] * np.ones((1, 1, 3))
+    prior, directions = np.zeros((1, 2)), np.eye(2)
+    losses, _ = model.loss_and_gradients(ramp, prior, directions, 0.0)
+    forwards = np.mean((model.denoise(ramp) - ramp) ** 2)
+    backwards = np.mean((model.denoise(ramp)[:, ::-1] - ramp) ** 2)
+    assert losses.reconstruction == pytest.approx(forwards, rel=1e-10)
+    assert abs(forwards - backwards) > 1e-3
+
+
+def test_the_last_frame_of_a_longer_clip_is_written_first():
+    """Ten frames from z end with the five that five frames from z are."""
+    rng = np.random.default_rng(9)
+    model = drawn_model(rng)
+    z = rng.normal(size=(2, 2))
+    np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
+
+
+def test_the_loss_depends_on_no_batch():
+    """Every clip twice: the same reconstruction error and the same gradients of it."""
+    rng = np.random.default_rng(10)
+    model = drawn_model(rng)
+    x, prior, directions = drawn_material(rng, model, 3, 4)
+    one, gradients = model.loss_and_gradients(x, prior, directions, 0.3)
+    x, prior = np.concatenate([x, x]), np.concatenate([prior, prior])
+    two, gradients_twice = model.loss_and_gradients(x, prior, directions, 0.3)
+    np.testing.assert_allclose(two, one, rtol=1e-10)
+    for name, gradient in gradients.items():
+        np.testing.assert_allclose(gradients_twice[name], gradient, atol=1e-12, err_msg=name)
+
+
+def test_no_frame_of_the_source_reaches_the_decoder():
+    """Two clips with one z, whatever their frames, come out as one clip."""
+    rng = np.random.default_rng(11)
+    model = drawn_model(rng)
+    model.weights["encoder_w"][2] = 0  # the encoder does not look at the third feature
+    x, prior, directions = drawn_material(rng, model, 2, 6)
+    other = x.copy()
+    other[..., 2] = rng.normal(size=(2, 6))
+    np.testing.assert_array_equal(model.encode(other), model.encode(x))
+    np.testing.assert_array_equal(model.denoise(other), model.denoise(x))
+    # So it is inside the loss: the error is that of the one clip against either source.
+    for source in (x, other):
+        losses, _ = model.loss_and_gradients(source, prior, directions, 0.0)
+        error = np.mean((model.denoise(x) - source) ** 2)
+        assert losses.reconstruction == pytest.approx(error, rel=1e-10)
+
+
+def test_the_loss_is_the_sum_of_its_parts():
+    rng = np.random.default_rng(12)
+    model = drawn_model(rng)
+    x, prior, directions = drawn_material(rng, model, 4, 3)
+    losses, _ = model.loss_and_gradients(x, prior, directions, 0.25)
+    distance, _ = ops.sliced_wasserstein(model.encode(x), prior, directions)
+    assert losses.discrepancy == pytest.approx(float(distance), rel=1e-10)
+    assert losses.total == pytest.approx(losses.reconstruction + 0.25 * losses.discrepancy)
+
+
+def test_interpolation_begins_and_ends_at_its_clips():
+    rng = np.random.default_rng(13)
+    model = drawn_model(rng)
+    x0, x1 = rng.normal(size=(2, 2, 4, 3))
+    between = model.interpolate(x0, x1, [0.0, 0.5, 1.0])
+    assert between.shape == (2, 3, 4, 3)
+    np.testing.assert_allclose(between[:, 0], model.denoise(x0), atol=1e-12)
+    np.testing.assert_allclose(between[:, 2], model.denoise(x1), atol=1e-12)
+    half = model.decode((model.encode(x0) + model.encode(x1)) / 2, 4)
+    np.testing.assert_allclose(between[:, 1], half, atol=1e-12)
+
+
+def test_an_analogy_is_z_a_minus_z_b_plus_z_c():
+    rng = np.random.default_rng(14)
+    model = drawn_model(rng)
+    xa, xb, xc = rng.normal(size=(3, 2, 4, 3))
+    z = model.encode(xa) - model.encode(xb) + model.encode(xc)
+    np.testing.assert_allclose(model.analogy(xa, xb, xc), model.decode(z, 4), atol=1e-12)
+    np.testing.assert_allclose(model.analogy(xa, xb, xb), model.denoise(xa), atol=1e-12)
+
+
+def test_samples_are_clips_of_the_prior():
+    model = SequentialAutoencoder(5, 6, 3)
+    samples = model.sample(4, np.random.default_rng(1), frames=7)
+    assert samples.shape == (4, 7, 5)
+    assert samples.dtype == np.float32
+    z = np.random.default_rng(1).standard_normal((4, 3)).astype(np.float32)
+    np.testing.assert_array_equal(samples, model.decode(z, 7))
+    assert np.abs(samples[0] - samples[1]).max() > 0
+
+
+def test_the_weights_have_the_shapes_that_are_told():
+    model = SequentialAutoencoder(hidden=8, latent=3, dtype=np.float64)
+    assert {name: each.shape for name, each in model.weights.items()} == weight_shapes(54, 8, 3)
+    assert all(each.dtype == np.float64 for each in model.weights.values())
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda m: m.encode(np.zeros((2, 5, 4))), r"x has shape \(2, 5, 4\)"),
+        (lambda m: m.encode(np.zeros((2, 0, 3))), "at least one frame"),
+        (lambda m: m.decode(np.zeros((2, 3)), 5), r"z has shape \(2, 3\)"),
+        (lambda m: m.decode(np.zeros((2, 2)), 0), "frames is 0"),
+        (lambda m: m.interpolate(np.zeros((2, 5, 3)), np.zeros((1, 5, 3)), [0.5]), "x1 has shape"),
+        (
+            lambda m: m.loss_and_gradients(
+                np.zeros((2, 5, 3)), np.zeros((3, 2)), np.eye(2), weight=1.0
+            ),
+            "prior has shape",
+        ),
+        (
+            lambda m: m.loss_and_gradients(
+                np.zeros((0, 5, 3)), np.zeros((0, 2)), np.eye(2), weight=1.0
+            ),
+            "nothing to compare",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(call, said):
+    with pytest.raises(ValueError, match=said):
+        call(SequentialAutoencoder(3, 4, 2, dtype=np.float64))

@@ -1,0 +1,109 @@
+"""Training jang2018's network: that it learns, what is drawn anew, and that a seed settles all."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.training import DivergedError, SequenceSchedule, train_sequential
+from numpy_cae.training import sequential as module
+
+
+def waves(rng, batch):
+    """Clips of 8 frames of a sine at a phase drawn anew."""
+    phases = rng.uniform(0, 2 * np.pi, size=(batch, 1, 1))
+    lags = np.array([0.0, 1.0, 2.5])
+    return np.sin(np.arange(8)[None, :, None] / 2 + phases + lags).astype(np.float32)
+
+
+def trained(seed=0, each=None, draw=waves, off=0.0, **changes):
+    numbers = {"epochs": 3, "steps": 40, "batch": 16, "directions": 8, "weight": 0.05}
+    model = SequentialAutoencoder(3, 12, 2, np.random.default_rng(3))
+    model.weights["latent_b"] += off
+    schedule = SequenceSchedule(**numbers | changes)
+    rng = np.random.default_rng(seed)
+    history = train_sequential(model, draw, schedule, rng, show_progress=False, each=each)
+    return model, history
+
+
+def test_it_learns_to_reconstruct():
+    _, history = trained()
+    assert len(history.reconstruction) == len(history.discrepancy) == len(history.norm) == 120
+    assert np.mean(history.reconstruction[-12:]) < np.mean(history.reconstruction[:12]) / 2
+    assert history.seconds > 0
+
+
+def test_same_seed_same_bits_other_seed_other_weights():
+    (one, a), (two, b), (other, _) = (trained(seed, steps=3) for seed in (1, 1, 2))
+    assert a.reconstruction == b.reconstruction
+    assert a.discrepancy == b.discrepancy
+    for name, weight in one.weights.items():
+        np.testing.assert_array_equal(weight, two.weights[name])
+        assert weight.dtype == np.float32
+    assert np.any(one.weights["frame_w"] != other.weights["frame_w"])
+
+
+def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
+    """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
+    seen = []
+    original = SequentialAutoencoder.loss_and_gradients
+
+    def recorded(self, x, prior, directions, weight):
+        seen.append((x.copy(), prior.copy(), directions.copy(), weight))
+        return original(self, x, prior, directions, weight)
+
+    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
+    trained(epochs=2, steps=30)
+    clips, priors, directions, weights = zip(*seen, strict=True)
+    for drawn in (clips, priors, directions):
+        assert len({each.tobytes() for each in drawn}) == 60
+    assert set(weights) == {0.05}
+    points = np.concatenate(priors)
+    assert len(np.unique(points, axis=0)) == len(points) == 60 * 16
+    np.testing.assert_allclose(points.mean(0), 0, atol=0.15)
+    np.testing.assert_allclose(np.cov(points.T), np.eye(2), atol=0.2)
+    lengths = np.linalg.norm(np.concatenate(directions), axis=1)
+    np.testing.assert_allclose(lengths, 1, atol=1e-6)
+    np.testing.assert_allclose(np.concatenate(directions).mean(0), 0, atol=0.15)
+
+
+def test_the_regulariser_brings_the_latents_to_the_prior():
+    """They begin three off its centre, and only λ has a reason to bring them there."""
+    free, held = (trained(weight=weight, epochs=2, off=3.0)[1] for weight in (0.0, 1.0))
+    assert np.mean(held.discrepancy[-20:]) < np.mean(free.discrepancy[-20:]) / 2
+
+
+def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
+    """The gradients of the last update, all of them together, are clipped before they descend."""
+    lengths = []
+
+    def recorded(parameters, gradients, rate):
+        gradients = list(gradients)
+        lengths.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
+        for parameter, gradient in zip(parameters, gradients, strict=True):
+            parameter -= rate * gradient
+
+    monkeypatch.setattr(module, "descend", recorded)
+    _, history = trained(norm=0.05, epochs=1)
+    assert max(history.norm) > 0.05  # or there was nothing to clip
+    np.testing.assert_allclose(lengths, np.minimum(history.norm, 0.05), rtol=1e-4)
+
+
+def test_the_rate_decays_by_the_epoch(monkeypatch):
+    rates = []
+    monkeypatch.setattr(module, "descend", lambda parameters, gradients, rate: rates.append(rate))
+    trained(epochs=3, steps=2, rate=0.4, decay=0.5)
+    assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
+
+
+def test_each_is_told_how_many_steps_were_made():
+    steps = []
+    trained(epochs=2, steps=3, each=steps.append)
+    assert steps == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_loss_that_is_not_finite_stops_with_the_epoch():
+    def broken(rng, batch):
+        return np.full((batch, 8, 3), np.nan, np.float32)
+
+    with pytest.raises(DivergedError, match="epoch 1: the loss is nan"):
+        trained(draw=broken)
