@@ -71,12 +71,32 @@ class MotionManifold:
         """How many frames to either side of its own a unit of the top layer sees."""
         return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
 
-    def project(self, features: np.ndarray) -> np.ndarray:
-        """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
+    def encode(self, features: np.ndarray) -> np.ndarray:
+        """Y = Φ(X) of a clip of any length, its ends continued.
 
         The zeros that a convolution sees beyond a clip are the mean pose, and near its ends they
         pull a motion there. So the clip is continued on both sides, its first and its last
-        frame held as far as the network sees, and cut back afterwards.
+        frame held as far as the network sees, and `decode` cuts that off again.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+
+        Returns
+        -------
+        (units, 256) array within [-1, 1], in the dtype of the network
+            (F + 2 · `reach`) / 8 units, rounded up.
+        """
+        more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
+        ends = ((self.reach, self.reach + more), (0, 0))
+        return self.network.encode(np.pad(self.normalise(features), ends, mode="edge")[None])[0]
+
+    def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
+        """Φ†(Y) of what `encode` made of a clip of so many frames, (frames, 63) of float64."""
+        return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
+
+    def project(self, features: np.ndarray) -> np.ndarray:
+        """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
 
         Parameters
         ----------
@@ -86,7 +106,4 @@ class MotionManifold:
         -------
         (F, 63) array of float64
         """
-        frames, unit, seen = len(features), self.network.frames_per_unit, self.reach
-        more = -(frames + 2 * seen) % unit
-        whole = np.pad(self.normalise(features), ((seen, seen + more), (0, 0)), mode="edge")
-        return self.denormalise(self.network.project(whole[None])[0])[seen : seen + frames]
+        return self.decode(self.encode(features), len(features))

@@ -1,6 +1,22 @@
 """What is measured: one definition each, used everywhere."""
 
+from numpy_cae.measures.bone_length_error import bone_length_error
+from numpy_cae.measures.foot_sliding import foot_sliding
 from numpy_cae.measures.jitter import jitter
+from numpy_cae.measures.joint_limits import JointLimits, bends, beyond_limits
+from numpy_cae.measures.nearest_pose import NearestPose
 from numpy_cae.measures.position_error import position_error
+from numpy_cae.measures.validity import Validity, ValidityMeasure
 
-__all__ = ["jitter", "position_error"]
+__all__ = [
+    "JointLimits",
+    "NearestPose",
+    "Validity",
+    "ValidityMeasure",
+    "bends",
+    "beyond_limits",
+    "bone_length_error",
+    "foot_sliding",
+    "jitter",
+    "position_error",
+]

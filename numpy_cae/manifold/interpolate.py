@@ -1,0 +1,67 @@
+"""Between two motions, along the manifold (holden2015, section 7, "Motion Interpolation").
+
+    X̂_s = Φ†((1 - s) Φ(X_0) + s Φ(X_1))
+
+The hidden units lie within [-1, 1], and so does everything between them: the space has no holes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from numpy_cae.manifold.motion_manifold import MotionManifold
+
+TRANSITION = "transition"
+"""For a share that grows from 0 at the first frame to 1 at the last."""
+
+
+def shares(share: float | str, steps: int) -> np.ndarray:
+    """s at each of so many steps, (steps, 1): a constant, or 0 to 1 for `TRANSITION`.
+
+    Raises
+    ------
+    ValueError
+        If the share is neither that word nor a number from 0 to 1.
+    """
+    if share == TRANSITION:
+        return np.linspace(0.0, 1.0, steps)[:, None]
+    if isinstance(share, str) or not 0 <= share <= 1:
+        raise ValueError(f"share is {share!r}, expected 0 to 1 or {TRANSITION!r}")
+    return np.full((steps, 1), float(share))
+
+
+def interpolate(
+    manifold: MotionManifold, first: np.ndarray, second: np.ndarray, share: float | str = 0.5
+) -> np.ndarray:
+    """The motion between two motions that lies on the manifold.
+
+    They run side by side from their first frames on, and what the longer one has more is left out:
+    to stretch the shorter one would change how fast its person moves.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    first, second : (F, 63), (G, 63) arrays of float
+        Features on the manifold's mean skeleton.
+    share : float or "transition"
+        0 is the projection of the first motion, 1 that of the second; a transition begins as the
+        one and ends as the other.
+
+    Returns
+    -------
+    (min(F, G), 63) array of float64
+
+    Raises
+    ------
+    ValueError
+        If a motion has no frames or the share makes no sense.
+    """
+    frames = min(len(first), len(second))
+    if frames == 0:
+        raise ValueError("a motion has no frames to interpolate")
+    one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
+    s = shares(share, frames)
+    # A unit stands for 8 frames, the first of them `reach` frames before the clip.
+    middles = (np.arange(len(one)) + 0.5) * manifold.network.frames_per_unit - 0.5 - manifold.reach
+    of_unit = s[np.clip(middles.round().astype(int), 0, frames - 1)].astype(one.dtype)
+    return manifold.decode((1 - of_unit) * one + of_unit * other, frames)

@@ -1,0 +1,41 @@
+"""How far a pose is from every pose that anyone was seen in."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from numpy_cae.motion.features import POSITIONS
+
+MOST = 12_000
+"""Poses that are kept. Poses a thirtieth of a second apart are nearly the same one."""
+
+
+class NearestPose:
+    """The distance to the nearest of a set of real poses.
+
+        d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
+
+    over the 60 position features, local to the body's place on the floor and its heading: the
+    `position_error` of each frame to the pose that suits it best, in centimetres.
+
+    Parameters
+    ----------
+    features : (N, 63) array of float
+        Real poses, on the bones of the poses that will be asked about. Evenly spread ones among
+        them are kept where there are more than `MOST`.
+    """
+
+    def __init__(self, features: np.ndarray):
+        step = -(-len(features) // MOST)
+        self._tree = cKDTree(np.asarray(features, dtype=np.float64)[::step, POSITIONS])
+
+    def distances(self, features: np.ndarray) -> np.ndarray:
+        """d of every frame (F, 63), in centimetres, (F,)."""
+        poses = np.asarray(features, dtype=np.float64)[:, POSITIONS]
+        distance, _ = self._tree.query(poses)
+        return 100 * distance / np.sqrt(poses.shape[1])
+
+    def mean_distance(self, features: np.ndarray) -> float:
+        """The mean of `distances` over the frames, in centimetres."""
+        return float(self.distances(features).mean())

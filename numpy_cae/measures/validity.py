@@ -1,0 +1,98 @@
+"""Whether a motion could be a person's: the measures of validity together.
+
+holden2015 says of interpolation that it "creates motion which remains valid" (section 7) and of Φ†
+that it "always produces" motion "within the subspace of valid human motion" (section 3), and does
+not say what valid means. Here it means: bones keep their length, a standing foot stands, joints
+keep within the range that people were seen to use, the motion trembles as much as people's does,
+and every pose is near one that someone was seen in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from numpy_cae.measures.bone_length_error import bone_length_error
+from numpy_cae.measures.foot_sliding import foot_sliding
+from numpy_cae.measures.jitter import jitter
+from numpy_cae.measures.joint_limits import JointLimits, beyond_limits
+from numpy_cae.measures.nearest_pose import NearestPose
+from numpy_cae.motion.features import FEATURES, POSITIONS, features_to_positions
+
+
+@dataclass(frozen=True)
+class Validity:
+    """What was measured on one motion, or its mean over several.
+
+    Parameters
+    ----------
+    bone_length : float
+        `bone_length_error`, cm.
+    foot_sliding : float
+        cm/s.
+    beyond_limits : float
+        Per cent of the frames.
+    jitter : float
+        m/s²; no motion is best at 0.
+    nearest_pose : float
+        cm.
+    """
+
+    bone_length: float
+    foot_sliding: float
+    beyond_limits: float
+    jitter: float
+    nearest_pose: float
+
+    HEADER = (
+        "bone length, cm",
+        "foot sliding, cm/s",
+        "beyond limits, %",
+        "jitter, m/s²",
+        "nearest pose, cm",
+    )
+
+    def cells(self) -> list[str]:
+        """For a row of a table, in the order of `HEADER`."""
+        digits = (2, 1, 1, 2, 2)
+        return [f"{value:.{n}f}" for value, n in zip(astuple(self), digits, strict=True)]
+
+    @classmethod
+    def mean(cls, measured: Sequence[Validity]) -> Validity:
+        """The mean of each measure, every motion counting once."""
+        return cls(*np.mean([astuple(one) for one in measured], axis=0).tolist())
+
+
+class ValidityMeasure:
+    """What is known of valid motion from real ones, ready to measure others.
+
+    Parameters
+    ----------
+    real : sequence of (F, 63) arrays of float
+        Features of real motions, all on the same bones, which are those of what is measured.
+    lengths : (20,) array of float
+        The bones' lengths, metres.
+    rate : float
+        Frames a second.
+    """
+
+    def __init__(self, real: Sequence[np.ndarray], lengths: np.ndarray, rate: float):
+        frames = np.concatenate(list(real))
+        self.lengths, self.rate = lengths, rate
+        self.limits = JointLimits.seen_in(frames[:, POSITIONS].reshape(len(frames), -1, 3))
+        self.nearest = NearestPose(frames)
+
+    def of(self, features: np.ndarray) -> Validity:
+        """Measure one motion, (F, 63) features of at least 3 frames."""
+        if np.ndim(features) != 2 or np.shape(features)[1] != FEATURES:
+            raise ValueError(f"features have shape {np.shape(features)}, expected (frames, 63)")
+        positions = features_to_positions(features)
+        return Validity(
+            bone_length_error(positions, self.lengths),
+            foot_sliding(positions, self.rate),
+            beyond_limits(positions, self.limits),
+            jitter(positions, self.rate),
+            self.nearest.mean_distance(features),
+        )

@@ -1,0 +1,145 @@
+"""The measures of validity have answers that can be worked out by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from data_synth import make_take
+from numpy_cae.measures import (
+    JointLimits,
+    NearestPose,
+    Validity,
+    ValidityMeasure,
+    bends,
+    beyond_limits,
+    bone_length_error,
+    foot_sliding,
+)
+from numpy_cae.measures.joint_limits import ANGLES
+from numpy_cae.motion import JOINTS, body_of, bone_lengths, positions_to_features
+from numpy_cae.motion.fit import body_skeleton
+
+LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
+LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
+
+
+def standing(frames: int = 20) -> np.ndarray:
+    """A T-pose, its toes on the floor, (frames, 20, 3)."""
+    skeleton = body_skeleton(LENGTHS)
+    pose = np.zeros((20, 3))
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            pose[joint] = pose[parent] + skeleton.offsets[joint]
+    pose[:, 1] -= pose[LEFT_TOE, 1]
+    return np.repeat(pose[None], frames, axis=0)
+
+
+@pytest.fixture(scope="module")
+def walk() -> np.ndarray:
+    return body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
+
+
+def test_bones_of_the_right_length_have_no_error(walk):
+    assert bone_length_error(standing(), LENGTHS) == pytest.approx(0, abs=1e-9)
+    assert bone_length_error(walk, bone_lengths(walk)) < 0.1
+
+
+@given(st.floats(0.5, 2.0))
+def test_a_body_that_grows_has_the_error_of_its_growth(size):
+    expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
+    assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
+
+
+@given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
+def test_a_statue_that_is_pushed_slides_as_fast_as_it_is_pushed(speed, direction):
+    pushed = standing()
+    way = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
+    pushed[..., [0, 2]] += way[:, None]
+    assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed + [0, 1.0, 0], 30.0, floor=0.0) == 0
+
+
+def test_only_the_foot_that_stands_counts():
+    hopping = standing()
+    hopping[:, RIGHT_TOE, 1] += 0.02  # near the floor too, and fast
+    hopping[:, RIGHT_TOE, 2] += np.arange(20)
+    assert foot_sliding(hopping, 30.0) == 0
+    hopping[:, LEFT_TOE, 1] += 0.03
+    assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
+
+
+def test_a_walk_hardly_slides_and_one_with_another_speed_does(walk):
+    stood = foot_sliding(walk, 30.0)
+    faster = walk + np.arange(len(walk))[:, None, None] / 30 * np.array([0, 0, 0.5])
+    assert stood < 8
+    assert foot_sliding(faster, 30.0) > 40
+
+
+def test_bends_are_angles_that_were_set():
+    pose = standing(3)
+    straight = dict(zip(ANGLES, bends(pose)[0], strict=True))
+    assert straight["left_hip to left_knee"] == pytest.approx(np.degrees(np.arctan2(0.77, 0.64)))
+    assert straight["left_shoulder to left_elbow"] == pytest.approx(0, abs=1e-6)
+    assert straight["left_knee forwards or back"] == pytest.approx(0, abs=1e-6)
+    knee, ankle = (JOINTS.index(f"right_{joint}") for joint in ("knee", "ankle"))
+    for degrees in (40.0, -30.0):
+        angle = np.radians(degrees)
+        down_and_back = np.array([0, -np.cos(angle), -np.sin(angle)])
+        pose[:, ankle] = pose[:, knee] + 0.41 * down_and_back
+        bent = dict(zip(ANGLES, bends(pose)[0], strict=True))
+        assert bent["right_knee forwards or back"] == pytest.approx(degrees)
+        assert bent["right_knee to right_ankle"] == pytest.approx(abs(degrees))
+
+
+def test_bends_do_not_depend_on_where_a_body_stands_and_faces(walk):
+    turned = walk[..., [2, 1, 0]] * [1, 1, -1] + [3, 0, 2]
+    np.testing.assert_allclose(bends(turned), bends(walk), atol=1e-6)
+
+
+def test_limits_hold_where_they_come_from_and_not_for_a_knee_that_bends_forwards(walk):
+    limits = JointLimits.seen_in(walk)
+    assert beyond_limits(walk, limits) == 0
+    broken = walk.copy()
+    knee, ankle = JOINTS.index("left_knee"), JOINTS.index("left_ankle")
+    across = walk[:, JOINTS.index("left_hip")] - walk[:, JOINTS.index("right_hip")]
+    forwards = np.cross(across, [0, 1, 0])
+    forwards /= np.linalg.norm(forwards, axis=-1, keepdims=True)
+    half = len(walk) // 2
+    broken[:half, ankle] = broken[:half, knee] + 0.4 * forwards[:half]
+    assert beyond_limits(broken, limits) == pytest.approx(100 * half / len(walk))
+
+
+def test_the_nearest_pose_is_the_one_that_a_search_of_all_finds(walk):
+    rng = np.random.default_rng(0)
+    features, _ = positions_to_features(walk, 30.0)
+    asked = features[::7] + rng.normal(0, 0.02, features[::7].shape)
+    apart = (asked[:, None, :60] - features[None, :, :60]) ** 2
+    expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
+    nearest = NearestPose(features)
+    np.testing.assert_allclose(nearest.distances(asked), expected)
+    assert nearest.mean_distance(features) == 0
+
+
+def test_validity_puts_them_together(walk):
+    features, _ = positions_to_features(walk, 30.0)
+    measure = ValidityMeasure([features], bone_lengths(walk), 30.0)
+    real = measure.of(features)
+    spoilt = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
+    assert real.nearest_pose == 0
+    assert real.beyond_limits == 0
+    for name in ("bone_length", "foot_sliding", "beyond_limits", "jitter", "nearest_pose"):
+        assert getattr(spoilt, name) > getattr(real, name)
+    middle = Validity.mean([real, spoilt])
+    assert middle.jitter == pytest.approx((real.jitter + spoilt.jitter) / 2)
+    assert len(real.cells()) == len(Validity.HEADER)
+
+
+def test_what_is_no_motion_of_twenty_joints_is_refused():
+    with pytest.raises(ValueError, match=r"\(5, 19, 3\)"):
+        bone_length_error(np.zeros((5, 19, 3)), LENGTHS)
+    with pytest.raises(ValueError, match=r"2 frames or more"):
+        foot_sliding(np.zeros((1, 20, 3)), 30.0)
