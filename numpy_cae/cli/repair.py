@@ -17,8 +17,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "repair",
         help="project a damaged motion onto a manifold",
-        description="Project a motion onto a learned manifold and write the result as BVH: "
-        "twenty joints at 30 frames a second, in the unit of the file that came in.",
+        description="Project a motion onto a learned manifold and write the result as BVH, "
+        "in the rig, frame rate, unit and length of the file that came in. Fingers and other "
+        "joints beyond the twenty that the manifold knows are carried along.",
         epilog="example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif",
     )
     parser.add_argument("file", type=Path, help="a .bvh or .amc file")
@@ -42,9 +43,13 @@ def run(args: argparse.Namespace) -> int:
     except UnknownRigError as error:
         raise UnknownRigError(f"{args.file}: {error}") from None
     write_bvh(fixed, args.output)
-    print(f"{args.output}: {len(fixed)} frames at {fixed.rate:g} a second")
+    print(
+        f"{args.output}: {len(fixed)} frames at {fixed.rate:g} a second, "
+        f"{len(fixed.skeleton.names)} joints"
+    )
     if args.gif:
         before = Actor(body_of(motion, mapping), PARENTS, "before", CORRUPTED)
-        save_gif([before, Actor(fixed.positions(), PARENTS, "after", PROJECTED)], args.gif, 30.0)
+        after = Actor(body_of(fixed, mapping), PARENTS, "after", PROJECTED)
+        save_gif([before, after], args.gif, 30.0)
         print(f"{args.gif}: before and after")
     return 0

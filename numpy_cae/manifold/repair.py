@@ -4,9 +4,9 @@ Data")."""
 from __future__ import annotations
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.body import body_of
+from numpy_cae.motion.body import at_rate_of, body_of
 from numpy_cae.motion.features import features_to_positions
-from numpy_cae.motion.fit import fit_motion
+from numpy_cae.motion.follow import follow
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
 
@@ -14,7 +14,11 @@ from numpy_cae.motion.motion import Motion
 def repair(
     motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
 ) -> Motion:
-    """The motion on the manifold that stands for `motion`, on the bones of its own body.
+    """The motion on the manifold that stands for `motion`, on the rig that came in.
+
+    What the file has between two poses at the manifold's rate is as damaged as they are. So the
+    twenty joints follow the projected poses alone, smoothly joined; the joints beyond them
+    (fingers, tips) and the twist of bones, of which positions say nothing, stay as they came.
 
     Parameters
     ----------
@@ -26,7 +30,7 @@ def repair(
     Returns
     -------
     Motion
-        The twenty joints at the manifold's rate, in the unit of the motion that came in.
+        Of the same skeleton, rate, unit and length.
 
     Raises
     ------
@@ -37,6 +41,5 @@ def repair(
     own = bone_lengths(positions)
     features, start = manifold.features(positions)
     projected = features_to_positions(manifold.project(features), start)
-    return fit_motion(
-        change_lengths(projected, manifold.lengths, own), own, manifold.rate, motion.unit
-    )
+    asked = change_lengths(projected, manifold.lengths, own)
+    return follow(motion, at_rate_of(motion, asked), mapping)

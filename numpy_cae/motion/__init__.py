@@ -3,7 +3,7 @@
 This room stands alone: it knows nothing of networks.
 """
 
-from numpy_cae.motion.body import body_of, load_body
+from numpy_cae.motion.body import at_rate_of, body_of, load_body
 from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.features import (
     FEATURES,
@@ -16,6 +16,7 @@ from numpy_cae.motion.features import (
     positions_to_features,
 )
 from numpy_cae.motion.fit import fit_motion
+from numpy_cae.motion.follow import follow
 from numpy_cae.motion.joints import (
     JOINTS,
     PARENTS,
@@ -49,6 +50,7 @@ __all__ = [
     "Place",
     "Skeleton",
     "UnknownRigError",
+    "at_rate_of",
     "body_of",
     "body_positions",
     "bone_lengths",
@@ -58,6 +60,7 @@ __all__ = [
     "find_joints",
     "find_motion_files",
     "fit_motion",
+    "follow",
     "hold_last_pose",
     "joint_slice",
     "load_body",

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.turns import fan, swing
 
 _TIPS = {
     "head": (0.0, 0.18, 0.0),
@@ -69,7 +70,7 @@ def fit_motion(
         if len(ends) == 0:
             here = above
         elif len(ends) == 1:
-            here = _swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
+            here = swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
         else:
             here, skeleton.offsets[ends] = _fitted(bones, skeleton.offsets[ends], above)
         turned.append(here)
@@ -93,28 +94,6 @@ def _fitted(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> tuple[Rotat
 
 
 def _turns(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> Rotation:
-    # Bones along one line leave the turn about it open. The axes of the joint above, at a tiny
-    # weight, settle that and hardly move anything else.
-    weights = [1.0] * len(rest) + [1e-5 * np.square(rest).sum()] * 3
-    axes = above.as_matrix().transpose(0, 2, 1)
-    before = np.concatenate([rest, np.eye(3)])
-    return Rotation.concatenate(
-        [
-            Rotation.align_vectors(np.concatenate([bone, axis]), before, weights)[0]
-            for bone, axis in zip(bones, axes, strict=True)
-        ]
-    )
-
-
-def _swing(before: np.ndarray, after: np.ndarray) -> Rotation:
-    """The smallest rotations that bring the directions `before` to the directions `after`."""
-    before = before / np.linalg.norm(before, axis=-1, keepdims=True)
-    after = after / np.maximum(np.linalg.norm(after, axis=-1, keepdims=True), 1e-12)
-    axis = np.cross(before, after)
-    sine = np.linalg.norm(axis, axis=-1)
-    cosine = np.sum(before * after, axis=-1)
-    # Straight back there is no smallest turn; any axis square to the bone will do.
-    square = np.cross(before, np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0]))
-    axis = np.where(sine[:, None] > 1e-9, axis, np.where(cosine[:, None] < 0, square, 0.0))
-    norm = np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-12)
-    return Rotation.from_rotvec(axis / norm * np.arctan2(sine, cosine)[:, None])
+    """From the joint above's rotation on, the turn that follows the bones best."""
+    before = np.stack([above.apply(bone) for bone in rest], axis=1)
+    return fan(before, bones) * above

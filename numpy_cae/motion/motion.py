@@ -103,33 +103,49 @@ class Motion:
         rate : float
             Frames a second.
         """
+        now = self.moments(rate)
+        if now.dtype == int:
+            return replace(
+                self,
+                rate=float(rate),
+                rotations=self.rotations[now],
+                translations=self.translations[now],
+            )
+        then = np.arange(len(self))
+        return replace(
+            self,
+            rate=float(rate),
+            rotations=slerp(then, self.rotations, now),
+            translations=_along_lines(then, self.translations, now),
+        )
+
+    def moments(self, rate: float) -> np.ndarray:
+        """Where among this motion's frames `resampled` takes its poses.
+
+        Returns
+        -------
+        (frames at `rate`,) array
+            Of int where frames are only left out, else of float64: 1.5 is half way from frame 1
+            to frame 2.
+        """
         if rate <= 0:
             raise ValueError(f"rate is {rate}, expected frames a second above 0")
         step = round(self.rate / rate)
         # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
         if step >= 1 and abs(self.rate / rate / step - 1) < 0.005:
-            return replace(
-                self,
-                rate=float(rate),
-                rotations=self.rotations[::step],
-                translations=self.translations[::step],
-            )
-        then = np.arange(len(self)) / self.rate
-        now = np.arange(int(np.floor(then[-1] * rate + 1e-9)) + 1) / rate
-        return replace(
-            self,
-            rate=float(rate),
-            rotations=_slerp(then, self.rotations, now),
-            translations=_along_lines(then, self.translations, now),
-        )
+            return np.arange(0, len(self), step)
+        last = (len(self) - 1) / self.rate * rate
+        return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
 
 
-def _slerp(then: np.ndarray, rotations: np.ndarray, now: np.ndarray) -> np.ndarray:
+def slerp(then: np.ndarray, rotations: np.ndarray, now: np.ndarray) -> np.ndarray:
+    """Rotations along the shortest way: (N, J, 4) quaternions at the times `then`, at `now`."""
     if len(then) == 1:
-        return rotations[:1]
+        return np.repeat(rotations, len(now), axis=0)
     joints = range(rotations.shape[1])
+    now = np.clip(now, then[0], then[-1])
     turning = [Slerp(then, Rotation.from_quat(rotations[:, joint])) for joint in joints]
-    return np.stack([turn(np.minimum(now, then[-1])).as_quat() for turn in turning], axis=1)
+    return np.stack([turn(now).as_quat() for turn in turning], axis=1)
 
 
 def _along_lines(then: np.ndarray, translations: np.ndarray, now: np.ndarray) -> np.ndarray:

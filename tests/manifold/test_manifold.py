@@ -10,7 +10,6 @@ from numpy_cae.manifold import (
     MotionManifold,
     learn_manifold,
     load_manifold,
-    repair,
     save_manifold,
 )
 from numpy_cae.measures import position_error
@@ -114,18 +113,6 @@ def test_same_seed_same_manifold_to_the_bit(manifold):
     for one, two in zip(manifold.network.layers, again.network.layers, strict=True):
         np.testing.assert_array_equal(one.w, two.w)
         np.testing.assert_array_equal(one.b, two.b)
-
-
-def test_repair_keeps_the_body_the_length_and_the_unit(manifold):
-    broken = take(3, size=1.1)
-    fixed = repair(broken, manifold)
-    assert len(fixed) == len(broken)
-    assert fixed.unit == broken.unit
-    np.testing.assert_allclose(
-        bone_lengths(fixed.positions()), bone_lengths(broken.positions()), atol=1e-9
-    )
-    start, there = fixed.positions()[0, 0, [0, 2]], broken.positions()[0, 0, [0, 2]]
-    np.testing.assert_allclose(start, there, atol=0.01)
 
 
 def test_a_model_file_holds_everything_and_no_pickle(manifold, tmp_path):

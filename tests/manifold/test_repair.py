@@ -1,0 +1,117 @@
+"""Repair: any rig, rate and length comes back as it was, its twenty joints on the manifold."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.manifold import MotionManifold, repair
+from numpy_cae.measures import position_error
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import (
+    body_of,
+    body_positions,
+    bone_lengths,
+    find_joints,
+    load_motion,
+    read_bvh,
+    write_bvh,
+)
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    """Untrained, of the body of one take: enough to see what repair does beside projecting."""
+    positions = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    lengths = bone_lengths(body_of(positions))
+    by_hand = MotionManifold(
+        ConvAutoencoder(filters=(8, 8), taps=5, rng=np.random.default_rng(0)),
+        np.zeros(63),
+        np.full(63, 0.25),
+        lengths,
+    )
+    by_hand.mean_pose = by_hand.features(body_of(positions))[0].mean(axis=0)
+    return by_hand
+
+
+class Believer(MotionManifold):
+    """A manifold that every motion lies on."""
+
+    def project(self, features):
+        return np.array(features)
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0, 25.0, 59.94])
+@pytest.mark.parametrize("frames", [1, 2, 7, 37])
+def test_rig_rate_unit_and_length_stay(manifold, rate, frames):
+    motion = make_take("walk", 1, seconds=3.0, rate=rate).motion
+    motion = replace(
+        motion,
+        rotations=motion.rotations[:frames],
+        translations=motion.translations[:frames],
+        unit=0.0254,
+    )
+    fixed = repair(motion, manifold)
+    assert fixed.skeleton is motion.skeleton
+    assert (fixed.rate, fixed.unit, len(fixed)) == (motion.rate, 0.0254, frames)
+    assert np.all(np.isfinite(fixed.rotations))
+    lengths = bone_lengths(body_positions(motion))
+    spine = [5, 6, 7, 9, 10, 11, 13, 14, 15, 17, 18, 19]  # bones without joints in between
+    np.testing.assert_allclose(
+        bone_lengths(body_positions(fixed))[spine], lengths[spine], atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0])
+def test_a_motion_on_the_manifold_comes_back(manifold, rate):
+    """What is lost is what lies between poses at 30 a second."""
+    motion = make_take("walk", 2, seconds=2.0, rate=rate).motion
+    believer = Believer(
+        manifold.network, manifold.mean_pose, manifold.scale, manifold.lengths, manifold.rate
+    )
+    fixed = repair(motion, believer)
+    gap = np.linalg.norm(body_positions(fixed) - body_positions(motion), axis=-1)
+    assert gap[:: round(rate / 30)].max() < 1e-6
+    assert gap.max() < 0.03
+
+
+def test_noise_between_the_poses_does_not_come_through(manifold):
+    """120 poses a second, three of four of them shaken: the manifold never saw those."""
+    calm = make_take("walk", 2, seconds=2.0, rate=120.0).motion
+    shaken = replace(calm, rotations=calm.rotations.copy())
+    rng = np.random.default_rng(0)
+    shaken.rotations[np.arange(len(calm)) % 4 > 0] += rng.normal(0, 0.05, calm.rotations.shape)[
+        np.arange(len(calm)) % 4 > 0
+    ]
+    shaken.rotations[:] /= np.linalg.norm(shaken.rotations, axis=-1, keepdims=True)
+
+    def jitter(motion):
+        return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
+
+    assert jitter(shaken) > 20 * jitter(calm)
+    assert jitter(repair(shaken, manifold)) < 0.1 * jitter(shaken)
+
+
+def test_the_file_of_a_repaired_amc_reads_back(manifold, data_folder, tmp_path):
+    motion = load_motion(data_folder / "cmu" / "asfamc" / "02" / "02_03.amc")
+    fixed = repair(motion, manifold)
+    write_bvh(fixed, tmp_path / "fixed.bvh")
+    again = read_bvh(tmp_path / "fixed.bvh", unit=motion.unit)
+    assert (again.rate, len(again)) == (120.0, len(motion))
+    assert set(again.skeleton.names) == set(motion.skeleton.names)
+    order = [again.skeleton.index(name) for name in motion.skeleton.names]
+    np.testing.assert_allclose(again.positions()[:, order], fixed.positions(), atol=1e-5)
+    assert len(find_joints(again.skeleton)) == 20
+
+
+def test_fingers_are_carried_along_and_a_wrong_pose_moves(manifold):
+    motion = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    fixed = repair(motion, manifold)
+    for finger in ("lfingers", "rthumb", "lhand"):
+        place = motion.skeleton.index(finger)
+        np.testing.assert_array_equal(fixed.rotations[:, place], motion.rotations[:, place])
+    there = manifold.features(body_of(fixed))[0]
+    asked = manifold.project(manifold.features(body_of(motion))[0])
+    came = manifold.features(body_of(motion))[0]
+    assert position_error(there, asked) < position_error(came, asked)

@@ -1,0 +1,269 @@
+"""Any rig made to follow new positions: what was not asked to change stays, the rest gets there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from data_synth import make_take
+from numpy_cae.motion import (
+    JOINTS,
+    Motion,
+    Skeleton,
+    UnknownRigError,
+    at_rate_of,
+    body_of,
+    body_positions,
+    follow,
+    load_motion,
+)
+from numpy_cae.motion.fit import body_skeleton
+from numpy_cae.motion.turns import fan, swing
+
+LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
+
+
+def a_rig(spines=2, root=True):
+    """The twenty joints with `spines` more between spine and chest, a neck, two fingers, and a
+    root on the floor below the hips."""
+    body = body_skeleton(LENGTHS)
+    names, parents, offsets = [], [], []
+
+    def add(name, parent, offset):
+        names.append(name)
+        parents.append(names.index(parent) if parent else -1)
+        offsets.append(offset)
+
+    if root:
+        add("floor", None, np.zeros(3))
+    for joint, name in enumerate(JOINTS):
+        parent = JOINTS[body.parents[joint]] if joint else ("floor" if root else None)
+        offset = body.offsets[joint]
+        if name == "chest":
+            for more in range(spines):
+                add(f"spine_{more}", parent, offset / (spines + 1))
+                parent = names[-1]
+            offset = offset / (spines + 1)
+        if name == "head":
+            add("neck", parent, offset * 0.6)
+            parent, offset = "neck", offset * 0.4
+        add(name, parent, offset)
+    add("left_finger", "left_wrist", np.array([0.1, 0.0, 0.0]))
+    add("left_finger_tip", "left_finger", np.array([0.05, 0.0, 0.0]))
+    return Skeleton(tuple(names), tuple(parents), np.array(offsets))
+
+
+def posed(skeleton, frames, seed, size=0.4, rate=30.0):
+    """A motion of smooth random turns."""
+    rng = np.random.default_rng(seed)
+    joints = len(skeleton.names)
+    time = np.linspace(0, 2, frames)[:, None, None]
+    waves = [rng.normal(0, size, (joints, 3)) * np.sin(k * time + k) for k in (1, 2)]
+    turns = np.sum(waves, axis=0)
+    if "floor" in skeleton.names:
+        turns[:, 0] = 0
+    rotations = Rotation.from_rotvec(turns.reshape(-1, 3)).as_quat().reshape(frames, joints, 4)
+    translations = np.repeat(skeleton.offsets[None], frames, axis=0)
+    translations[:, skeleton.index("hips")] += [0.3, 0.9, 0.1] + 0.2 * time[:, 0]
+    return Motion(skeleton, rate, rotations, translations, unit=0.01)
+
+
+def gap(one, two):
+    return np.linalg.norm(one - two, axis=-1)
+
+
+@given(seed=st.integers(0, 999), spines=st.integers(0, 3), root=st.booleans())
+def test_its_own_positions_give_back_the_motion_to_the_bit(seed, spines, root):
+    motion = posed(a_rig(spines, root), 7, seed)
+    same = follow(motion, body_positions(motion))
+    np.testing.assert_array_equal(same.rotations, motion.rotations)
+    np.testing.assert_array_equal(same.translations, motion.translations)
+
+
+@given(seed=st.integers(0, 999))
+def test_poses_that_bones_of_this_length_can_take_are_reached(seed):
+    """Without extra joints nothing but the angles within a fan is open, and those are the rig's."""
+    skeleton = a_rig(0)
+    motion, other = posed(skeleton, 5, seed), posed(skeleton, 5, seed + 1)
+    neck = skeleton.index("neck")
+    other.rotations[:, neck] = motion.rotations[:, neck]  # the distance of the head stays
+    reached = body_positions(follow(motion, body_positions(other)))
+    assert gap(reached, body_positions(other)).max() < 0.01
+
+
+@given(seed=st.integers(0, 999), spines=st.integers(0, 3))
+def test_bones_keep_their_lengths_and_the_hips_are_where_they_were_asked_for(seed, spines):
+    motion = posed(a_rig(spines), 6, seed)
+    asked = body_positions(motion) + np.random.default_rng(seed).normal(0, 0.2, (6, 20, 3))
+    followed = follow(motion, asked)
+    np.testing.assert_allclose(body_positions(followed)[:, 0], asked[:, 0], atol=1e-12)
+    hips = motion.skeleton.index("hips")
+    still = np.arange(len(motion.skeleton.names)) != hips
+    np.testing.assert_array_equal(followed.translations[:, still], motion.translations[:, still])
+    assert (followed.skeleton, followed.rate, followed.unit) == (
+        motion.skeleton,
+        motion.rate,
+        motion.unit,
+    )
+
+
+def test_a_moved_wrist_turns_its_elbow_and_nothing_else():
+    motion = posed(a_rig(), 9, 3)
+    asked = body_positions(motion)
+    asked[4:, JOINTS.index("left_wrist")] += [0.05, 0.1, -0.02]
+    followed = follow(motion, asked)
+    changed = np.any(followed.rotations != motion.rotations, axis=-1)
+    elbow = motion.skeleton.index("left_elbow")
+    assert np.all(changed[4:, elbow])
+    changed[4:, elbow] = False
+    assert not changed.any()
+    np.testing.assert_array_equal(followed.translations, motion.translations)
+
+
+def test_a_bone_turns_without_twisting():
+    """The turn of the elbow is about an axis square to the forearm before and after."""
+    motion = posed(a_rig(), 4, 5)
+    asked = body_positions(motion)
+    asked[:, JOINTS.index("left_wrist")] += [0.0, 0.15, 0.05]
+    followed = follow(motion, asked)
+    (before, turned), (after, turned_after) = (m.forward_kinematics() for m in (motion, followed))
+    elbow, wrist = (motion.skeleton.index(f"left_{joint}") for joint in ("elbow", "wrist"))
+    axis = (turned_after[elbow] * turned[elbow].inv()).as_rotvec()
+    for where in (before, after):
+        forearm = where[:, wrist] - where[:, elbow]
+        np.testing.assert_allclose(np.sum(axis * forearm, axis=-1), 0, atol=1e-12)
+
+
+def test_joints_in_between_share_the_turn():
+    """A spine of four equal bones that is asked to bend forward bends in each of its joints."""
+    motion = posed(a_rig(3), 1, 0, size=1e-4)
+    asked = body_positions(motion)
+    above = [JOINTS.index(name) for name in JOINTS if "hip" not in name][3:]
+    above = [place for place in above if asked[0, place, 1] > asked[0, 1, 1]]
+    asked[:, [JOINTS.index("chest"), *above]] += [0.0, -0.03, 0.1]
+    followed = follow(motion, asked)
+    spine = [motion.skeleton.index(name) for name in ("spine", "spine_0", "spine_1", "spine_2")]
+    angles = Rotation.from_quat(followed.rotations[0, spine]).magnitude()
+    assert np.all(angles > 0.02)
+    assert angles.max() < 4 * angles.min()
+
+
+def test_joints_in_between_that_never_turn_are_left_stiff():
+    motion = posed(a_rig(2), 5, 1)
+    stiff = motion.skeleton.index("spine_0")
+    motion.rotations[:, stiff] = [0, 0, 0, 1]
+    asked = body_positions(posed(a_rig(2), 5, 2))
+    followed = follow(motion, asked)
+    np.testing.assert_array_equal(followed.rotations[:, stiff], motion.rotations[:, stiff])
+
+
+def test_a_root_below_the_hips_stays_at_rest_and_one_that_carries_them_moves():
+    motion = posed(a_rig(), 5, 1)
+    asked = body_positions(motion) + [0.1, 0.0, 0.2]
+    followed = follow(motion, asked)
+    np.testing.assert_array_equal(followed.translations[:, 0], motion.translations[:, 0])
+    np.testing.assert_allclose(body_positions(followed), asked, atol=1e-9)
+
+    hips = motion.skeleton.index("hips")
+    carried = replace(motion, translations=motion.translations.copy())
+    carried.translations[:, 0] = motion.translations[:, hips]
+    carried.translations[:, hips] = motion.skeleton.offsets[hips]
+    followed = follow(carried, body_positions(carried) + [0.1, 0.0, 0.2])
+    np.testing.assert_array_equal(followed.translations[:, hips], carried.translations[:, hips])
+    np.testing.assert_allclose(
+        followed.translations[:, 0], carried.translations[:, 0] + [0.1, 0.0, 0.2], atol=1e-12
+    )
+
+
+def test_what_cannot_be_followed_is_said():
+    motion = posed(a_rig(), 5, 1)
+    with pytest.raises(ValueError, match=r"\(4, 20, 3\), expected \(5, 20, 3\)"):
+        follow(motion, body_positions(motion)[:4])
+    lost = body_positions(motion)
+    lost[2, 3] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        follow(motion, lost)
+    with pytest.raises(UnknownRigError, match=r"left_hip .*hangs from none"):
+        follow(motion, body_positions(motion), {"left_hip": "floor"})
+
+
+def test_two_trials_of_one_cmu_subject(data_folder):
+    """31 joints, a back of three and a neck of two between the twenty, hips on stiff bones."""
+    one, other = (
+        load_motion(data_folder / "cmu" / "asfamc" / "02" / f"02_{trial}.amc")
+        for trial in ("01", "03")
+    )
+    one = replace(one, rotations=one.rotations[:170], translations=one.translations[:170])
+    asked = body_positions(other)[:170]
+    followed = follow(one, asked)
+    assert gap(body_positions(one), asked).mean() > 0.5
+    assert gap(body_positions(followed), asked).mean() < 0.001
+    assert gap(body_positions(followed), asked).max() < 0.01
+    fingers = one.skeleton.index("lfingers")
+    np.testing.assert_array_equal(followed.rotations[:, fingers], one.rotations[:, fingers])
+
+
+@pytest.mark.parametrize("rate", [30.0, 29.97, 120.0, 60.0, 100.0, 25.0, 24.0])
+def test_poses_at_thirty_a_second_come_back_to_any_rate(rate):
+    motion = make_take("walk", 1, seconds=2.0, rate=rate).motion
+    back = at_rate_of(motion, body_of(motion))
+    truth = body_positions(motion)
+    assert back.shape == truth.shape
+    assert gap(back, truth).max() < 0.03  # a foot in swing, beyond the last pose
+    assert gap(back, truth).mean() < 0.002
+
+
+@pytest.mark.parametrize("frames", [1, 2, 3, 4, 5, 6])
+def test_clips_of_a_few_frames_come_back(frames):
+    motion = make_take("walk", 1, seconds=1.0, rate=120.0).motion
+    motion = replace(
+        motion, rotations=motion.rotations[:frames], translations=motion.translations[:frames]
+    )
+    back = at_rate_of(motion, body_of(motion))
+    assert back.shape == (frames, 20, 3)
+    np.testing.assert_allclose(back[::4], body_positions(motion)[::4], atol=1e-9)
+    with pytest.raises(ValueError, match="poses at 30 a second"):
+        at_rate_of(motion, np.zeros((9, 20, 3)))
+
+
+def test_corrections_that_rest_at_zero_stay_there():
+    motion = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    poses = np.zeros((60, 20, 3))
+    poses[20:30] = 1.0
+    back = at_rate_of(motion, poses)
+    assert not back[: 19 * 4].any()
+    assert not back[30 * 4 :].any()
+
+
+@given(seed=st.integers(0, 999), share=st.sampled_from([0.25, 0.5, 1.0]))
+def test_a_swing_turns_by_its_share_of_the_angle(seed, share):
+    before, after = np.random.default_rng(seed).normal(size=(2, 6, 3))
+    turned = swing(before, after, share).apply(before)
+
+    def angle(a, b):
+        return np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1))
+
+    np.testing.assert_allclose(angle(turned, after), (1 - share) * angle(before, after), atol=1e-7)
+
+
+def test_a_swing_straight_back_and_of_nothing():
+    before = np.array([[1.0, 0, 0], [0, 2.0, 0], [0, 0, 0], [0, 0, 1]])
+    after = np.array([[-3.0, 0, 0], [0, 1.0, 0], [1, 0, 0], [0, 0, 0]])
+    turn = swing(before, after)
+    np.testing.assert_allclose(turn[:2].apply(before[:2]), [[-1, 0, 0], [0, 2, 0]], atol=1e-12)
+    np.testing.assert_array_equal(turn.magnitude()[1:], 0)
+
+
+@given(seed=st.integers(0, 999))
+def test_a_fan_that_was_turned_is_turned_back(seed):
+    rng = np.random.default_rng(seed)
+    before = rng.normal(size=(4, 3, 3))
+    turn = Rotation.random(4, rng)
+    after = np.stack([one.apply(bones) for one, bones in zip(turn, before, strict=True)])
+    assert (fan(before, after) * turn.inv()).magnitude().max() < 0.01
+    weights = rng.normal(size=(4, 1, 1))
+    along = weights * np.array([[1.0], [2.0], [-1.0]]) * before[:, :1]
+    assert fan(along, along).magnitude().max() < 1e-9
