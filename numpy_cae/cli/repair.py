@@ -22,7 +22,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "joints beyond the twenty that the manifold knows are carried along.",
         epilog="example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif",
     )
-    parser.add_argument("file", type=Path, help="a .bvh or .amc file")
+    parser.add_argument("file", type=Path, help="a .bvh, .amc or .txt file")
     parser.add_argument("-m", "--model", type=Path, required=True, help="from `numpy-cae train`")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the .bvh file to write")
     parser.add_argument("--gif", type=Path, help="draw before and after, moving")

@@ -19,7 +19,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "in the folder that -o names, under the file's name.",
         epilog="example: numpy-cae show walk.bvh -o pictures",
     )
-    parser.add_argument("file", type=Path, help="a .bvh or .amc file")
+    parser.add_argument("file", type=Path, help="a .bvh, .amc or .txt file")
     parser.add_argument(
         "-o", "--output", type=Path, default=Path(), metavar="FOLDER", help="default: here"
     )

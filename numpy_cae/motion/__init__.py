@@ -1,8 +1,19 @@
-"""Motion files in, skeletons, the 63 features of holden2015 section 4, windows, and back to files.
+"""Motion files in, skeletons, the 63 features of holden2015 section 4 and the 54 of jang2018,
+windows and clips, and back to files.
 
 This room stands alone: it knows nothing of networks.
 """
 
+from numpy_cae.motion.angle_clips import CLIP, cut_clips, draw_clips
+from numpy_cae.motion.angle_table import ANGLES, SEVENTEEN, TRANSLATION, AngleTable
+from numpy_cae.motion.angles import (
+    ANGLE_RATE,
+    AngleSequence,
+    angles_of,
+    load_angles,
+    motion_of,
+    on_floor,
+)
 from numpy_cae.motion.body import at_rate_of, body_of, load_body
 from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.features import (
@@ -32,30 +43,43 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read_amc import read_amc
 from numpy_cae.motion.read_asf import read_asf
 from numpy_cae.motion.read_bvh import read_bvh
+from numpy_cae.motion.read_expmap import read_expmap
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.t_pose import without_t_pose
+from numpy_cae.motion.unwrap import unwrapped
 from numpy_cae.motion.windows import cut_windows, hold_last_pose
 from numpy_cae.motion.write_acclaim import write_acclaim, write_amc, write_asf
 from numpy_cae.motion.write_bvh import write_bvh
 
 __all__ = [
+    "ANGLES",
+    "ANGLE_RATE",
+    "CLIP",
     "FEATURES",
     "JOINTS",
     "PARENTS",
     "POSITIONS",
+    "SEVENTEEN",
+    "TRANSLATION",
     "TURN",
     "VELOCITY",
+    "AngleSequence",
+    "AngleTable",
     "FileWindows",
     "Motion",
     "MotionFileError",
     "Place",
     "Skeleton",
     "UnknownRigError",
+    "angles_of",
     "at_rate_of",
     "body_of",
     "body_positions",
     "bone_lengths",
     "change_lengths",
+    "cut_clips",
     "cut_windows",
+    "draw_clips",
     "features_to_positions",
     "find_joints",
     "find_motion_files",
@@ -63,14 +87,20 @@ __all__ = [
     "follow",
     "hold_last_pose",
     "joint_slice",
+    "load_angles",
     "load_body",
     "load_motion",
     "load_windows",
+    "motion_of",
+    "on_floor",
     "positions_to_features",
     "read_amc",
     "read_asf",
     "read_bvh",
+    "read_expmap",
     "read_mapping",
+    "unwrapped",
+    "without_t_pose",
     "write_acclaim",
     "write_amc",
     "write_asf",

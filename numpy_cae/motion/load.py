@@ -9,8 +9,12 @@ from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read_amc import read_amc
 from numpy_cae.motion.read_bvh import read_bvh
+from numpy_cae.motion.read_expmap import is_expmap_text, read_expmap
 
-SUPPORTED = "supported are .bvh (BVH) and .amc (Acclaim, its skeleton in an .asf file beside it)"
+SUPPORTED = (
+    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
+    "(exponential maps, as CMU and Human3.6M are handed round)"
+)
 
 
 def load_motion(
@@ -20,10 +24,11 @@ def load_motion(
 
     Parameters
     ----------
-    path : path of a .bvh or .amc file
+    path : path of a .bvh, .amc or .txt file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
-        for BVH and as the skeleton says for Acclaim; see `Motion.unit_note`.
+        for BVH, as the skeleton says for Acclaim, as the layout has it for text; see
+        `Motion.unit_note`.
     skeleton : path, optional
         The .asf file of an .amc file; by default looked for beside it.
 
@@ -49,19 +54,19 @@ def load_motion(
         )
     if suffix == ".amc":
         return read_amc(path, skeleton, unit=unit)
-    if suffix != ".bvh":
+    if suffix not in (".bvh", ".txt"):
         raise MotionFileError(
             path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
         )
     if skeleton is not None:
-        raise MotionFileError(
-            path, None, "a BVH file holds its own skeleton, expected no .asf file"
-        )
-    return read_bvh(path, unit)
+        holder = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
+        raise MotionFileError(path, None, f"{holder} skeleton, expected no .asf file")
+    return read_bvh(path, unit) if suffix == ".bvh" else read_expmap(path, unit)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """Every .bvh and .amc file in a folder and the folders inside it, sorted.
+    """Every .bvh and .amc file in a folder and the folders inside it, sorted, and of the .txt files
+    those that are exponential maps.
 
     Raises
     ------
@@ -75,9 +80,10 @@ def find_motion_files(folder: str | Path) -> list[Path]:
         path
         for path in folder.rglob("*")
         # A name that begins with a dot is a system's note about a file, not the file.
-        if path.suffix.lower() in (".bvh", ".amc")
+        if path.suffix.lower() in (".bvh", ".amc", ".txt")
         and path.is_file()
         and not path.name.startswith(".")
+        and (path.suffix.lower() != ".txt" or is_expmap_text(path))
     )
     if not found:
         raise MotionFileError(folder, None, f"holds no motion file; {SUPPORTED}")

@@ -25,7 +25,7 @@ def test_suffixes_in_capitals_are_known(tmp_path):
     assert load_motion(str(path), unit=1.0).rate == 25
 
 
-@pytest.mark.parametrize("name", ["take.fbx", "take", "take.txt"])
+@pytest.mark.parametrize("name", ["take.fbx", "take", "take.csv"])
 def test_other_kinds_are_refused_with_what_is_supported(tmp_path, name):
     (tmp_path / name).write_text(BVH)
     with pytest.raises(MotionFileError, match=r"not supported; supported are .bvh .* .amc"):
@@ -49,6 +49,20 @@ def test_a_bvh_file_takes_no_skeleton(tmp_path):
     (tmp_path / "take.bvh").write_text(BVH)
     with pytest.raises(MotionFileError, match=r"expected no .asf file"):
         load_motion(tmp_path / "take.bvh", skeleton=tmp_path / "02.asf")
+
+
+def test_text_takes_no_skeleton_either(tmp_path):
+    (tmp_path / "take.txt").write_text("0,0")
+    with pytest.raises(MotionFileError, match=r"standard skeleton, expected no .asf file"):
+        load_motion(tmp_path / "take.txt", skeleton=tmp_path / "02.asf")
+
+
+def test_only_text_that_begins_with_a_long_row_is_motion(tmp_path):
+    (tmp_path / "licence.txt").write_text("Terms, conditions, and so on, in words.")
+    (tmp_path / "walk.txt").write_text(",".join(["0"] * 117))
+    (tmp_path / "damaged.txt").write_text(",".join(["0"] * 116))
+    found = [path.name for path in find_motion_files(tmp_path)]
+    assert found == ["damaged.txt", "walk.txt"]
 
 
 def test_motion_files_are_found_in_order_at_any_depth(tmp_path):

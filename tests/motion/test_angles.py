@@ -1,0 +1,146 @@
+"""The 54 numbers: their names, the way there and back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import JANG2018_KINDS, make_take
+from numpy_cae.motion import (
+    ANGLES,
+    SEVENTEEN,
+    TRANSLATION,
+    UnknownRigError,
+    angles_of,
+    body_positions,
+    cut_clips,
+    draw_clips,
+    load_angles,
+    load_motion,
+    motion_of,
+    on_floor,
+    read_expmap,
+    write_bvh,
+)
+from numpy_cae.motion.angle_table import HUMAN36M_TABLE, TABLES
+from numpy_cae.motion.expmap_rigs import HUMAN36M
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return make_take("walking", 1, seconds=4.0).motion
+
+
+@pytest.fixture(scope="module")
+def sequence(walk):
+    return angles_of(walk)
+
+
+@pytest.mark.parametrize("table", TABLES.values(), ids=lambda table: table.name)
+def test_a_table_names_fifty_four_numbers(table):
+    assert len(table.columns) == len(set(table.columns)) == 54
+    assert table.columns[TRANSLATION] == ("translation x", "translation y", "translation z")
+
+
+def test_the_tables_have_seventeen_joints_and_twenty_one():
+    assert len(SEVENTEEN.turning) == 17 and SEVENTEEN.turning[0][0] == "hips"
+    assert len(HUMAN36M_TABLE.turning) == 21
+
+
+@pytest.mark.parametrize("kind", JANG2018_KINDS)
+def test_there_and_back_on_another_rig(kind):
+    """31 joints become 17; what is folded in costs a little, since offsets are the mean."""
+    motion = make_take(kind, 2, seconds=4.0).motion
+    found = angles_of(motion)
+    assert found.numbers.shape == (100, 54)
+    back = motion_of(found.numbers, found.table, found.offsets)
+    truth = body_positions(motion.resampled(25))
+    assert np.linalg.norm(body_positions(back) - truth, axis=-1).mean() < 0.005
+
+
+def test_there_and_back_on_its_own_rig_is_exact(sequence):
+    back = motion_of(sequence.numbers, sequence.table, sequence.offsets)
+    again = angles_of(back)
+    assert np.allclose(again.numbers, sequence.numbers, atol=1e-9)
+    assert np.allclose(again.offsets, sequence.offsets, atol=1e-9)
+
+
+def test_through_a_bvh_file(sequence, tmp_path):
+    write_bvh(motion_of(sequence.numbers, sequence.table, sequence.offsets), tmp_path / "a.bvh")
+    again = load_angles(tmp_path / "a.bvh", unit=1.0)
+    assert np.allclose(again.numbers, sequence.numbers, atol=1e-4)
+
+
+def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
+    """Text in which they and no others vary comes back through the 54 numbers as it was."""
+    names = [name for name, *_ in HUMAN36M.rows]
+    columns = [0, 1, 2]
+    for joint, axes in HUMAN36M_TABLE.turning:
+        columns += [3 + 3 * names.index(joint) + "xyz".index(axis) for axis in axes]
+    # The columns that MBR17's code is known to keep, counted from 0.
+    assert columns == [
+        *range(0, 10), *range(12, 16), *range(21, 25), *range(27, 31), *range(36, 48),
+        *range(51, 58), *range(60, 63), *range(75, 82), *range(84, 87),
+    ]  # fmt: skip
+    rows = np.zeros((60, 99))
+    smooth = np.cumsum(np.random.default_rng(0).normal(0, 0.05, (60, 54)), axis=0)
+    rows[:, columns] = smooth
+    path = tmp_path / "walking_1.txt"
+    path.write_text("\n".join(",".join(map(repr, row.tolist())) for row in rows))
+    found = load_angles(path)
+    assert found.table is HUMAN36M_TABLE and len(found) == 30  # every second of 50 a second
+    assert np.allclose(found.numbers[:, ANGLES], -smooth[::2, ANGLES])
+    assert np.allclose(found.numbers[:, TRANSLATION], 0.001 * smooth[::2, TRANSLATION])
+    back = motion_of(found.numbers, found.table, found.offsets)
+    truth = read_expmap(path).resampled(25)
+    assert np.allclose(body_positions(back), body_positions(truth), atol=1e-9)
+
+
+def test_without_a_neck_the_head_turns_as_one(walk, sequence):
+    mapping = {"chest": "lowerneck", "left_collar": "lclavicle", "head": "upperneck"}
+    found = angles_of(walk, mapping)
+    head = [SEVENTEEN.columns.index(f"head {axis}") for axis in "xyz"]
+    assert np.allclose(found.numbers[:, head], 0, atol=1e-7)
+    assert not np.allclose(sequence.numbers[:, head], 0, atol=1e-3)
+
+
+def test_a_rig_that_is_not_known_is_said_with_the_file(tmp_path):
+    (tmp_path / "a.bvh").write_text(
+        "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n"
+        "End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0\n"
+    )
+    with pytest.raises(UnknownRigError, match=r"a\.bvh: the rig has no"):
+        load_angles(tmp_path / "a.bvh")
+
+
+def test_cmu_text_and_acclaim_give_the_same_numbers(data_folder):
+    text = load_angles(data_folder / "cmu/expmap/walking/walking_1.txt")
+    acclaim = angles_of(load_motion(data_folder / "cmu/asfamc/02/02_01.amc"))
+    legs = [c for c, name in enumerate(SEVENTEEN.columns) if "hip" in name or "knee" in name]
+    assert np.allclose(text.numbers[:, legs], acclaim.numbers[:, legs], atol=1e-4)
+    assert np.abs(text.numbers[0, ANGLES]).max() > 0.2  # not the T-pose
+
+
+def test_clips_begin_anywhere_and_at_no_place(sequence):
+    short = replace(sequence, numbers=sequence.numbers[:49] + 1000)
+    clips = draw_clips([short, sequence], 40, np.random.default_rng(0))
+    assert clips.shape == (40, 50, 54)
+    assert np.array_equal(clips[:, 0, TRANSLATION], np.zeros((40, 3)))
+    assert len(np.unique(clips[:, 0, 5])) > 20
+    every = cut_clips([sequence], step=1)
+    assert len(every) == len(sequence) - 49
+    gaps = np.abs(clips[:, None] - every[None]).max(axis=(2, 3)).min(axis=1)
+    assert gaps.max() < 1e-12
+
+
+def test_no_clip_is_drawn_from_too_little(sequence):
+    with pytest.raises(ValueError, match="as long as a clip of 500 frames"):
+        draw_clips([sequence], 1, np.random.default_rng(0), frames=500)
+    with pytest.raises(ValueError, match="as long as a clip"):
+        cut_clips([sequence], frames=500)
+
+
+def test_a_clip_stands_on_the_floor(sequence):
+    clip = cut_clips([sequence])[0]
+    motion = on_floor(motion_of(clip, sequence.table, sequence.offsets))
+    assert abs(motion.positions()[..., 1].min()) < 1e-12

@@ -1,0 +1,123 @@
+"""Exponential-map text: what it says, and what is said of damaged text."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion import MotionFileError, find_joints, load_motion, read_expmap
+from numpy_cae.motion.cmu_root import true_root
+from numpy_cae.motion.expmap_rigs import CMU, HUMAN36M
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def write(path, rows):
+    path.write_text("\n".join(",".join(f"{value:.9g}" for value in row) for row in rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(("rig", "width", "joints"), [(CMU, 117, 31), (HUMAN36M, 99, 25)])
+def test_the_layouts(rig, width, joints):
+    assert rig.width == width
+    assert len(rig.skeleton.names) == joints
+    assert len(find_joints(rig.skeleton)) == 20
+
+
+@pytest.mark.parametrize("rig", [CMU, HUMAN36M])
+def test_each_joint_turns_by_its_own_three_numbers(tmp_path, rig):
+    rng = np.random.default_rng(1)
+    rows = rng.uniform(-0.5, 0.5, (4, rig.width))
+    rows[:, 3:6] = 0  # the root of CMU's text has a test of its own
+    motion = load_motion(write(tmp_path / "take.txt", rows))
+    assert motion.rate == rig.rate
+    assert np.allclose(motion.translations[:, 0], rows[:, :3] * rig.unit)
+    for row, (name, *_) in enumerate(rig.rows):
+        if name is None or name == "Hips":
+            continue
+        turned = Rotation.from_quat(motion.rotations[:, motion.skeleton.index(name)])
+        # The text's matrices are ours transposed.
+        said = rows[:, 3 + 3 * row : 6 + 3 * row]
+        assert np.allclose(turned.as_rotvec(), -said, atol=1e-7), name
+
+
+def test_rows_times_matrices_as_mbr17_draws(tmp_path):
+    """The elbow's place by their rule: (offset) · R_parent + parent, R = exp([v]×)."""
+    rows = np.random.default_rng(2).uniform(-0.5, 0.5, (1, HUMAN36M.width))
+    motion = read_expmap(write(tmp_path / "take.txt", rows))
+    names = [name for name, *_ in HUMAN36M.rows]
+    place, turn = rows[0, :3].copy(), np.eye(3)
+    for joint in ("Hips", "Spine", "Spine1", "LeftShoulder", "LeftArm", "LeftForeArm"):
+        row = names.index(joint)
+        place = place + np.array(HUMAN36M.rows[row][2]) @ turn
+        vector = rows[0, 3 + 3 * row : 6 + 3 * row]
+        turn = Rotation.from_rotvec(vector).as_matrix() @ turn
+    assert np.allclose(
+        motion.positions()[0, motion.skeleton.index("LeftForeArm")], 0.001 * place, atol=1e-6
+    )
+
+
+@given(seeds)
+def test_the_root_of_cmu_text_is_put_right(seed):
+    """Angles that wander, multiplied in the text's order, come back in the database's."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0, 1, 200)[:, None]
+    start, sway = rng.uniform(-0.3, 0.3, (2, 3))
+    z, y, x = (start + sway * np.sin(6 * t)).T
+    y = y + rng.uniform(-1.2, 1.2) + t[:, 0] * rng.uniform(-6, 6)
+    text = Rotation.from_euler("ZXY", np.stack([z, x, y], axis=1))
+    truth = Rotation.from_euler("ZYX", np.stack([z, y, x], axis=1))
+    assert (true_root(text).inv() * truth).magnitude().max() < 1e-9
+
+
+def test_cmu_text_agrees_with_the_acclaim_file(data_folder):
+    """Trial 02_01 is there in both forms; the text's conversion lost the bone above Spine1."""
+    text = read_expmap(data_folder / "cmu/expmap/walking/walking_1.txt")
+    acclaim = load_motion(data_folder / "cmu/asfamc/02/02_01.amc")
+    ours, theirs = text.positions()[1:], acclaim.positions()
+    for name, bone in {
+        "Hips": "root", "LeftFoot": "lfoot", "RightToeBase": "rtoes", "Spine1": "thorax",
+    }.items():  # fmt: skip
+        gap = ours[:, text.skeleton.index(name)] - theirs[:, acclaim.skeleton.index(bone)]
+        assert np.abs(gap).max() < 1e-5, name
+
+
+def test_nobody_in_cmu_text_lies_down(data_folder):
+    """As written, people who turn round pass through the floor on the way."""
+    for path in (data_folder / "cmu/expmap").glob("*/walking_2?.txt"):
+        motion = read_expmap(path)
+        up = Rotation.from_quat(motion.rotations[:, 0]).apply([0, 1, 0])[:, 1]
+        assert up.min() > 0.9, path.name
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("1,2,3\n", 1, "3 values, expected 117 (CMU) or 99 (Human3.6M)"),
+        (",".join(["0"] * 117) + "\n" + ",".join(["0"] * 99), 2, "99 values, expected 117"),
+        (",".join(["0"] * 116) + ",x\n", 1, "'x' is not a number"),
+        (",".join(["0"] * 116) + ",nan\n", 1, "'nan' is not a number"),
+        (",".join(["0"] * 99) + "\n\n" + ",".join(["0"] * 98) + ",", 3, "'' is not a number"),
+        ("one sentence", 1, "1 value, expected"),
+    ],
+)
+def test_damage_is_said_with_its_line(tmp_path, text, line, said):
+    (tmp_path / "take.txt").write_text(text)
+    with pytest.raises(MotionFileError) as raised:
+        read_expmap(tmp_path / "take.txt")
+    assert raised.value.line == line and said in str(raised.value)
+
+
+def test_an_empty_file_is_said(tmp_path):
+    (tmp_path / "take.txt").write_text(" \n\n")
+    with pytest.raises(MotionFileError, match="empty"):
+        read_expmap(tmp_path / "take.txt")
+
+
+def test_rate_and_unit_can_be_given(tmp_path):
+    path = write(tmp_path / "take.txt", np.ones((3, 117)))
+    motion = read_expmap(path, unit=0.5, rate=30)
+    assert motion.rate == 30 and np.allclose(motion.translations[:, 0], 0.5)
+    with pytest.raises(ValueError, match="rate is 0"):
+        read_expmap(path, rate=0)
