@@ -1,0 +1,198 @@
+"""What a motion is asked for beyond being on the manifold, each as one loss and its pullback.
+
+holden2015, section 7: "Currently the manifold projection cannot guarantee constraints such as
+ground contact and joint lengths." Each function here says how far a motion is from keeping one of
+them, in squared metres, and how that changes with the features (F, 63). Everything but a place in
+the world can be said in the body's own frame, from one frame to the next; for a place velocities
+are summed up, and the pullback sums gradients from the end backwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.motion.contacts import FEET
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, Place, features_to_positions
+from numpy_cae.motion.joints import JOINTS, PARENTS
+
+Pullback = Callable[..., np.ndarray]
+_X, _Z = (0, 2)
+_ENDS = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
+_STARTS = [PARENTS[joint] for joint in _ENDS]
+
+
+def bone_lengths_off(features: np.ndarray, lengths: np.ndarray) -> tuple[float, Pullback]:
+    """L = mean over bones and frames of (|b| - l)², with b = q_j - q_parent.
+
+        dL/db = 2 (|b| - l) / N · b / |b|,    dq_j += db,    dq_parent -= db
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    lengths : (20,) array of float
+        l of the bone that ends at each joint, metres.
+    """
+    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    bones = q[:, _ENDS] - q[:, _STARTS]
+    measured = np.linalg.norm(bones, axis=-1, keepdims=True)
+    gap = measured - np.asarray(lengths)[_ENDS][:, None]
+
+    def pullback(dloss: float = 1.0) -> np.ndarray:
+        d_bones = dloss * 2 * gap / gap.size * bones / np.maximum(measured, 1e-9)
+        dq = np.zeros_like(q)
+        for n, (end, start) in enumerate(zip(_ENDS, _STARTS, strict=True)):
+            dq[:, end] += d_bones[:, n]
+            dq[:, start] -= d_bones[:, n]
+        return _only_positions(features, dq)
+
+    return float(np.mean(gap**2)), pullback
+
+
+def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullback]:
+    """L = mean over contacts of |s_t|²: how far a standing foot gets until the next frame.
+
+    In the body's frame at t, with velocity v, turn ω and the foot's x and z in q:
+
+        s_t = v_t + R(ω_t) q_{t+1} - q_t
+
+        dv_t = ds_t,   dq_{t+1} = R(-ω_t) ds_t,   dq_t = -ds_t,   dω_t = ds_t · R'(ω_t) q_{t+1}
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    contacts : (F, 2) array of bool
+        Left and right; a foot is asked to stay where both t and t + 1 are in contact.
+    """
+    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    feet = q[:, FEET][..., [_X, _Z]]
+    velocity, turn = features[:-1, None, VELOCITY], features[:-1, TURN]
+    carried = _turned(feet[1:], turn)
+    stays = (contacts[1:] & contacts[:-1])[..., None]
+    moved = stays * (velocity + carried - feet[:-1])
+    count = max(int(stays.sum()), 1)
+
+    def pullback(dloss: float = 1.0) -> np.ndarray:
+        d_moved = dloss * 2 / count * moved
+        d = np.zeros_like(features)
+        d[:-1, VELOCITY] = d_moved.sum(axis=1)
+        d[:-1, TURN.start] = np.sum(d_moved * _quarter_turned(carried), axis=(1, 2))
+        dq = np.zeros_like(q)
+        for n, foot in enumerate(FEET):
+            dq[1:, foot, [_X, _Z]] += _turned(d_moved, -turn)[:, n]
+            dq[:-1, foot, [_X, _Z]] -= d_moved[:, n]
+        return d + _only_positions(features, dq)
+
+    return float(np.sum(moved**2) / count), pullback
+
+
+def below_ground(features: np.ndarray, ground: float) -> tuple[float, Pullback]:
+    """L = mean over joints and frames of max(0, ground - y)².   dL/dy = -2 max(0, ground - y) / N
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    ground : float
+        Its height, metres.
+    """
+    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    depth = np.maximum(0.0, ground - q[..., 1])
+
+    def pullback(dloss: float = 1.0) -> np.ndarray:
+        dq = np.zeros_like(q)
+        dq[..., 1] = dloss * -2 * depth / depth.size
+        return _only_positions(features, dq)
+
+    return float(np.mean(depth**2)), pullback
+
+
+def unlike(features: np.ndarray, wanted: np.ndarray, weights: np.ndarray) -> tuple[float, Pullback]:
+    """L = Σ w (f - f*)² / Σ w: how far features are from wanted ones, where somebody cares.
+
+    Parameters
+    ----------
+    features, wanted, weights : (F, 63) arrays of float
+        A weight of 0 leaves an entry free.
+    """
+    gap = features - wanted
+    total = max(float(weights.sum()), 1e-12)
+
+    def pullback(dloss: float = 1.0) -> np.ndarray:
+        return dloss * 2 * weights * gap / total
+
+    return float(np.sum(weights * gap**2) / total), pullback
+
+
+def out_of_place(
+    features: np.ndarray, start: Place, targets: np.ndarray, weights: np.ndarray
+) -> tuple[float, Pullback]:
+    """L = Σ w |p - p*|² / Σ w over joints in the world: a hand at a point, hips on a path.
+
+    Positions are sums of velocities and turns (`features_to_positions`), so a gradient g = dL/dp
+    reaches every earlier frame, in sums that run backwards:
+
+        dq_t = R(-θ_t) Σ_j g_{t,j}
+        G_t = Σ_{s>t} Σ_j g_{s,j},           dv_t = R(-θ_t) G_t
+        dθ_t = Σ_j g_{t,j} · R'(θ_t) q_{t,j} + G_t · R'(θ_t) v_t
+        dω_t = Σ_{s>t} dθ_s
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    start : Place
+        Of the first frame.
+    targets : (F, 20, 3) array of float
+        p*, metres; what stands where the weight is 0 does not matter.
+    weights : (F, 20) array of float
+    """
+    positions = features_to_positions(features, start)
+    gap = np.where(weights[..., None] > 0, positions - targets, 0.0)
+    total = max(float(weights.sum()), 1e-12)
+    theta = start.heading + np.concatenate([[0.0], np.cumsum(features[:-1, TURN.start])])
+
+    def pullback(dloss: float = 1.0) -> np.ndarray:
+        g = dloss * 2 / total * weights[..., None] * gap
+        flat, angle = g[..., [_X, _Z]], theta[:, None]
+        local = positions[..., [_X, _Z]] - _floor(features, start, theta)[:, None]  # R(θ) q
+        dq = g.copy()
+        dq[..., [_X, _Z]] = _turned(flat, -angle)
+        later = _sum_of_later(flat.sum(axis=1))
+        step = _turned(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
+        d_theta = np.sum(flat * _quarter_turned(local), axis=(1, 2))
+        d_theta += np.sum(later * _quarter_turned(step), axis=1)
+        d = _only_positions(features, dq)
+        d[:-1, VELOCITY] = _turned(later[:, None], -angle)[:-1, 0]
+        d[:-1, TURN.start] = _sum_of_later(d_theta)[:-1]
+        return d
+
+    return float(np.sum(weights[..., None] * gap**2) / total), pullback
+
+
+def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:
+    d = np.zeros_like(features)
+    d[:, POSITIONS] = dq.reshape(len(features), -1)
+    return d
+
+
+def _floor(features: np.ndarray, start: Place, theta: np.ndarray) -> np.ndarray:
+    """h: where the hips stand, (F, 2)."""
+    steps = _turned(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
+    return np.array([start.x, start.z]) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, 0)])
+
+
+def _sum_of_later(values: np.ndarray) -> np.ndarray:
+    """For each t the sum over all s > t."""
+    return np.cumsum(values[::-1], axis=0)[::-1] - values
+
+
+def _turned(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """R(θ) about Y of x and z (F, N, 2) by θ (F, 1): x cos θ + z sin θ, z cos θ - x sin θ."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    x, z = vectors[..., 0], vectors[..., 1]
+    return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)
+
+
+def _quarter_turned(vectors: np.ndarray) -> np.ndarray:
+    """dR/dθ R⁻¹ of vectors (…, 2): (x, z) to (z, -x)."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)

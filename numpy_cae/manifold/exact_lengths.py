@@ -1,0 +1,67 @@
+"""Bones set to their lengths, exactly, each in the direction that it has: the way to any body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.motion.features import POSITIONS
+from numpy_cae.motion.joints import JOINTS, PARENTS
+
+_SHORTEST = 1e-9
+
+
+def exact_lengths(
+    features: np.ndarray, lengths: np.ndarray
+) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+    """From the hips outwards, with b_j = q_j - q_parent:   e_j = e_parent + l_j b_j / |b_j|
+
+    Backwards from the ends of the limbs inwards, D_j the sum of de over j and all that hangs on it:
+
+        db_j = l_j / |b_j| · (D_j - u (u · D_j)),   u = b_j / |b_j|
+        dq_j += db_j,   dq_parent -= db_j,   dq_hips += D_hips
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    lengths : (20,) array of float
+        l of the bone that ends at each joint, metres.
+
+    Returns
+    -------
+    exact : (F, 63) array of float64
+        The hips, velocities and turns as they were.
+    pullback : d_exact -> d_features
+    """
+    features = np.asarray(features, np.float64)
+    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    e = q.copy()
+    unit, ratio = np.zeros_like(q), np.zeros((*q.shape[:2], 1))
+    for joint, parent in enumerate(PARENTS):
+        if parent >= 0:
+            bone = q[:, joint] - q[:, parent]
+            length = np.maximum(np.linalg.norm(bone, axis=-1, keepdims=True), _SHORTEST)
+            unit[:, joint], ratio[:, joint] = bone / length, lengths[joint] / length
+            e[:, joint] = e[:, parent] + lengths[joint] * unit[:, joint]
+    exact = features.copy()
+    exact[:, POSITIONS] = e.reshape(len(q), -1)
+
+    def pullback(d_exact: np.ndarray) -> np.ndarray:
+        hanging = d_exact[:, POSITIONS].reshape(q.shape).copy()
+        dq = np.zeros_like(q)
+        for joint in reversed(range(len(JOINTS))):
+            parent = PARENTS[joint]
+            if parent < 0:
+                dq[:, joint] += hanging[:, joint]
+                continue
+            d, u = hanging[:, joint], unit[:, joint]
+            d_bone = ratio[:, joint] * (d - u * np.sum(u * d, axis=-1, keepdims=True))
+            dq[:, joint] += d_bone
+            dq[:, parent] -= d_bone
+            hanging[:, parent] += d
+        d_features = d_exact.copy()
+        d_features[:, POSITIONS] = dq.reshape(len(q), -1)
+        return d_features
+
+    return exact, pullback
