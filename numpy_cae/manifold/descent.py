@@ -4,8 +4,8 @@
 
 L is a loss of the motion's features with a pullback (`numpy_cae.manifold.constraints`); its
 gradient comes down to Y through the decoder. The second term keeps Y where motions are: a decoder
-makes something of every Y. Steps are those of L-BFGS (`scipy.optimize`), which learns the curvature from
-the gradients as it goes; plain descent gets to the same place in some twenty times as many.
+makes something of every Y. Steps are those of L-BFGS (`scipy.optimize`), which learns the
+curvature from the gradients as it goes.
 """
 
 from __future__ import annotations
