@@ -27,8 +27,6 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.contacts import find_contacts, floor_height
 from numpy_cae.motion.features import Place, features_to_positions
 
-CENTIMETRES = 1e4
-"""Squared centimetres in a squared metre: errors of a centimetre then weigh 1."""
 CLOSE, BONES, FEET, GROUND, PINS = 1.0, 0.1, 10.0, 1.0, 10.0
 """What the squared distance to the plain projection and that from each constraint weigh."""
 NEAR = 0.1
@@ -111,5 +109,5 @@ def project_constrained(
 
 def _weighted(terms: list[tuple[float, tuple[float, Pullback]]]) -> tuple[float, np.ndarray]:
     """Σ w L in squared centimetres, and Σ w dL/df, of terms (w, (L, pullback))."""
-    loss = CENTIMETRES * sum(weight * loss for weight, (loss, _) in terms)
-    return loss, sum(pullback(CENTIMETRES * weight) for weight, (_, pullback) in terms)
+    loss = constraints.CENTIMETRES * sum(weight * loss for weight, (loss, _) in terms)
+    return loss, sum(pullback(constraints.CENTIMETRES * weight) for weight, (_, pullback) in terms)

@@ -17,6 +17,9 @@ from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, Place, features_to_positions
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
+CENTIMETRES = 1e4
+"""Squared centimetres in a squared metre: times this, an error of a centimetre counts 1."""
+
 Pullback = Callable[..., np.ndarray]
 _X, _Z = (0, 2)
 _ENDS = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]

@@ -1,0 +1,96 @@
+"""Descents along the manifold get where they should: lengths exact, feet still, holes filled."""
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.baselines import interpolate_linearly
+from numpy_cae.manifold import (
+    Pins,
+    constraints,
+    geodesic,
+    learn_manifold,
+    project_constrained,
+    project_observed,
+)
+from numpy_cae.manifold.geodesic import energy
+from numpy_cae.measures import position_error
+from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
+from numpy_cae.motion.contacts import find_contacts
+from numpy_cae.training import Schedule, Stage
+from numpy_cae.verify import check_gradients
+
+
+@pytest.fixture(scope="module")
+def trained():
+    """A small manifold of walks, and the features of one that it did not see."""
+    takes = [
+        body_of(make_take("walk", seed=seed, seconds=6, rate=30).motion) for seed in range(6)
+    ]
+    schedule = Schedule(Stage(4, 0.5, 0.9, 0.0), Stage(6, 0.1, 0.9, 0.0))
+    manifold = learn_manifold(
+        takes[1:], schedule, filters=(16, 24), window=64, overlap=32, show_progress=False
+    )
+    features, start = manifold.features(takes[0][:70])
+    return manifold, features, start
+
+
+def test_a_constrained_projection_keeps_what_it_should(trained):
+    manifold, features, start = trained
+    plain = manifold.project(features)
+    contacts = find_contacts(features_to_positions(features, start), 30.0)
+    assert 0.2 < contacts.mean() < 0.95
+    kept = project_constrained(manifold, features, start, contacts, steps=60)
+    assert constraints.bone_lengths_off(kept, manifold.lengths)[0] < 1e-20
+    moved = constraints.feet_moved(plain, contacts)[0]
+    assert constraints.feet_moved(kept, contacts)[0] < moved / 5**2  # a fifth of the way
+    assert position_error(kept, features) < 1.1 * position_error(plain, features)
+
+
+def test_a_pinned_hand_gets_there(trained):
+    manifold, features, start = trained
+    hand = JOINTS.index("left_wrist")
+    plain = features_to_positions(manifold.project(features), start)
+    targets, weights = np.full(plain.shape, np.nan), np.zeros(plain.shape[:2])
+    targets[30, hand], weights[30, hand] = plain[30, hand] + [0.0, 0.1, 0.05], 1.0
+    kept = project_constrained(manifold, features, start, pins=Pins(targets, weights), steps=60)
+    reached = features_to_positions(kept, start)[30, hand]
+    assert np.linalg.norm(reached - targets[30, hand]) < 0.03
+
+
+def test_what_is_observed_stays_and_what_is_missing_fits(trained):
+    manifold, features, _ = trained
+    known = np.ones(features.shape, bool)
+    gap = slice(20, 50), joint_slice("left_ankle")
+    known[gap] = False
+    damaged = features.copy()
+    damaged[gap] = np.nan
+    filled = project_observed(manifold, damaged, known)
+    np.testing.assert_array_equal(filled[known], features[known])
+
+    def error(x):
+        return np.sqrt(np.mean((x[gap] - features[gap]) ** 2))
+
+    assert error(filled) < error(interpolate_linearly(damaged, known)) / 2
+    with pytest.raises(ValueError, match="nothing is known"):
+        project_observed(manifold, features, np.zeros(features.shape, bool))
+
+
+def test_energy_has_its_gradient():
+    rng = np.random.default_rng(0)
+
+    def total(path):
+        value, d = energy(path)
+        return np.float64(value), lambda upstream: upstream * d
+
+    check_gradients(total, rng.normal(size=(4, 3, 2)), rng=rng)
+
+
+def test_a_geodesic_is_no_longer_than_the_straight_path(trained):
+    manifold, features, _ = trained
+    one, other = manifold.encode(features[:40]), manifold.encode(features[25:65])
+    found = geodesic(manifold, one, other, points=5, steps=30)
+    np.testing.assert_array_equal(found.units[[0, -1]], [one, other])
+    assert found.length < found.straight
+    chord = geodesic(manifold, one, other, points=2)
+    assert chord.length == chord.straight < found.length
