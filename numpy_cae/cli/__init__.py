@@ -10,9 +10,20 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from numpy_cae.cli import bench, compare, demo, lessons, repair, show, train, verify
+from numpy_cae.cli import (
+    bench,
+    compare,
+    demo,
+    interpolate,
+    lessons,
+    repair,
+    sample,
+    show,
+    train,
+    verify,
+)
 
-SUBCOMMANDS = (demo, train, repair, compare, show, lessons, verify, bench)
+SUBCOMMANDS = (demo, train, repair, interpolate, compare, sample, show, lessons, verify, bench)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -24,7 +24,8 @@ from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, interpolate
 from numpy_cae.manifold.interpolate import TRANSITION, shares
 from numpy_cae.measures import Validity, ValidityMeasure
-from numpy_cae.motion import PARENTS, POSITIONS, cut_windows, features_to_positions
+from numpy_cae.motion import FEATURES, PARENTS, POSITIONS, cut_windows, features_to_positions
+from numpy_cae.motion.windows import LENGTH
 from numpy_cae.viz import (
     CORRUPTED,
     PLAIN,
@@ -39,7 +40,7 @@ from numpy_cae.viz import (
 SHARES = (0.25, 0.5, 0.75)
 SIZE = 200
 """Axes of PCA on windows, the best size for repairing them (`half_zeroed`)."""
-PAIRS = 8
+PAIRS = 5
 """At most so many pairs of a kind, spread over all that there are."""
 LINEAR, PCA_WINDOWS, ALONG = "linear", "PCA on windows", "along the manifold"
 METHODS = (LINEAR, PCA_WINDOWS, ALONG)
@@ -185,9 +186,9 @@ Between = Callable[[np.ndarray, np.ndarray, float | str], np.ndarray]
 
 
 def _methods(manifold: MotionManifold, training: list[np.ndarray]) -> dict[str, Between]:
-    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
-    cut = [cut_windows(take, length, overlap)[0] for take in training]
-    windows = manifold.normalise(np.concatenate(cut)).reshape(-1, length * 63)
+    length = manifold.settings.get("window", LENGTH)
+    cut = [cut_windows(take, length, length // 2)[0] for take in training]
+    windows = manifold.normalise(np.concatenate(cut)).reshape(-1, length * FEATURES)
     pca = PCA.fit(windows.astype(np.float64))
 
     def linear(one: np.ndarray, other: np.ndarray, share: float | str) -> np.ndarray:
@@ -228,7 +229,7 @@ def _clips(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The features of both from their first frames on, as long as the shorter, a window at most."""
     first, second = (manifold.features(take.positions)[0] for take in (one, other))
-    frames = min(len(first), len(second), manifold.settings["window"])
+    frames = min(len(first), len(second), manifold.settings.get("window", LENGTH))
     return first[:frames], second[:frames]
 
 

@@ -20,9 +20,10 @@ from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS, joint_slice
+from numpy_cae.motion.windows import LENGTH
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, save_figure
 
-LENGTHS = (16, 40, 80, 160, 320)
+PIECES = (16, 40, 80, 160, 320)
 WHOLE = "whole clip"
 _LEAST = 3  # frames of a piece, at the end of a take
 
@@ -74,7 +75,7 @@ class Lengths:
 
     def findings(self) -> list[Finding]:
         """Whether the length matters."""
-        whole, window = self.rows[-1], self.row(_frames(160))
+        whole, window = self.rows[-1], self.row(_frames(LENGTH))
         shortest = self.rows[0]
         return [
             Finding(
@@ -118,10 +119,10 @@ def lengths(manifold: MotionManifold, material: Material, seed: int = 0) -> Leng
         Unused: nothing is drawn.
     """
     takes = [manifold.features(take.positions)[0] for take in material.testing]
-    takes = [take for take in takes if len(take) > manifold.settings["window"]] or takes
+    takes = [take for take in takes if len(take) > manifold.settings.get("window", LENGTH)] or takes
     truth = np.concatenate(takes)
     rows = []
-    for length in LENGTHS:
+    for length in PIECES:
         cut = [_in_pieces(manifold, take, length) for take in takes]
         seams = [_jumps(x, take, length) for x, take in zip(cut, takes, strict=True)]
         jump = np.concatenate(seams)

@@ -19,14 +19,13 @@ from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
-from numpy_cae.manifold.sample import encode_windows
+from numpy_cae.manifold.sample import decode_units, encode_windows
 from numpy_cae.measures import Validity, ValidityMeasure
 from numpy_cae.motion import PARENTS, POSITIONS, features_to_positions
 from numpy_cae.viz import (
     CORRUPTED,
     PLAIN,
     PROJECTED,
-    TRUTH,
     Actor,
     save_figure,
     save_gif,
@@ -43,7 +42,7 @@ UNIFORM, GAUSSIAN, FITTED = "uniform prior", "Gaussian of windows", "fitted prio
 
 @dataclass(frozen=True)
 class Sampling:
-    """Validity of what each prior gives, and one motion of each, as features (F, 63)."""
+    """Validity of what each prior gives, and some motions of each, as features (F, 63)."""
 
     rows: dict[str, Validity]
     shown: dict[str, np.ndarray]
@@ -90,7 +89,7 @@ class Sampling:
         )
 
     def save_picture(self, path: str | Path) -> None:
-        """A strip of one motion from each."""
+        """A strip of one motion from each prior, of three from the fitted one."""
         local = {name: x[:, POSITIONS].reshape(len(x), -1, 3) for name, x in self.shown.items()}
         save_figure(strip_figure(_actors(local), self.rate), path)
 
@@ -105,8 +104,8 @@ SLACK = 1.25
 
 
 def _actors(motions: dict[str, np.ndarray]) -> list[Actor]:
-    colours = {UNIFORM: CORRUPTED, GAUSSIAN: PLAIN, FITTED: PROJECTED}
-    return [Actor(x, PARENTS, name, colours.get(name, TRUTH)) for name, x in motions.items()]
+    colours = {UNIFORM: CORRUPTED, GAUSSIAN: PLAIN}
+    return [Actor(x, PARENTS, name, colours.get(name, PROJECTED)) for name, x in motions.items()]
 
 
 def sampling(manifold: MotionManifold, material: Material, seed: int = 0) -> Sampling:
@@ -129,7 +128,7 @@ def sampling(manifold: MotionManifold, material: Material, seed: int = 0) -> Sam
     training = [manifold.features(take.positions)[0] for take in material.training]
     testing = [manifold.features(take.positions)[0] for take in material.testing]
     encoded = encode_windows(manifold, training)
-    prior, frames = NeighbourPrior(encoded), manifold.settings["window"]
+    prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.frames_per_unit
     drawn = {
         UNIFORM: [sample(manifold, frames, rng) for _ in range(DRAWN)],
         GAUSSIAN: _from_gaussian(manifold, encoded, rng),
@@ -138,7 +137,9 @@ def sampling(manifold: MotionManifold, material: Material, seed: int = 0) -> Sam
     clips = {REAL: testing, PROJECTED_REAL: [manifold.project(take) for take in testing], **drawn}
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
     rows = {name: Validity.mean([measure.of(x) for x in clips[name]]) for name in clips}
-    return Sampling(rows, {name: some[0] for name, some in drawn.items()}, manifold.rate)
+    shown = {name: drawn[name][0] for name in (UNIFORM, GAUSSIAN)}
+    shown |= {f"{FITTED}, {name}": x for name, x in zip("abc", drawn[FITTED], strict=False)}
+    return Sampling(rows, shown, manifold.rate)
 
 
 def _from_gaussian(
@@ -151,4 +152,4 @@ def _from_gaussian(
     spread = ((flat - pca.mean) @ axes.T).std(axis=0)
     drawn = pca.mean + (rng.standard_normal((DRAWN, len(axes))) * spread) @ axes
     y = np.clip(drawn, -1, 1).reshape(DRAWN, *encoded.shape[1:]).astype(encoded.dtype)
-    return list(manifold.denormalise(manifold.network.decode(y)))
+    return [decode_units(manifold, one) for one in y]

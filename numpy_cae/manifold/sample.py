@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from numpy_cae.manifold.compare import hidden_units
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.windows import cut_windows
+from numpy_cae.motion.windows import LENGTH, cut_windows
 
 NEIGHBOURS = 8
 """Windows that are mixed into a new one."""
@@ -30,16 +31,19 @@ def draw_uniform(units: int, channels: int, rng: np.random.Generator) -> np.ndar
 def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
     """Φ of every whole window of takes' features (F, 63), (windows, 20, 256).
 
+    Windows overlap by half. Each one's ends are continued as `compare.hidden_units` does it, or
+    what is drawn would begin and end in the mean pose.
+
     Raises
     ------
     ValueError
         If no take is as long as a window.
     """
-    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
-    cut = [cut_windows(take, length, overlap)[0] for take in takes if len(take) >= length]
+    length = manifold.settings.get("window", LENGTH)
+    cut = [cut_windows(take, length, length // 2)[0] for take in takes if len(take) >= length]
     if not cut:
         raise ValueError(f"no take is as long as a window of {length} frames")
-    return manifold.network.encode(manifold.normalise(np.concatenate(cut)))
+    return np.stack([hidden_units(manifold, window) for window in np.concatenate(cut)])
 
 
 @dataclass(frozen=True)
@@ -114,4 +118,17 @@ def sample(
         y = draw_uniform(units, network.layers[-1].b.size, rng)
     else:
         y = prior.draw(units, rng)
-    return manifold.denormalise(network.decode(y[None])[0])[:frames]
+    return decode_units(manifold, y)[:frames]
+
+
+def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
+    """Φ†(Y) of the hidden units of a clip's own frames, (8 · units, 63).
+
+    The first and the last unit are held as far as the network sees, as `compare.hidden_units`
+    holds frames: beyond them the convolutions would see zeros, the mean pose.
+    """
+    unit = manifold.network.frames_per_unit
+    more = -(-manifold.reach // unit)
+    whole = np.pad(y, ((more, more), (0, 0)), mode="edge")
+    decoded = manifold.denormalise(manifold.network.decode(whole[None])[0])
+    return decoded[more * unit : (more + len(y)) * unit]
