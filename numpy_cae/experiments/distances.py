@@ -80,7 +80,7 @@ def all_distances(
     network = manifold.network
     return [
         equation_4(manifold),
-        equation_4(_untrained(manifold, seed), UNTRAINED),
+        equation_4(untrained(manifold, seed), UNTRAINED),
         Distance(
             "mean of the hidden units",
             lambda features: hidden_units(manifold, features).mean(axis=0)[None],
@@ -135,7 +135,7 @@ def _flat(windows: np.ndarray) -> np.ndarray:
     return windows.reshape(len(windows), -1)
 
 
-def _untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
+def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
     """The same manifold before it learned anything."""
     layers = manifold.network.layers
     taps, features, _ = layers[0].w.shape

@@ -1,0 +1,122 @@
+"""What one filter adds to a motion: the decoder's answer to one hidden unit, of any layer.
+
+A filter of the first layer is a picture by itself: 15 frames of 63 features. A filter of an upper
+layer is a picture of filters. So a unit is raised from its mean to what it reaches once in a
+hundred frames, at one moment, and the layers below decode the difference. Through tanh⁻¹ and its
+bound this is what the unit really does about the mean, not what a linear network would do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae.models import ConvLayer
+from numpy_cae.motion import JOINTS, PARENTS, POSITIONS
+
+# The twenty joints stand in this order in JOINTS, four for each.
+LIMBS = ("spine", "left arm", "right arm", "left leg", "right leg", "path")
+PATH = "path"
+_SILENT = 1e-8
+
+
+@dataclass(frozen=True)
+class Responses:
+    """What each filter of a layer adds.
+
+    Parameters
+    ----------
+    added : (filters, frames, 63) array
+        In the network's units, in which each kind of features has the same root mean square.
+    """
+
+    added: np.ndarray
+
+    @property
+    def heard(self) -> np.ndarray:
+        """(filters,) bool: whether a filter adds anything."""
+        return np.square(self.added).sum(axis=(1, 2)) > _SILENT
+
+    def by_joint(self) -> np.ndarray:
+        """The share of a filter's energy in each joint and in the path: (filters heard, 21)."""
+        energy = np.square(self.added[self.heard], dtype=np.float64).sum(axis=1)
+        joints = energy[:, POSITIONS].reshape(len(energy), len(JOINTS), 3).sum(axis=-1)
+        path = energy[:, POSITIONS.stop :].sum(axis=-1, keepdims=True)
+        return np.concatenate([joints, path], axis=1) / energy.sum(axis=1, keepdims=True)
+
+    def by_limb(self) -> np.ndarray:
+        """The same for each of `LIMBS`: (filters heard, 6)."""
+        shares = self.by_joint()
+        limbs = shares[:, : len(JOINTS)].reshape(len(shares), len(LIMBS) - 1, 4).sum(axis=-1)
+        return np.concatenate([limbs, shares[:, -1:]], axis=1)
+
+    def joints(self) -> np.ndarray:
+        """How many joints a filter moves: 1 / Σ share², n where n share alike. (filters heard,)"""
+        shares = self.by_joint()[:, : len(JOINTS)]
+        return _how_many(shares)
+
+    def frames(self) -> np.ndarray:
+        """How many frames a filter lasts, counted alike. (filters heard,)"""
+        return _how_many(np.square(self.added[self.heard], dtype=np.float64).sum(axis=2))
+
+    def temporal(self) -> np.ndarray:
+        """A filter's correlation with itself a frame later, about zero. (filters heard,)"""
+        added = self.added[self.heard].astype(np.float64)
+        now, later = added[:, :-1], added[:, 1:]
+        together = np.square(now).sum(axis=(1, 2)) * np.square(later).sum(axis=(1, 2))
+        return (now * later).sum(axis=(1, 2)) / np.sqrt(together)
+
+    def between_joints(self) -> np.ndarray:
+        """A joint's movement, x, y and z over time, beside its parent's: mean absolute cosine.
+
+        (filters heard,)
+        """
+        added = self.added[self.heard, :, POSITIONS].astype(np.float64)
+        joints = added.reshape(*added.shape[:2], len(JOINTS), 3)
+        unit = joints / np.linalg.norm(joints, axis=(1, 3), keepdims=True)
+        cosines = (unit[:, :, 1:] * unit[:, :, list(PARENTS[1:])]).sum(axis=(1, 3))
+        return np.abs(cosines).mean(axis=1)
+
+
+def _how_many(energy: np.ndarray) -> np.ndarray:
+    total = np.maximum(energy.sum(axis=1), np.finfo(np.float64).tiny)
+    return 1 / np.square(energy / total[:, None]).sum(axis=1).clip(1 / energy.shape[1])
+
+
+def responses_of(layers: Sequence[ConvLayer], units: np.ndarray) -> Responses:
+    """Raise each filter of the last of the layers, and decode through all of them.
+
+    Parameters
+    ----------
+    layers : sequence of ConvLayer
+        From the lowest up to the one that is asked.
+    units : (N, k) array of float
+        Hidden units of its filters in many frames: their means, and how high each goes.
+    """
+    reach = sum(len(layer.w) // 2 * 2**n for n, layer in enumerate(layers))
+    middle = -(-reach // 2 ** len(layers))
+    mean, high = units.mean(axis=0), np.quantile(units, 0.99, axis=0)
+    still = np.repeat(mean[None], 2 * middle + 1, axis=0)
+    raised = np.repeat(still[None], units.shape[1], axis=0)
+    filters = np.arange(units.shape[1])
+    raised[filters, middle, filters] = high
+    return Responses(decoded(layers, raised) - decoded(layers, still[None]))
+
+
+def decoded(layers: Sequence[ConvLayer], units: np.ndarray) -> np.ndarray:
+    """Down through the layers, unpooling evenly: (B, i, k) to (B, F, 63)."""
+    dtype = layers[0].w.dtype
+    for layer in reversed(layers):
+        units, _ = layer.decode(units.astype(dtype))
+    return units
+
+
+def encoded(layers: Sequence[ConvLayer], x: np.ndarray) -> list[np.ndarray]:
+    """The hidden units of every layer on the way up, (B, T, 63) to (B, T/2, k), …"""
+    every = []
+    for layer in layers:
+        x, _ = layer.encode(x)
+        every.append(x)
+    return every
