@@ -1,0 +1,88 @@
+"""The steps of a GRU over a clip, in place: `ops.gru_step` without a temporary.
+
+Forwards, a step leaves behind what the way back multiplies by and nothing else. With
+a = W · x + b, s = U · h + c, d = h - n, and dh the gradient for the state after the step:
+
+    kept:    p_n = (1 - z) ∘ (1 - n²),   p_z = d ∘ z ∘ (1 - z),   p_r = s_n ∘ r ∘ (1 - r),   r,   z
+
+    da_n, da_z = (p_n, p_z) ∘ dh            one call: both stand side by side
+    da_r, ds_n = (p_r, r) ∘ da_n            and these
+    dh ← z ∘ dh + Uᵀ · (ds_z, ds_r, ds_n)
+
+The gradients of a step lie in the order da_n, da_z, da_r, ds_n. Since ds_z = da_z and ds_r = da_r,
+its first three are da and its last three ds, each ready for a product. So a comes in the order
+new, update, reset and s in the order update, reset, new: see `matrices`.
+
+σ(v) = (1 + tanh(v / 2)) / 2, and the halves are already in the rows of W, U, b and c.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class Recurrence:
+    """The buffers of one GRU for T steps of B clips.
+
+    Parameters
+    ----------
+    hidden, batch, frames : int
+    dtype : float32 or float64
+    kept : bool
+        Whether the way back will be wanted.
+
+    Attributes
+    ----------
+    states : (T + 1, H + 1, B) array
+        h_0 to h_T, each over a row of ones, so that U · h + c is one product.
+    z : list of (H, B) arrays
+        What is kept of the state, a step each.
+    """
+
+    def __init__(self, hidden: int, batch: int, frames: int, dtype: np.dtype, kept: bool):
+        self.hidden, self.frames, self.kept = hidden, frames, kept
+        self.states = np.zeros((frames + 1, hidden + 1, batch), dtype)
+        self.states[:, hidden] = 1
+        factors = np.empty((frames if kept else 1, 5, hidden, batch), dtype)
+        self._factors = [factors[k if kept else 0] for k in range(frames)]
+        self._h = [state[:hidden] for state in self.states]
+        self._half, self._one = np.array(0.5, dtype), np.array(1, dtype)
+        self._n, self._d = np.empty((2, hidden, batch), dtype)
+        self._slope = np.empty((2, hidden, batch), dtype)
+        self._views = [
+            (each[4:2:-1], each[3], each[4], each[0], each[1], each[2]) for each in self._factors
+        ]
+        self._pairs = [(each[:2], each[2:4], each[4]) for each in self._factors]
+
+    def step(self, k: int, a: tuple[np.ndarray, np.ndarray], s: tuple[np.ndarray, np.ndarray]):
+        """h_(k+1) from h_k; `a` and `s` are ((2, H, B) for update and reset, (H, B) for new)."""
+        (a_zr, a_n), (s_zr, s_n) = a, s
+        zr, r, z, p_n, p_z, p_r = self._views[k]
+        h, h_next, n, d = self._h[k], self._h[k + 1], self._n, self._d
+        np.add(a_zr, s_zr, zr)
+        np.tanh(zr, zr)
+        np.multiply(zr, self._half, zr)
+        np.add(zr, self._half, zr)
+        np.multiply(r, s_n, n)
+        np.add(n, a_n, n)
+        np.tanh(n, n)
+        np.subtract(h, n, d)
+        np.multiply(z, d, h_next)
+        np.add(h_next, n, h_next)  # n + z ∘ (h - n) = (1 - z) ∘ n + z ∘ h
+        if self.kept:
+            slope = self._slope
+            np.multiply(zr, zr, slope)
+            np.subtract(zr, slope, slope)
+            np.multiply(slope[0], d, p_z)
+            np.multiply(slope[1], s_n, p_r)
+            np.multiply(n, n, n)
+            np.subtract(self._one, n, n)
+            np.multiply(z, n, d)
+            np.subtract(n, d, p_n)
+
+    def step_back(self, k: int, dh: np.ndarray, gradients: np.ndarray) -> None:
+        """The four parts of `gradients`, (4, H, B), from dh_(k+1); leaves z ∘ dh_(k+1) in dh."""
+        of_state, of_new, z = self._pairs[k]
+        np.multiply(of_state, dh, gradients[:2])
+        np.multiply(of_new, gradients[0], gradients[2:])
+        np.multiply(z, dh, dh)
