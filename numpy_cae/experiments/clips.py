@@ -12,6 +12,9 @@ from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
+NETWORK, ENDS_HELD = "the network", "the network, ends held"
+"""What `project` and `project_ends_held` are called in tables."""
+
 
 @dataclass(frozen=True)
 class Clips:
@@ -48,10 +51,28 @@ class Clips:
         each = [jitter(features_to_positions(clip), rate) for clip in clips]
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
 
+    def typical(self) -> int:
+        """Number of the window in the middle of all by how far it strays from the mean pose; of
+        those with the most real frames."""
+        frames = np.count_nonzero(self.real, axis=1)
+        strays = np.mean(np.square(self.x), axis=(1, 2))
+        long = np.flatnonzero(frames == frames.max())
+        return int(long[np.argsort(strays[long])[len(long) // 2]])
+
+    def later(self, frames: int) -> Clips:
+        """The same truth so many frames later; what comes before it does not count."""
+        real = np.roll(self.real, frames, axis=1) & self.real
+        real[:, :frames] = False
+        return replace(self, x=np.roll(self.x, frames, axis=1), real=real)
+
     def evenly(self, count: int) -> Clips:
         """At most so many of the windows, spread evenly over all."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
         return replace(self, x=self.x[chosen], real=self.real[chosen])
+
+    def where(self, windows: np.ndarray, frames: np.ndarray) -> Clips:
+        """The windows that are chosen, (N,) bool, and of them the frames, (N, T) bool, counted."""
+        return replace(self, x=self.x[windows], real=(self.real & frames)[windows])
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
@@ -78,6 +99,25 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
 
 
 def project(manifold: MotionManifold, x: np.ndarray, at_once: int = 64) -> np.ndarray:
-    """Φ†(Φ(X)) of normalised windows (N, T, 63), a part at a time to spare memory."""
+    """Φ†(Φ(X)) of normalised windows (N, T, 63) as training shows them, zeros beyond their ends; a
+    part at a time to spare memory."""
     parts = [x[start : start + at_once] for start in range(0, len(x), at_once)]
     return np.concatenate([manifold.network.project(part) for part in parts])
+
+
+def project_ends_held(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
+    """Φ†(Φ(X)) of windows whose first and last frames are held beyond their ends, as
+    `MotionManifold.project` does with a clip."""
+    return cut_ends(manifold, project(manifold, hold_ends(manifold, x)), x.shape[1])
+
+
+def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
+    """Windows (N, T, C) continued on both sides as far as the network sees."""
+    reach = manifold.reach
+    more = -(x.shape[1] + 2 * reach) % manifold.network.frames_per_unit
+    return np.pad(x, ((0, 0), (reach, reach + more), (0, 0)), mode="edge")
+
+
+def cut_ends(manifold: MotionManifold, x: np.ndarray, frames: int) -> np.ndarray:
+    """What `hold_ends` made of windows of so many frames, without the continuation."""
+    return x[:, manifold.reach : manifold.reach + frames]

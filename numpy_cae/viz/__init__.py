@@ -1,7 +1,8 @@
-"""Skeletons drawn and animated."""
+"""Skeletons drawn and animated, and numbers as curves."""
 
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz.curves import Curve, bars_figure, curves_figure
 from numpy_cae.viz.notebook import in_notebook
 from numpy_cae.viz.strip import Actor, save_figure, strip_figure
 
@@ -11,6 +12,9 @@ __all__ = [
     "PROJECTED",
     "TRUTH",
     "Actor",
+    "Curve",
+    "bars_figure",
+    "curves_figure",
     "in_notebook",
     "save_figure",
     "save_gif",

@@ -1,0 +1,90 @@
+"""Numbers as curves and as bars: what stands in a table, seen at a glance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a plot.
+
+    Parameters
+    ----------
+    x, y : sequences of the same number of float
+    label : str
+    colour : str, optional
+        The next of matplotlib's where None.
+    style : str
+        "-" or "--" or ":" or "o", as matplotlib has it.
+    """
+
+    x: Sequence[float]
+    y: Sequence[float]
+    label: str
+    colour: str | None = None
+    style: str = "-"
+
+
+def curves_figure(
+    curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
+) -> Figure:
+    """Curves over one axis, named beside the plot.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+    across, up : str
+        What the axes show, with units.
+    size : (width, height) in inches
+    """
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.add_subplot()
+    for curve in curves:
+        axes.plot(
+            curve.x, curve.y, curve.style, color=curve.colour, label=curve.label, markersize=4
+        )
+    _finish(axes, across, up)
+    figure.legend(loc="outside right upper", frameon=False, fontsize=8)
+    return figure
+
+
+def bars_figure(
+    names: Sequence[str],
+    groups: Sequence[tuple[str, Sequence[float], str | None]],
+    up: str,
+    size: tuple[float, float] = (9.0, 4.6),
+) -> Figure:
+    """A group of bars for each name.
+
+    Parameters
+    ----------
+    names : sequence of str
+    groups : sequence of (label, heights, colour)
+        One height for each name; the colour may be None.
+    up : str
+        What the heights are, with the unit.
+    size : (width, height) in inches
+    """
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.add_subplot()
+    places, width = np.arange(len(names)), 0.8 / len(groups)
+    for number, (label, heights, colour) in enumerate(groups):
+        shift = (number - (len(groups) - 1) / 2) * width
+        axes.bar(places + shift, heights, width, color=colour, label=label)
+    axes.set_xticks(places, names, rotation=40, ha="right", fontsize=8)
+    _finish(axes, "", up)
+    axes.grid(False, axis="x")
+    figure.legend(loc="outside upper center", ncols=len(groups), frameon=False, fontsize=8)
+    return figure
+
+
+def _finish(axes, across: str, up: str) -> None:
+    axes.set(xlabel=across, ylabel=up)
+    axes.grid(color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)

@@ -1,0 +1,70 @@
+"""Windows, their truth and their split: what counts, and what is chosen on what."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.experiments.clips import clips_of, hold_ends, project, project_ends_held
+from numpy_cae.experiments.split import split_of, split_takes
+from numpy_cae.measures import jitter
+from numpy_cae.motion import features_to_positions
+
+
+@pytest.fixture(scope="module")
+def clips(small_manifold, labelled):
+    return clips_of(small_manifold, [take.positions for take in labelled.testing])
+
+
+def test_error_and_jitter_are_those_of_the_measures(small_manifold, clips):
+    assert clips.error(clips.x) == 0
+    off = clips.x.copy()
+    off[..., 21:24] += 0.01 * small_manifold.scale[21:24].astype(np.float32)
+    assert clips.error(off, "left_wrist") == pytest.approx(1.0, rel=1e-3)
+    assert clips.error(off) == pytest.approx(np.sqrt(1 / 20), rel=1e-3)
+    world = [features_to_positions(small_manifold.denormalise(window)) for window in clips.x]
+    assert clips.real.all()
+    assert clips.jitter(clips.x) == pytest.approx(np.mean([jitter(each, 30.0) for each in world]))
+
+
+def test_held_frames_count_in_neither(clips):
+    real = clips.real.copy()
+    real[:, 20:] = False
+    cut = clips.where(np.ones(len(clips), dtype=bool), real)
+    spoilt = cut.x.copy()
+    spoilt[:, 20:] += 5
+    assert cut.error(spoilt) == 0
+    assert cut.jitter(spoilt) == cut.jitter(cut.x)
+
+
+def test_later_is_the_same_motion_after_a_wait(clips):
+    late = clips.later(7)
+    delayed = np.roll(clips.x, 7, axis=1)
+    delayed[:, :7] = 99.0
+    assert late.error(delayed) == 0
+    assert late.error(clips.x) > 0
+
+
+def test_ends_held_is_what_the_manifold_does_with_a_clip(small_manifold, clips):
+    whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
+    ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]
+    np.testing.assert_allclose(ours, whole, atol=1e-5)
+    held = hold_ends(small_manifold, clips.x)
+    assert held.shape[1] % small_manifold.network.frames_per_unit == 0
+    np.testing.assert_array_equal(held[:, 0], clips.x[:, 0])
+    assert not np.allclose(project(small_manifold, clips.x[:1]), ours)
+
+
+def test_settings_are_chosen_on_takes_that_the_first_fit_has_not_seen(labelled):
+    for count in (2, 4, 5, 8):
+        fitting, choosing = split_takes(labelled.training[:count])
+        assert fitting and choosing
+        paths = [take.path for take in fitting], [take.path for take in choosing]
+        assert not set(paths[0]) & set(paths[1])
+        assert len(paths[0]) + len(paths[1]) == count
+    with pytest.raises(ValueError, match="1 takes to train on, expected 2 or more"):
+        split_takes(labelled.training[:1])
+
+
+def test_a_split_says_what_it_was_measured_on(small_manifold, labelled):
+    split = split_of(small_manifold, labelled)
+    assert f"{len(split.testing)} windows of {len(labelled.testing)} takes" in split.text()
+    assert len(split.training) > len(split.fitting)
