@@ -14,6 +14,7 @@ from numpy_cae.cli import (
     bench,
     compare,
     demo,
+    fill,
     interpolate,
     lessons,
     repair,
@@ -23,7 +24,19 @@ from numpy_cae.cli import (
     verify,
 )
 
-SUBCOMMANDS = (demo, train, repair, interpolate, compare, sample, show, lessons, verify, bench)
+SUBCOMMANDS = (
+    demo,
+    train,
+    repair,
+    fill,
+    interpolate,
+    compare,
+    sample,
+    show,
+    lessons,
+    verify,
+    bench,
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

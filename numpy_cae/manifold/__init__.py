@@ -2,6 +2,8 @@
 
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature
 from numpy_cae.manifold.constrained import Pins, project_constrained
+from numpy_cae.manifold.fill import fill_joint, fill_keyframes
+from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyframes
 from numpy_cae.manifold.geodesic import Geodesic, geodesic
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold
@@ -19,6 +21,10 @@ __all__ = [
     "NeighbourPrior",
     "Pins",
     "distance_matrix",
+    "fill_joint",
+    "fill_keyframes",
+    "fill_motion_joint",
+    "fill_motion_keyframes",
     "geodesic",
     "hidden_units",
     "interpolate",

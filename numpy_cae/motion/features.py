@@ -71,15 +71,33 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     """
     theta = heading(positions, rate)
     floor = positions[:, 0] * [1.0, 0.0, 1.0]
-    local = _turned(positions - floor[:, None], -theta)
-    velocity = _turned(np.diff(floor, axis=0)[:, None], -theta[:-1])[:, 0]
     features = np.zeros((len(positions), FEATURES))
+    local = _turned(positions - floor[:, None], -theta)
     features[:, POSITIONS] = local.reshape(len(positions), -1)
-    features[:-1, VELOCITY] = velocity[:, [0, 2]]
-    features[:-1, TURN] = np.diff(theta)[:, None]
-    if len(positions) > 1:
-        features[-1, VELOCITY.start :] = features[-2, VELOCITY.start :]
+    features[:, VELOCITY.start :] = steps_along(floor, theta)
     return features, Place(floor[0, 0], floor[0, 2], theta[0])
+
+
+def steps_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Velocity and turn, v_t and ω_t, of a body that goes a way: the inverse of `way_of`.
+
+    Parameters
+    ----------
+    floor : (F, 3) array of float
+        The hips on the floor, h_t, metres.
+    theta : (F,) array of float
+        The heading, θ_t, radians.
+
+    Returns
+    -------
+    (F, 3) array of float64
+        In the order of the features; the last frame repeats the one before.
+    """
+    steps = np.zeros((len(floor), 3))
+    velocity = _turned(np.diff(floor, axis=0)[:, None], -theta[:-1])[:, 0]
+    steps[:-1] = np.column_stack([velocity[:, [0, 2]], np.diff(theta)])
+    steps[-1] = steps[-2] if len(steps) > 1 else 0.0
+    return steps
 
 
 def features_to_positions(features: np.ndarray, start: Place | None = None) -> np.ndarray:
@@ -96,17 +114,29 @@ def features_to_positions(features: np.ndarray, start: Place | None = None) -> n
     (F, 20, 3) array of float64
         Metres.
     """
-    start = start or Place()
     frames = len(features)
     features = np.asarray(features, dtype=np.float64)
+    floor, theta = way_of(features, start)
+    local = features[:, POSITIONS].reshape(frames, len(JOINTS), 3)
+    return _turned(local, theta) + floor[:, None]
+
+
+def way_of(features: np.ndarray, start: Place | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The way that a body goes: h_t (F, 3) in metres and θ_t (F,) in radians.
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    start : Place, optional
+        The origin facing +Z where none is given.
+    """
+    start = start or Place()
     theta = start.heading + _running_sum(features[:-1, TURN.start])
-    steps = np.zeros((frames - 1, 1, 3))
+    steps = np.zeros((len(features) - 1, 1, 3))
     steps[:, 0, [0, 2]] = features[:-1, VELOCITY]
     steps = _turned(steps, theta[:-1])[:, 0]
     floor = np.stack([_running_sum(step) for step in steps.T], axis=-1)
-    floor += [start.x, 0.0, start.z]
-    local = features[:, POSITIONS].reshape(frames, len(JOINTS), 3)
-    return _turned(local, theta) + floor[:, None]
+    return floor + [start.x, 0.0, start.z], theta
 
 
 def _running_sum(steps: np.ndarray) -> np.ndarray:

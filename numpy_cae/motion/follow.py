@@ -27,13 +27,13 @@ from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.turns import fan, swing
 
 _TURNED = 1e-9
-"""Radians. Less is rounding, and a rotation stays as the file has it."""
+"""Radians, and metres at a bone's end. Less is rounding, and a rotation stays as it came."""
 _MOVED = 1e-6
 """Metres. A joint further from its offset than this carries the body through the world."""
 
 _MENDED = 0.1
 """How much a bone with joints in between counts in a fan: those can still point it right, while
-the hips sit where the pelvis has them."""
+the hips sit where the pelvis has them. Alone it turns no fan."""
 
 
 @dataclass(frozen=True)
@@ -99,10 +99,13 @@ def follow(motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None
             wanted = np.stack([asked[bone.end] - now[:, joint] for bone in bones], axis=1)
             if len(bones) == 1:
                 turn = swing(seen[:, 0], wanted[:, 0], 1 / _turns_left(bones[0], joint, through))
+                turns = turn.magnitude() > _TURNED
             else:
-                counts = [_MENDED if _turns_left(b, joint, through) else 1.0 for b in bones]
-                turn = fan(seen * np.array(counts)[:, None], wanted)
-            turns = turn.magnitude() > _TURNED
+                mended = np.array([_turns_left(bone, joint, through) > 0 for bone in bones])
+                turn = fan(seen * np.where(mended, _MENDED, 1.0)[:, None], wanted)
+                decides = ~mended | mended.all()
+                misses = np.linalg.norm(wanted - seen, axis=-1) > _TURNED
+                turns = misses[:, decides].any(axis=1) & (turn.magnitude() > _TURNED)
             if turns.any():
                 here = Rotation.from_quat(
                     np.where(turns[:, None], (turn * here).as_quat(), here.as_quat())
@@ -110,6 +113,19 @@ def follow(motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None
                 rotations[turns, joint] = (above.inv() * here).as_quat()[turns]
         turned.append(here)
     return replace(motion, rotations=rotations, translations=translations)
+
+
+def moves_alone(motion: Motion, joint: str, mapping: dict[str, str] | None = None) -> bool:
+    """Whether a joint of the twenty can move while all the others stay where they are.
+
+    It can where something in the rig turns for its bone alone and no more than one bone goes on
+    from it. A collar or a hip that sits on its fan, and the hips and the chest themselves, cannot.
+    """
+    through = _bones_through(motion, find_joints(motion.skeleton, mapping))
+    place = find_joints(motion.skeleton, mapping)[JOINTS.index(joint)]
+    onward = [bone for bone in through.get(place, []) if bone.start == place]
+    arriving = {bone for bones in through.values() for bone in bones if bone.end == place}
+    return len(onward) < 2 and any(_turns_left(bone, bone.start, through) for bone in arriving)
 
 
 def _bones_through(motion: Motion, joints: list[int]) -> dict[int, list[_Bone]]:

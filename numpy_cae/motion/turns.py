@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-_TIE = 1e-5
+_TIE = 1e-7
 """The weight of "don't turn" beside the fan's own: it decides where bones lie along one line and
 leave the turn about it open, and hardly moves anything else."""
 

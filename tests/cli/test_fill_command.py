@@ -1,0 +1,109 @@
+"""`numpy-cae fill` as a person types it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import main
+from numpy_cae.manifold import MotionManifold, save_manifold
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import body_of, bone_lengths, load_motion, write_acclaim, write_bvh
+
+
+@pytest.fixture(scope="module")
+def take():
+    return make_take("walk", 0, seconds=1.0, rate=120.0).motion
+
+
+@pytest.fixture(scope="module")
+def folder(take, tmp_path_factory):
+    """A file in inches, the same person for Acclaim, and a model that learned nothing."""
+    folder = tmp_path_factory.mktemp("fill")
+    write_bvh(take, folder / "walk.bvh", unit=0.0254)
+    write_acclaim(take, folder / "walk.amc")
+    one = replace(take, rotations=take.rotations[:1], translations=take.translations[:1])
+    write_bvh(one, folder / "one.bvh", unit=0.0254)
+    positions = body_of(take)
+    manifold = MotionManifold(
+        ConvAutoencoder(filters=(6, 8), taps=5, rng=np.random.default_rng(0)),
+        np.zeros(63),
+        np.full(63, 0.25),
+        bone_lengths(positions),
+    )
+    manifold.mean_pose = manifold.features(positions)[0].mean(axis=0)
+    save_manifold(manifold, folder / "model.npz")
+    return folder
+
+
+def run(folder, file, output, *argv):
+    words = ["fill", folder / file, "-m", folder / "model.npz", "-o", output, *argv]
+    return main([str(word) for word in words])
+
+
+@pytest.mark.parametrize("file", ["walk.bvh", "walk.amc", "one.bvh"])
+@pytest.mark.parametrize("what", [("--joint", "left_wrist"), ("--keyframes", 15)])
+def test_the_rig_the_rate_and_the_unit_come_back(folder, tmp_path, file, what, capsys):
+    gif = tmp_path / "filled.gif"
+    assert run(folder, file, tmp_path / "filled.bvh", *what, "--gif", gif) == 0
+    came, filled = load_motion(folder / file), load_motion(tmp_path / "filled.bvh")
+    assert set(filled.skeleton.names) == set(came.skeleton.names)
+    assert (filled.rate, len(filled)) == (came.rate, len(came))
+    assert filled.unit == pytest.approx(came.unit)
+    assert f"{len(came)} frames at 120 a second, 31 joints" in capsys.readouterr().out
+    assert gif.read_bytes().startswith(b"GIF")
+
+
+def test_what_is_observed_reads_back_where_it_was(folder, tmp_path):
+    came = load_motion(folder / "walk.bvh").positions()
+    assert run(folder, "walk.bvh", tmp_path / "k.bvh", "--keyframes", 15) == 0
+    np.testing.assert_allclose(
+        load_motion(tmp_path / "k.bvh").positions()[::15], came[::15], atol=1e-5
+    )
+    assert run(folder, "walk.bvh", tmp_path / "j.bvh", "--joint", "right_elbow") == 0
+    filled = load_motion(tmp_path / "j.bvh")
+    for joint in ("root", "rhumerus", "rwrist", "head", "ltoes"):
+        place = filled.skeleton.index(joint)
+        np.testing.assert_allclose(filled.positions()[:, place], came[:, place], atol=1e-5)
+    elbow = filled.skeleton.index("rradius")
+    assert np.abs(filled.positions()[:, elbow] - came[:, elbow]).max() > 0.001
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (("--joint", "nose"), "no joint 'nose', expected one of hips, "),
+        (("--joint", "left_hip"), "left_hip sits stiffly"),
+    ],
+)
+def test_joints_that_cannot_be_filled_are_said_in_one_line(folder, tmp_path, argv, said, capsys):
+    assert run(folder, "walk.bvh", tmp_path / "x.bvh", *argv) == 2
+    line = capsys.readouterr().err.strip().splitlines()[-1]
+    assert line.startswith("numpy-cae fill: ")
+    assert said in line
+    assert "left_wrist" in line
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        (),
+        ("--joint", "head", "--keyframes", "15"),
+        ("--keyframes", "0"),
+        ("--keyframes", "many"),
+    ],
+)
+def test_words_that_make_no_sense_exit_with_2(folder, tmp_path, argv):
+    with pytest.raises(SystemExit) as exit_:
+        run(folder, "walk.bvh", tmp_path / "x.bvh", *argv)
+    assert exit_.value.code == 2
+
+
+def test_help_shows_an_example(capsys):
+    with pytest.raises(SystemExit):
+        main(["fill", "--help"])
+    assert "numpy-cae fill take.bvh -m model.npz -o filled.bvh --joint left_wrist" in " ".join(
+        capsys.readouterr().out.split()
+    )

@@ -1,0 +1,250 @@
+"""Filling in: only what is unknown changes, on features and in the files of any rig."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from data_synth import make_take
+from numpy_cae.manifold import (
+    MotionManifold,
+    fill_joint,
+    fill_keyframes,
+    fill_motion_joint,
+    fill_motion_keyframes,
+    learn_manifold,
+)
+from numpy_cae.motion import (
+    JOINTS,
+    body_of,
+    body_positions,
+    features_to_positions,
+    joint_slice,
+    load_motion,
+)
+from numpy_cae.training import Schedule, Stage
+
+QUICK = Schedule(layer=Stage(epochs=8), fine_tuning=Stage(12, 0.1, 0.9, 0.0))
+
+
+def walk(seed, seconds=2.0, rate=30.0):
+    return make_take("walk", seed, seconds=seconds, rate=rate).motion
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    takes = [body_of(walk(seed)) for seed in range(14)]
+    return learn_manifold(
+        takes, QUICK, window=32, overlap=16, filters=(16, 24), taps=5, show_progress=False
+    )
+
+
+@pytest.fixture(scope="module")
+def features(manifold):
+    return manifold.features(body_of(walk(99, seconds=1.9)))[0]
+
+
+class Believer(MotionManifold):
+    """A manifold that every motion lies on."""
+
+    def project(self, features):
+        return np.array(features)
+
+
+@pytest.fixture(scope="module")
+def believer(manifold):
+    return Believer(
+        manifold.network, manifold.mean_pose, manifold.scale, manifold.lengths, manifold.rate
+    )
+
+
+def shortened(motion, frames):
+    return replace(
+        motion, rotations=motion.rotations[:frames], translations=motion.translations[:frames]
+    )
+
+
+@pytest.mark.parametrize("joint", ["left_wrist", "right_ankle"])
+def test_a_joint_is_nearer_to_the_truth_than_in_the_mean_pose(manifold, features, joint):
+    place = joint_slice(joint)
+    filled = fill_joint(manifold, features, joint)
+    error = np.abs(filled - features)[:, place].mean()
+    assert error < 0.85 * np.abs(manifold.mean_pose[place] - features[:, place]).mean()
+    others = np.ones(63, dtype=bool)
+    others[place] = False
+    np.testing.assert_array_equal(filled[:, others], features[:, others])
+
+
+def test_what_the_joint_was_has_no_part_in_it(manifold, features):
+    place = joint_slice("left_wrist")
+    other = features.copy()
+    other[:, place] = 7.0
+    unknown = features.copy()
+    unknown[:, place] = np.nan
+    filled = fill_joint(manifold, features, "left_wrist")
+    np.testing.assert_array_equal(fill_joint(manifold, other, "left_wrist"), filled)
+    np.testing.assert_array_equal(fill_joint(manifold, unknown, "left_wrist"), filled)
+
+
+def test_where_a_marker_is_seen_it_is_kept(manifold, features):
+    place = joint_slice("left_wrist")
+    gap = features.copy()
+    gap[10:20, place.start + 1] = np.nan
+    filled = fill_joint(manifold, gap, "left_wrist")
+    assert np.all(np.isfinite(filled))
+    seen = np.ones(len(features), dtype=bool)
+    seen[10:20] = False
+    np.testing.assert_array_equal(filled[seen], features[seen])
+    assert np.all(filled[10:20, place] != features[10:20, place])
+
+
+@given(every=st.integers(1, 40), frames=st.integers(1, 57), start=st.sampled_from(["line", "held"]))
+def test_keyframes_are_met_exactly_wherever_they_are(manifold, features, every, frames, start):
+    clip = features[:frames]
+    filled = fill_keyframes(manifold, clip, every, start)
+    assert filled.shape == clip.shape
+    np.testing.assert_array_equal(filled[::every, :60], clip[::every, :60])
+    np.testing.assert_allclose(
+        features_to_positions(filled)[::every], features_to_positions(clip)[::every], atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("start", ["line", "held"])
+def test_only_keyframes_have_a_part_in_what_is_filled_in(manifold, features, start):
+    """Poses in between may be anything."""
+    between = np.arange(len(features)) % 8 > 0
+    other = features.copy()
+    other[between, :60] = 3.0
+    np.testing.assert_array_equal(
+        fill_keyframes(manifold, other, 8, start), fill_keyframes(manifold, features, 8, start)
+    )
+
+
+def test_poses_come_nearer_to_the_truth_than_held_ones(manifold, features):
+    held = features[np.arange(len(features)) // 10 * 10]
+    known = slice(0, (len(features) - 1) // 10 * 10 + 1)
+
+    def error(filled):
+        return np.abs(filled - features)[known, :60].mean()
+
+    assert error(fill_keyframes(manifold, features, 10, "held")) < error(held)
+    assert error(fill_keyframes(manifold, features, 10)) < 0.6 * error(held)
+
+
+def test_no_jump_at_a_keyframe(manifold, features):
+    filled = fill_keyframes(manifold, features, 10)
+    step = np.abs(np.diff(filled[:, :60], axis=0)).max(axis=1)
+    assert step.max() < 2 * np.abs(np.diff(features[:, :60], axis=0)).max()
+
+
+def test_words_that_fill_nothing(manifold, features):
+    with pytest.raises(ValueError, match=r"no joint 'nose', expected one of hips, .*right_toe"):
+        fill_joint(manifold, features, "nose")
+    with pytest.raises(ValueError, match="keyframes every 0 frames"):
+        fill_keyframes(manifold, features, 0)
+    with pytest.raises(ValueError, match="start is 'cubic'"):
+        fill_keyframes(manifold, features, 15, "cubic")
+    with pytest.raises(ValueError, match="keyframes every 0 frames"):
+        fill_motion_keyframes(walk(1), manifold, 0)
+    with pytest.raises(ValueError, match=r"left_hip sits stiffly .*left_elbow, left_wrist, .* can"):
+        fill_motion_joint(walk(1), manifold, "left_hip")
+    with pytest.raises(ValueError, match="no joint 'nose'"):
+        fill_motion_joint(walk(1), manifold, "nose")
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0, 25.0])
+@pytest.mark.parametrize("frames", [1, 37])
+@pytest.mark.parametrize(
+    ("joint", "turns"),
+    [
+        ("left_wrist", {"lradius"}),
+        ("left_elbow", {"lhumerus", "lradius"}),
+        ("right_knee", {"rfemur", "rtibia", "rfoot"}),  # the toe stays too
+        ("head", {"lowerneck", "upperneck"}),
+        ("spine", {"lowerback", "upperback", "thorax"}),
+    ],
+)
+def test_a_filled_joint_of_a_file_moves_alone(manifold, rate, frames, joint, turns):
+    motion = shortened(walk(3, rate=rate), frames)
+    filled = fill_motion_joint(motion, manifold, joint)
+    assert (filled.skeleton, filled.rate, len(filled)) == (motion.skeleton, rate, frames)
+    np.testing.assert_array_equal(filled.translations, motion.translations)
+    differ = np.abs(filled.rotations - motion.rotations).max(axis=(0, 2))
+    # To the bit; the chest above a moved spine turns back by a fit, which is right to 1e-6.
+    differ = differ > (1e-6 if joint == "spine" else 0.0)
+    assert {motion.skeleton.names[j] for j in np.flatnonzero(differ)} <= turns
+    moved = np.linalg.norm(body_positions(filled) - body_positions(motion), axis=-1).max(axis=0)
+    place = JOINTS.index(joint)
+    assert moved[place] > 0.001
+    assert np.delete(moved, place).max() < 1e-6
+
+
+@pytest.mark.parametrize("joint", ["left_wrist", "head"])
+def test_what_a_file_says_of_the_joint_has_no_part_in_it(manifold, joint):
+    motion = walk(3)
+    other = replace(motion, rotations=motion.rotations.copy())
+    turned = motion.skeleton.index({"left_wrist": "lradius", "head": "upperneck"}[joint])
+    other.rotations[:, turned] = [0.6, 0.0, 0.0, 0.8]
+    place = JOINTS.index(joint)
+    one, two = (
+        body_positions(fill_motion_joint(m, manifold, joint))[:, place] for m in (motion, other)
+    )
+    # The neck has two joints, and how far the head is from the chest is what they leave.
+    assert np.linalg.norm(one - two, axis=-1).max() < (1e-6 if joint == "left_wrist" else 0.1)
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0, 25.0])
+@pytest.mark.parametrize(("frames", "every"), [(37, 15), (37, 7), (1, 15), (8, 1), (9, 100)])
+def test_keyframes_of_a_file_are_kept_to_the_bit(manifold, rate, frames, every):
+    motion = shortened(walk(3, rate=rate), frames)
+    filled = fill_motion_keyframes(motion, manifold, every)
+    assert (filled.skeleton, filled.rate, len(filled)) == (motion.skeleton, rate, frames)
+    np.testing.assert_array_equal(filled.rotations[::every], motion.rotations[::every])
+    np.testing.assert_array_equal(filled.translations[::every], motion.translations[::every])
+
+
+def test_a_stepped_file_and_a_whole_one_are_filled_alike(manifold):
+    motion = walk(3, rate=120.0)
+    held = np.arange(len(motion)) // 40 * 40
+    stepped = replace(
+        motion, rotations=motion.rotations[held], translations=motion.translations[held]
+    )
+    one, two = (fill_motion_keyframes(m, manifold, 40) for m in (motion, stepped))
+    np.testing.assert_array_equal(one.rotations, two.rotations)
+    np.testing.assert_array_equal(one.translations, two.translations)
+    pace = np.abs(np.diff(body_positions(one), axis=0)).max()
+    assert pace < 2 * np.abs(np.diff(body_positions(motion), axis=0)).max()
+
+
+def test_between_keyframes_a_file_comes_nearer_to_the_truth_than_held(manifold):
+    motion = walk(99, rate=120.0)
+    held = np.arange(len(motion)) // 40 * 40
+    truth = body_positions(motion)
+    last = (len(motion) - 1) // 40 * 40
+    filled = body_positions(fill_motion_keyframes(motion, manifold, 40))
+    error = np.linalg.norm(filled - truth, axis=-1)[:last].mean()
+    assert error < 0.4 * np.linalg.norm(truth[held] - truth, axis=-1)[:last].mean()
+
+
+def test_real_files_of_two_rigs(manifold, data_folder):
+    bandai = load_motion(data_folder / "bandai" / "dataset-2_walk_normal_001.bvh")
+    cmu = load_motion(data_folder / "cmu" / "asfamc" / "02" / "02_03.amc")
+    for motion, elbow in ((bandai, "LowerArm_L"), (cmu, "lradius")):
+        filled = fill_motion_joint(motion, manifold, "left_wrist")
+        differ = np.any(filled.rotations != motion.rotations, axis=(0, 2))
+        assert list(np.flatnonzero(differ)) == [motion.skeleton.index(elbow)]
+        filled = fill_motion_keyframes(motion, manifold, 15)
+        np.testing.assert_array_equal(filled.rotations[::15], motion.rotations[::15])
+    with pytest.raises(ValueError, match="spine sits stiffly"):
+        fill_motion_joint(bandai, manifold, "spine")
+
+
+def test_nothing_to_correct_is_nothing_corrected(believer):
+    """A manifold that agrees leaves the way from keyframe to keyframe straight."""
+    motion = walk(3)
+    features, _ = believer.features(body_of(motion))
+    filled = fill_keyframes(believer, features, 10)
+    middle = (features[0, :60] + features[10, :60]) / 2
+    np.testing.assert_allclose(filled[5, :60], middle, atol=1e-12)
