@@ -14,6 +14,7 @@ from numpy_cae.cli import (
     bench,
     compare,
     demo,
+    download,
     fill,
     interpolate,
     lessons,
@@ -26,6 +27,7 @@ from numpy_cae.cli import (
 
 SUBCOMMANDS = (
     demo,
+    download,
     train,
     repair,
     fill,
