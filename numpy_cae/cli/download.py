@@ -18,8 +18,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="fetch motion files of the CMU database",
         description="Fetch Acclaim files (.asf, .amc) of the Carnegie Mellon Graphics Lab Motion "
         "Capture Database. What was cut off goes on where it stopped when the command is run "
-        "again; a file stands under its name only when it is whole and could be read. "
-        + TERMS,
+        "again; a file stands under its name only when it is whole and could be read. " + TERMS,
         epilog="example: numpy-cae download cmu --subjects 2,7,35 -o cmu",
     )
     parser.add_argument("database", choices=["cmu"], help="whose")

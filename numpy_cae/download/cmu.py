@@ -165,9 +165,7 @@ def _take_archive(folder: Path, site: CmuSite, tally: Tally, said: Said) -> None
         raise DownloadError(f"{path}: {error}; it was removed, to be fetched again") from None
 
 
-def _unpacked(
-    archive: zipfile.ZipFile, folder: Path, tally: Tally
-) -> Iterator[tuple[str, Path]]:
+def _unpacked(archive: zipfile.ZipFile, folder: Path, tally: Tally) -> Iterator[tuple[str, Path]]:
     """The Acclaim files that the folder lacks, skeletons first."""
     missing = []
     for info in members(archive, _FILE):
