@@ -61,7 +61,7 @@ def fetch(
         If the server has no such file, or `TRIES` tries in a row brought nothing.
     """
     part = Path(part)
-    fruitless = 0
+    fruitless = begun_again = 0
     while True:
         before = _size(part)
         try:
@@ -72,13 +72,15 @@ def fetch(
             reason = f"the server says {error.code} {error.reason}"
         except _Changed as error:
             part.unlink(missing_ok=True)
-            before, reason = 0, str(error)
+            begun_again += 1
+            reason = str(error)
         except (_Cut, urllib.error.URLError, http.client.HTTPException, TimeoutError) as error:
             reason = str(getattr(error, "reason", error))
         except ConnectionError as error:
             reason = error.strerror or "the connection was cut"
         fruitless = 0 if _size(part) > before else fruitless + 1
-        if fruitless == TRIES:
+        # A server that contradicts itself would be asked for ever.
+        if TRIES in (fruitless, begun_again):
             raise DownloadError(
                 f"{url}: {reason}; {TRIES} tries brought nothing more. What has come is kept: run "
                 "the command again to go on"
