@@ -22,9 +22,25 @@ CHECKED = 4
 
 @dataclass(frozen=True)
 class Row:
-    """One case at one size of batch."""
+    """One thing that was timed, at one size of batch.
 
-    case: Case
+    Parameters
+    ----------
+    name : str
+    batch : int
+    operations : int
+        Of the direct form, for the whole batch.
+    peak : float
+        Operations a second of a large matrix product.
+    memory : int
+        Bytes.
+    ours, theirs : Timing
+        Of the whole batch; None where PyTorch is not installed.
+    """
+
+    name: str
+    batch: int
+    operations: int
     peak: float
     memory: int
     ours: Timing
@@ -32,16 +48,15 @@ class Row:
 
     def text(self) -> str:
         """A line of the table."""
-        batch = len(self.case.x)
-        rate = self.case.operations / self.ours.median
+        rate = self.operations / self.ours.median
         columns = [
-            f"| {self.case.name:16} | {batch:3} ",
-            f"| {1e3 * self.ours.median / batch:7.3f} ± {self.ours.spread:4.0%} ",
+            f"| {self.name:16} | {self.batch:3} ",
+            f"| {1e3 * self.ours.median / self.batch:7.3f} ± {self.ours.spread:4.0%} ",
             f"| {rate / self.peak:5.0%} | {self.memory / 1e6:5.0f} ",
         ]
         if self.theirs is not None:
             columns.append(
-                f"| {1e3 * self.theirs.median / batch:7.3f} ± {self.theirs.spread:4.0%} "
+                f"| {1e3 * self.theirs.median / self.batch:7.3f} ± {self.theirs.spread:4.0%} "
                 f"| {self.theirs.median / self.ours.median:5.2f} "
             )
         return "".join(columns) + "|"
@@ -83,7 +98,8 @@ def _row(model: ConvAutoencoder, case: Case, peak: float, rounds: int) -> Row:
     if torch is not None:
         functions["theirs"] = TorchTwin(model).theirs(case)
     times = time_in_turns(functions, rounds)
-    return Row(case, peak, memory, times["ours"], times.get("theirs"))
+    ours, theirs = times["ours"], times.get("theirs")
+    return Row(case.name, len(case.x), case.operations, peak, memory, ours, theirs)
 
 
 def _check() -> None:

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from data_synth import make_takes
-from numpy_cae.bench import growth, paper, table
+from numpy_cae.bench import growth, paper, sequence, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
 
@@ -30,12 +30,19 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         type=kinds.positive_number,
         nargs="+",
         metavar="B",
-        help="windows at a time (default: 1 4 16 64; with --paper and --full 1 16)",
+        help="windows at a time (default: 1 4 16 64; with --paper and --full 1 16, with "
+        "--sequential 16 64)",
     )
     parser.add_argument(
         "--rounds", type=kinds.positive_number, default=21, help="of the table (default: 21)"
     )
     instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
+        "--sequential",
+        action="store_true",
+        help="training steps of the sequential autoencoder on clips of 50 frames instead, with "
+        "128, 512 and 1024 hidden units",
+    )
     instead.add_argument(
         "--paper",
         action="store_true",
@@ -76,7 +83,8 @@ def run(args: argparse.Namespace) -> int:
     else:
         peak = matrix_product_peak()
         print(table.header(peak), flush=True)
-        for row in table.rows(peak, args.batch or table.BATCHES, args.rounds):
+        timed = sequence if args.sequential else table
+        for row in timed.rows(peak, args.batch or timed.BATCHES, args.rounds):
             print(row.text(), flush=True)
     return 0
 
