@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     out = args.output
     motions = out / "motions"
     motions.mkdir(parents=True, exist_ok=True)
-    training, testing = read_takes(_make_motions(motions, args.seed), test="*_test.bvh")
+    training, testing = read_takes(_make_motions(motions, args.seed), test=["*_test.bvh"])
     manifold = learn_manifold(training, SCHEDULE, seed=args.seed, show_progress=not args.quiet)
     save_manifold(manifold, out / "model.npz")
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import load_body
 
 
@@ -17,7 +17,7 @@ def read_takes(
     paths: Sequence[Path],
     mapping: dict[str, str] | None = None,
     unit: float | None = None,
-    test: str | None = None,
+    test: Sequence[str] = (),
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second.
 
@@ -26,8 +26,8 @@ def read_takes(
     paths : sequence of paths
     mapping, unit
         As `load_body` takes them.
-    test : str, optional
-        A pattern such as "*_005.bvh": files whose name matches are kept for testing.
+    test : sequence of str
+        Patterns such as "*_005.bvh": files whose name matches one are kept for testing.
 
     Returns
     -------
@@ -38,18 +38,18 @@ def read_takes(
     MotionFileError, UnknownRigError
         As `load_body` does.
     ValueError
-        If the pattern leaves nothing to test or nothing to train on.
+        If a pattern leaves nothing to test, or all of them nothing to train on.
     """
+    for pattern in test:
+        if not any(is_test(path, [pattern]) for path in paths):
+            raise ValueError(f"no file matches {pattern!r}, none is left to test")
     training, testing, notes = [], [], Counter()
     for path in paths:
         positions, motion = load_body(path, mapping, unit)
-        kept = test is not None and fnmatch(path.name, test)
-        (testing if kept else training).append(positions)
+        (testing if is_test(path, test) else training).append(positions)
         notes[motion.unit_note.split(" (")[0]] += 1
-    if test is not None and not testing:
-        raise ValueError(f"no file matches {test!r}, none is left to test")
     if not training:
-        raise ValueError(f"every file matches {test!r}, none is left to train")
+        raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
     seconds = sum(map(len, training)) / 30
     print(
         f"{len(paths)} files read: {len(training)} takes to train on ({seconds / 60:.1f} min), "

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed, typical
+from numpy_cae.experiments.material import is_test
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
@@ -21,16 +23,26 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Every number of holden2015, sections 4 to 6, as an option with the paper's default."""
     parser = subparsers.add_parser(
         "train",
-        help="learn a manifold from a folder of motion files",
-        description="Learn a manifold from every .bvh and .amc file in a folder. "
+        help="learn a manifold from folders of motion files",
+        description="Learn a manifold from every .bvh and .amc file in one or more folders. "
         "The defaults are those of holden2015.",
         epilog="example: numpy-cae train motions/ -o model.npz --test '*_005.bvh'",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
-    parser.add_argument("folder", type=Path, help="motion files, in folders of any depth")
+    parser.add_argument(
+        "folders",
+        type=Path,
+        nargs="+",
+        metavar="FOLDER",
+        help="motion files, in folders of any depth",
+    )
     parser.add_argument("-o", "--output", type=Path, required=True, help="the model file to write")
     parser.add_argument(
-        "--test", metavar="PATTERN", help="keep files of such names out and measure on them"
+        "--test",
+        metavar="PATTERN",
+        nargs="+",
+        default=[],
+        help="keep files of such names out and measure on them",
     )
     parser.add_argument(
         "--picture", type=Path, metavar="PNG", help="with --test: draw figure 1 of a test take"
@@ -64,16 +76,29 @@ def _add_schedule_arguments(parser: argparse.ArgumentParser) -> None:
     add("--fine-rate", type=kinds.rate, default=fine.rate, help="first rate of fine tuning")
     add("--fine-decay", type=kinds.rate, default=fine.decay, help="of fine tuning's, an epoch")
     add("--fine-alpha", type=kinds.rate, default=fine.alpha, help="sparsity in fine tuning")
-    add("--zeroed", type=kinds.fraction, default=PAPER.zeroed, help="share of inputs set to zero")
+    add(
+        "--zeroed",
+        type=kinds.fraction,
+        nargs="+",
+        default=[PAPER.zeroed],
+        metavar="P",
+        help="share of inputs set to zero; two, and each window draws its own between them",
+    )
+    add("--rescale", action="store_true", help="divide what is left of the input by 1 - P")
     add("--batch", type=kinds.positive_number, default=PAPER.batch, help="windows in a step")
 
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The schedule that the options describe."""
+    if len(args.zeroed) > 2 or args.zeroed != sorted(args.zeroed):
+        raise ValueError("--zeroed takes one share, or the lowest and the highest")
+    if args.rescale and args.zeroed[-1] == 1:
+        raise ValueError("--rescale divides by 1 - P: --zeroed must stay below 1")
     return Schedule(
         layer=Stage(args.epochs, args.rate, args.decay, args.alpha),
         fine_tuning=Stage(args.fine_epochs, args.fine_rate, args.fine_decay, args.fine_alpha),
-        zeroed=args.zeroed,
+        zeroed=args.zeroed[0] if len(args.zeroed) == 1 else tuple(args.zeroed),
+        rescaled=args.rescale,
         batch=args.batch,
     )
 
@@ -85,10 +110,14 @@ def run(args: argparse.Namespace) -> int:
     if not args.output.resolve().parent.is_dir():
         raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
     mapping = kinds.chosen_mapping(args)
-    training, testing = read_takes(find_motion_files(args.folder), mapping, args.unit, args.test)
+    schedule = schedule_of(args)
+    found = {folder: find_motion_files(folder) for folder in args.folders}
+    training, testing = read_takes(
+        [path for paths in found.values() for path in paths], mapping, args.unit, args.test
+    )
     manifold = learn_manifold(
         training,
-        schedule_of(args),
+        schedule,
         seed=args.seed,
         window=args.window,
         overlap=args.overlap,
@@ -98,6 +127,11 @@ def run(args: argparse.Namespace) -> int:
         rms=args.rms,
         show_progress=not args.quiet,
     )
+    manifold.settings["test"] = args.test
+    manifold.settings["folders"] = [
+        {"name": folder.resolve().name, "files": len(paths), "test": _count(paths, args.test)}
+        for folder, paths in found.items()
+    ]
     save_manifold(manifold, args.output)
     print(f"{args.output}: learned from {manifold.settings['windows']} windows")
     if testing:
@@ -107,3 +141,7 @@ def run(args: argparse.Namespace) -> int:
         figure_1(manifold, typical(manifold, testing)).save_picture(args.picture)
         print(f"\n{args.picture}: figure 1 of the typical test take")
     return 0
+
+
+def _count(paths: Sequence[Path], patterns: Sequence[str]) -> int:
+    return sum(is_test(path, patterns) for path in paths)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.blind import project_shifted
 from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
-from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
+from numpy_cae.motion.windows import LENGTH, cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
 """What `project` and `project_ends_held` are called in tables."""
@@ -76,7 +77,8 @@ class Clips:
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
-    """Takes cut as the manifold's training cut them.
+    """Takes cut into windows of the manifold's length that overlap by half, as the paper's do,
+    whatever the overlap in training: tables of two networks are of the same windows.
 
     Parameters
     ----------
@@ -92,17 +94,14 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     if not takes:
         raise ValueError("there are no takes to cut into windows")
     length = manifold.settings.get("window", LENGTH)
-    overlap = manifold.settings.get("overlap", OVERLAP)
-    cut = [cut_windows(manifold.features(take)[0], length, overlap) for take in takes]
+    cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
     windows = np.concatenate([windows for windows, _ in cut])
     return Clips(manifold, manifold.normalise(windows), np.concatenate([real for _, real in cut]))
 
 
-def project(manifold: MotionManifold, x: np.ndarray, at_once: int = 64) -> np.ndarray:
-    """Φ†(Φ(X)) of normalised windows (N, T, 63) as training shows them, zeros beyond their ends; a
-    part at a time to spare memory."""
-    parts = [x[start : start + at_once] for start in range(0, len(x), at_once)]
-    return np.concatenate([manifold.network.project(part) for part in parts])
+def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
+    """Φ†(Φ(X)) of normalised windows (N, T, 63) just as they are, zeros beyond their ends."""
+    return project_shifted(manifold.network, x)
 
 
 def project_ends_held(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from numpy_cae.manifold.blind import lost_share, project_shifted
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import Place, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
@@ -71,6 +72,16 @@ class MotionManifold:
         """How many frames to either side of its own a unit of the top layer sees."""
         return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
 
+    @property
+    def rescales(self) -> bool:
+        """Whether the network was trained on X_c / (1 - p): see `training.corruption`."""
+        return bool(self.settings.get("schedule", {}).get("rescaled", False))
+
+    @property
+    def shifts(self) -> int:
+        """Places of the pooling grid that differ: the most that `project` can average over."""
+        return self.network.frames_per_unit
+
     def encode(self, features: np.ndarray) -> np.ndarray:
         """Y = Φ(X) of a clip of any length, its ends continued.
 
@@ -87,23 +98,52 @@ class MotionManifold:
         (units, 256) array within [-1, 1], in the dtype of the network
             (F + 2 · `reach`) / 8 units, rounded up.
         """
-        more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
-        ends = ((self.reach, self.reach + more), (0, 0))
-        return self.network.encode(np.pad(self.normalise(features), ends, mode="edge")[None])[0]
+        return self.network.encode(self._continued(features))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
         """Φ†(Y) of what `encode` made of a clip of so many frames, (frames, 63) of float64."""
         return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
 
-    def project(self, features: np.ndarray) -> np.ndarray:
+    def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
         """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
 
         Parameters
         ----------
         features : (F, 63) array of float
+        shifts : int
+            How many shifts to average over: see `manifold.blind.project_shifted`.
 
         Returns
         -------
         (F, 63) array of float64
         """
-        return self.decode(self.encode(features), len(features))
+        projected = project_shifted(self.network, self._continued(features), shifts)[0]
+        return self.denormalise(projected)[self.reach : self.reach + len(features)]
+
+    def project_windows(self, x: np.ndarray, shifts: int = 1) -> np.ndarray:
+        """Φ†(Φ(X)) of windows as the network was trained on them, zeros around them.
+
+        A network that was trained on X_c / (1 - p) is given that, with p̂ = `lost_share`: blind, for
+        nothing but X_c is asked.
+
+        Parameters
+        ----------
+        x : (N, T, 63) array of float32
+            Normalised; T is a multiple of `network.frames_per_unit`.
+        shifts : int
+            How many shifts to average over: see `manifold.blind.project_shifted`.
+
+        Returns
+        -------
+        (N, T, 63) array of float32
+        """
+        return project_shifted(self.network, self._rescaled(x), shifts)
+
+    def _continued(self, features: np.ndarray) -> np.ndarray:
+        """A clip as one window whose ends are held as far as the network sees."""
+        more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
+        ends = ((0, 0), (self.reach, self.reach + more), (0, 0))
+        return np.pad(self._rescaled(self.normalise(features)[None]), ends, mode="edge")
+
+    def _rescaled(self, x: np.ndarray) -> np.ndarray:
+        return x / (1 - lost_share(x)) if self.rescales else x

@@ -14,7 +14,8 @@ from numpy_cae.motion.motion import Motion
 def repair(
     motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
 ) -> Motion:
-    """The motion on the manifold that stands for `motion`, on the rig that came in.
+    """The motion on the manifold that stands for `motion`, on the rig that came in: the mean of its
+    projections at all places of the pooling grid (`manifold.blind.project_shifted`).
 
     What the file has between two poses at the manifold's rate is as damaged as they are. So the
     twenty joints follow the projected poses alone, smoothly joined; the joints beyond them
@@ -40,6 +41,6 @@ def repair(
     positions = body_of(motion, mapping)
     own = bone_lengths(positions)
     features, start = manifold.features(positions)
-    projected = features_to_positions(manifold.project(features), start)
+    projected = features_to_positions(manifold.project(features, manifold.shifts), start)
     asked = change_lengths(projected, manifold.lengths, own)
     return follow(motion, at_rate_of(motion, asked), mapping)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 
-def zero_values(x: np.ndarray, p: float, rng: np.random.Generator) -> np.ndarray:
+def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """X_c: each value of x set to zero with probability p, by itself.
 
     Zero is the mean pose, since that has been subtracted.
@@ -13,7 +13,7 @@ def zero_values(x: np.ndarray, p: float, rng: np.random.Generator) -> np.ndarray
     Parameters
     ----------
     x : array of float, any shape
-    p : float
+    p : float, or array that broadcasts to x
         Between 0 and 1.
     rng : numpy.random.Generator
 
@@ -21,6 +21,39 @@ def zero_values(x: np.ndarray, p: float, rng: np.random.Generator) -> np.ndarray
     -------
     array of the shape and dtype of x
     """
-    if not 0 <= p <= 1:
+    if not np.all((0 <= np.asarray(p)) & (np.asarray(p) <= 1)):
         raise ValueError(f"p is {p}, expected a probability between 0 and 1")
     return np.where(rng.random(x.shape, dtype=np.float32) < p, x.dtype.type(0), x)
+
+
+def corrupt(
+    x: np.ndarray,
+    zeroed: float | tuple[float, float],
+    rescaled: bool,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """X_c of a batch of windows: with one p, or with a p of its own for each window.
+
+        X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
+
+    A sum over many inputs shrinks by 1 - p where a share p of them is zero. Dividing by that leaves
+    its mean as it was, whatever p: the filters need not learn one p, and see only the noise.
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+    zeroed : float or (float, float)
+        p, or the two numbers that it is drawn between; below 1 where rescaled.
+    rescaled : bool
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (B, T, C) array in the dtype of x
+    """
+    if isinstance(zeroed, (int, float)):
+        p = zeroed
+    else:
+        p = rng.uniform(*zeroed, size=(len(x), 1, 1)).astype(x.dtype)
+    corrupted = zero_values(x, p, rng)
+    return corrupted / (1 - p) if rescaled else corrupted

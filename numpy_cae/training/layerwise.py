@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training.corruption import zero_values
+from numpy_cae.training.corruption import corrupt
 from numpy_cae.training.progress import Progress
 from numpy_cae.training.schedule import Schedule, Stage
 from numpy_cae.training.sgd import decayed_rate, descend
@@ -106,7 +106,7 @@ def _train_stage(
             rate = decayed_rate(stage.rate, stage.decay, epoch)
             total = 0.0
             for chosen in _batches(len(inputs), schedule.batch, rng):
-                loss = _step(model, inputs[chosen], stage.alpha, rate, schedule.zeroed, rng, layer)
+                loss = _step(model, inputs[chosen], stage.alpha, rate, schedule, rng, layer)
                 if not np.isfinite(loss):
                     raise DivergedError(
                         f"{name}, epoch {epoch + 1}: the loss is {loss} at rate {rate:.4g}; "
@@ -132,12 +132,12 @@ def _step(
     x: np.ndarray,
     alpha: float,
     rate: float,
-    zeroed: float,
+    schedule: Schedule,
     rng: np.random.Generator,
     layer: int | None,
 ) -> float:
     """Corrupt, compare, descend: one step on one batch, for one layer or (None) for all."""
-    corrupted = zero_values(x, zeroed, rng)
+    corrupted = corrupt(x, schedule.zeroed, schedule.rescaled, rng)
     trained = model.layers if layer is None else [model.layers[layer]]
     first = None if layer is None else [_drawn_mask(x, trained[0].b.size, rng)]
     loss, gradients = model.loss_and_gradients(x, corrupted, alpha, first, layer)

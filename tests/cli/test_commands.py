@@ -64,6 +64,38 @@ def test_train_measures_on_the_takes_kept_out(folder, tmp_path, capsys):
     }
 
 
+def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, capsys):
+    other, file = tmp_path / "other", tmp_path / "m.npz"
+    other.mkdir()
+    for name in ("walk_0.bvh", "walk_1.bvh", "walk_2.bvh"):
+        (other / name).write_bytes((folder / name).read_bytes())
+    argv = ["train", folder, other, "-o", file, "--test", "*_3.bvh", "*_2.bvh", *TINY]
+    argv += ["--zeroed", "0.1", "0.9", "--rescale", "--batch", "4"]
+    assert main([str(word) for word in argv]) == 0
+    assert "4 takes to train on" in capsys.readouterr().err
+    manifold = load_manifold(file)
+    assert manifold.settings["test"] == ["*_3.bvh", "*_2.bvh"]
+    assert manifold.settings["folders"] == [
+        {"name": folder.name, "files": 4, "test": 2},
+        {"name": "other", "files": 3, "test": 1},
+    ]
+    assert manifold.settings["schedule"]["zeroed"] == [0.1, 0.9]
+    assert manifold.rescales
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (["--zeroed", "0.9", "0.1"], "the lowest and the highest"),
+        (["--zeroed", "0.1", "0.2", "0.3"], "the lowest and the highest"),
+        (["--zeroed", "0.1", "1", "--rescale"], "below 1"),
+        (["--test", "*_3.bvh", "x*"], "no file matches 'x*'"),
+    ],
+)
+def test_train_says_what_is_wrong_with_its_options(folder, tmp_path, capsys, options, complaint):
+    assert complaint in said(capsys, "train", folder, "-o", tmp_path / "m.npz", *options)
+
+
 def test_training_twice_gives_the_same_bits(folder, model, tmp_path):
     again = tmp_path / "again.npz"
     assert main(["train", str(folder), "-o", str(again), *TINY]) == 0

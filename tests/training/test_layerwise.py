@@ -112,7 +112,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         model = small_model()
         before = model.layers[0].w.copy()
         rng = np.random.default_rng(0)
-        layerwise._step(model, windows[chosen], 0.0, rate, 0.0, rng, None)
+        layerwise._step(model, windows[chosen], 0.0, rate, Schedule(zeroed=0.0), rng, None)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
