@@ -66,7 +66,7 @@ def _grown(what: str, sizes: Sequence[int], seconds: Callable[[int], float]) -> 
 
 def _epoch_seconds(model: ConvAutoencoder, windows: np.ndarray, rounds: int) -> float:
     """The median epoch of fine tuning; one before it to allocate the buffers."""
-    schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(1, 0.01, 0.9, 0.0), batch=BATCH)
+    schedule = Schedule(Stage(epochs=0), Stage(1, 0.01, 0.9, 0.0, BATCH))
     train_autoencoder(model, windows[: 2 * BATCH], schedule, show_progress=False)
     seconds = []
     for _ in range(rounds):

@@ -81,9 +81,8 @@ def run_paper(
 ) -> PaperRun:
     """Train the paper's network by the paper's four stages, of so many epochs each."""
     schedule = Schedule(
-        layer=Stage(epochs=epochs),
-        fine_tuning=Stage(epochs, rate=0.01, alpha=0.0),
-        batch=batch,
+        layer=Stage(epochs=epochs, batch=batch),
+        fine_tuning=Stage(epochs, rate=0.01, alpha=0.0, batch=batch),
     )
     data = synthetic_windows(windows)
     start = time.perf_counter()

@@ -76,31 +76,36 @@ def _add_schedule_arguments(parser: argparse.ArgumentParser) -> None:
     add("--fine-rate", type=kinds.rate, default=fine.rate, help="first rate of fine tuning")
     add("--fine-decay", type=kinds.rate, default=fine.decay, help="of fine tuning's, an epoch")
     add("--fine-alpha", type=kinds.rate, default=fine.alpha, help="sparsity in fine tuning")
-    add(
-        "--zeroed",
-        type=kinds.fraction,
-        nargs="+",
-        default=[PAPER.zeroed],
-        metavar="P",
-        help="share of inputs set to zero; two, and each window draws its own between them",
-    )
-    add("--rescale", action="store_true", help="divide what is left of the input by 1 - P")
-    add("--batch", type=kinds.positive_number, default=PAPER.batch, help="windows in a step")
+    for prefix, stage in (("--", layer), ("--fine-", fine)):
+        add(prefix + "batch", type=kinds.positive_number, default=stage.batch, help="of a step")
+        add(
+            prefix + "zeroed",
+            type=kinds.fraction,
+            nargs="+",
+            default=[stage.zeroed],
+            metavar="P",
+            help="share of inputs set to zero; two, and each window draws its own between them",
+        )
+    add("--fine-rescale", action="store_true", help="divide what fine tuning sees by 1 - P")
 
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The schedule that the options describe."""
-    if len(args.zeroed) > 2 or args.zeroed != sorted(args.zeroed):
-        raise ValueError("--zeroed takes one share, or the lowest and the highest")
-    if args.rescale and args.zeroed[-1] == 1:
-        raise ValueError("--rescale divides by 1 - P: --zeroed must stay below 1")
+    zeroed = _zeroed("--zeroed", args.zeroed)
+    fine_zeroed = _zeroed("--fine-zeroed", args.fine_zeroed)
+    if args.fine_rescale and args.fine_zeroed[-1] == 1:
+        raise ValueError("--fine-rescale divides by 1 - P: --fine-zeroed must stay below 1")
+    fine = args.fine_epochs, args.fine_rate, args.fine_decay, args.fine_alpha, args.fine_batch
     return Schedule(
-        layer=Stage(args.epochs, args.rate, args.decay, args.alpha),
-        fine_tuning=Stage(args.fine_epochs, args.fine_rate, args.fine_decay, args.fine_alpha),
-        zeroed=args.zeroed[0] if len(args.zeroed) == 1 else tuple(args.zeroed),
-        rescaled=args.rescale,
-        batch=args.batch,
+        layer=Stage(args.epochs, args.rate, args.decay, args.alpha, args.batch, zeroed),
+        fine_tuning=Stage(*fine, fine_zeroed, args.fine_rescale),
     )
+
+
+def _zeroed(option: str, shares: list[float]) -> float | tuple[float, float]:
+    if len(shares) > 2 or shares != sorted(shares):
+        raise ValueError(f"{option} takes one share, or the lowest and the highest")
+    return shares[0] if len(shares) == 1 else (shares[0], shares[1])
 
 
 def run(args: argparse.Namespace) -> int:

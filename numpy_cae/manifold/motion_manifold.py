@@ -75,7 +75,8 @@ class MotionManifold:
     @property
     def rescales(self) -> bool:
         """Whether the network was trained on X_c / (1 - p): see `training.corruption`."""
-        return bool(self.settings.get("schedule", {}).get("rescaled", False))
+        fine_tuning = self.settings.get("schedule", {}).get("fine_tuning", {})
+        return bool(fine_tuning.get("rescaled", False))
 
     @property
     def shifts(self) -> int:

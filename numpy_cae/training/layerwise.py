@@ -76,13 +76,13 @@ def train_autoencoder(
         name = f"layer {index + 1}"
         start = time.perf_counter()
         history.losses[name] = _train_stage(
-            model, inputs, schedule.layer, schedule, rng, name, show_progress, index
+            model, inputs, schedule.layer, rng, name, show_progress, index
         )
         history.seconds[name] = time.perf_counter() - start
         inputs = _encoded(layer, inputs) if index + 1 < len(model.layers) else None
     start = time.perf_counter()
     history.losses["fine tuning"] = _train_stage(
-        model, windows, schedule.fine_tuning, schedule, rng, "fine tuning", show_progress
+        model, windows, schedule.fine_tuning, rng, "fine tuning", show_progress
     )
     history.seconds["fine tuning"] = time.perf_counter() - start
     return history
@@ -92,21 +92,20 @@ def _train_stage(
     model: ConvAutoencoder,
     inputs: np.ndarray,
     stage: Stage,
-    schedule: Schedule,
     rng: np.random.Generator,
     name: str,
     show_progress: bool,
     layer: int | None = None,
 ) -> list[float]:
-    steps = -(-len(inputs) // schedule.batch)
+    steps = -(-len(inputs) // stage.batch)
     progress = Progress(name, stage.epochs, steps, show_progress)
     losses = []
     try:
         for epoch in range(stage.epochs):
             rate = decayed_rate(stage.rate, stage.decay, epoch)
             total = 0.0
-            for chosen in _batches(len(inputs), schedule.batch, rng):
-                loss = _step(model, inputs[chosen], stage.alpha, rate, schedule, rng, layer)
+            for chosen in _batches(len(inputs), stage.batch, rng):
+                loss = _step(model, inputs[chosen], stage, rate, rng, layer)
                 if not np.isfinite(loss):
                     raise DivergedError(
                         f"{name}, epoch {epoch + 1}: the loss is {loss} at rate {rate:.4g}; "
@@ -130,17 +129,16 @@ def _batches(windows: int, batch: int, rng: np.random.Generator) -> list[np.ndar
 def _step(
     model: ConvAutoencoder,
     x: np.ndarray,
-    alpha: float,
+    stage: Stage,
     rate: float,
-    schedule: Schedule,
     rng: np.random.Generator,
     layer: int | None,
 ) -> float:
     """Corrupt, compare, descend: one step on one batch, for one layer or (None) for all."""
-    corrupted = corrupt(x, schedule.zeroed, schedule.rescaled, rng)
+    corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
     trained = model.layers if layer is None else [model.layers[layer]]
     first = None if layer is None else [_drawn_mask(x, trained[0].b.size, rng)]
-    loss, gradients = model.loss_and_gradients(x, corrupted, alpha, first, layer)
+    loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     for each, (dw, db) in zip(trained, gradients, strict=True):
         descend((each.w, each.b), (dw, db), rate)
     return loss

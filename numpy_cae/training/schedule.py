@@ -19,12 +19,22 @@ class Stage:
         What the rate is multiplied by after each epoch.
     alpha : float
         Weight of the sparsity term of equation 3.
+    batch : int
+        Windows in one step of descent; 1 is "iteratively input each data point".
+    zeroed : float or (float, float)
+        The probability p with which a value of the input is set to zero; two, and p is drawn
+        between them, anew for each window in each step.
+    rescaled : bool
+        Whether the corrupted input is divided by 1 - p: see `training.corruption`.
     """
 
     epochs: int = 25
     rate: float = 0.5
     decay: float = 0.9
     alpha: float = 0.01
+    batch: int = 1
+    zeroed: float | tuple[float, float] = 0.1
+    rescaled: bool = False
 
 
 @dataclass(frozen=True)
@@ -38,20 +48,10 @@ class Schedule:
     fine_tuning : Stage
         For the whole stack, unpooling evenly. The paper does not state its epochs; we take as
         many as for a layer.
-    zeroed : float or (float, float)
-        The probability p with which a value of the input is set to zero; two, and p is drawn
-        between them, anew for each window in each step.
-    rescaled : bool
-        Whether the corrupted input is divided by 1 - p: see `training.corruption`.
-    batch : int
-        Windows in one step of descent; 1 is "iteratively input each data point".
     """
 
     layer: Stage = field(default_factory=Stage)
     fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
-    zeroed: float | tuple[float, float] = 0.1
-    rescaled: bool = False
-    batch: int = 1
 
 
 @dataclass(frozen=True)

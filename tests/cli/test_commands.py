@@ -61,6 +61,9 @@ def test_train_measures_on_the_takes_kept_out(folder, tmp_path, capsys):
         "rate": 0.05,
         "decay": 0.9,
         "alpha": 0.0,
+        "batch": 1,
+        "zeroed": 0.1,
+        "rescaled": False,
     }
 
 
@@ -70,7 +73,7 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
     for name in ("walk_0.bvh", "walk_1.bvh", "walk_2.bvh"):
         (other / name).write_bytes((folder / name).read_bytes())
     argv = ["train", folder, other, "-o", file, "--test", "*_3.bvh", "*_2.bvh", *TINY]
-    argv += ["--zeroed", "0.1", "0.9", "--rescale", "--batch", "4"]
+    argv += ["--fine-zeroed", "0.1", "0.9", "--fine-rescale", "--fine-batch", "4"]
     assert main([str(word) for word in argv]) == 0
     assert "4 takes to train on" in capsys.readouterr().err
     manifold = load_manifold(file)
@@ -79,7 +82,7 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
         {"name": folder.name, "files": 4, "test": 2},
         {"name": "other", "files": 3, "test": 1},
     ]
-    assert manifold.settings["schedule"]["zeroed"] == [0.1, 0.9]
+    assert manifold.settings["schedule"]["fine_tuning"]["zeroed"] == [0.1, 0.9]
     assert manifold.rescales
 
 
@@ -87,8 +90,8 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
     ("options", "complaint"),
     [
         (["--zeroed", "0.9", "0.1"], "the lowest and the highest"),
-        (["--zeroed", "0.1", "0.2", "0.3"], "the lowest and the highest"),
-        (["--zeroed", "0.1", "1", "--rescale"], "below 1"),
+        (["--fine-zeroed", "0.1", "0.2", "0.3"], "the lowest and the highest"),
+        (["--fine-zeroed", "0.1", "1", "--fine-rescale"], "below 1"),
         (["--test", "*_3.bvh", "x*"], "no file matches 'x*'"),
     ],
 )

@@ -61,7 +61,7 @@ def test_windows_are_projected_in_parts_as_at_once(network, monkeypatch):
 
 def test_only_a_network_that_learned_so_is_given_rescaled_input(network):
     plain = MotionManifold(network, np.zeros(63), np.ones(63), np.ones(20))
-    taught = replace(plain, settings={"schedule": {"rescaled": True}})
+    taught = replace(plain, settings={"schedule": {"fine_tuning": {"rescaled": True}}})
     lost = zero_values(X, 0.5, np.random.default_rng(3))
     given = lost / (1 - lost_share(lost))
     assert not plain.rescales

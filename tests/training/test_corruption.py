@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.training import Schedule, Stage, layerwise, zero_values
+from numpy_cae.training import Stage, layerwise, zero_values
 from numpy_cae.training.corruption import corrupt
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
@@ -45,8 +45,8 @@ def test_a_step_sees_the_corruption_of_its_schedule(monkeypatch):
             self.seen = x, corrupted
             return 0.0, []
 
-    network, schedule = Network(), Schedule(Stage(1), zeroed=(0.3, 0.6), rescaled=True)
-    layerwise._step(network, X, 0.0, 0.1, schedule, np.random.default_rng(5), None)
+    network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
+    layerwise._step(network, X, stage, 0.1, np.random.default_rng(5), None)
     x, corrupted = network.seen
     assert x is X
     np.testing.assert_array_equal(

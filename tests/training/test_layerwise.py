@@ -34,7 +34,7 @@ def small_model(seed=0):
 
 
 def trained(seed=0, **changes):
-    schedule = Schedule(layer=Stage(epochs=4), fine_tuning=Stage(4, 0.05, 0.9, 0.0), **changes)
+    schedule = Schedule(Stage(epochs=4, **changes), Stage(4, 0.05, 0.9, 0.0, **changes))
     model = small_model()
     rng = np.random.default_rng(seed)
     history = train_autoencoder(model, waves(), schedule, rng, show_progress=False)
@@ -43,11 +43,11 @@ def trained(seed=0, **changes):
 
 def test_the_defaults_are_the_papers():
     schedule = Schedule()
-    assert schedule.layer == Stage(epochs=25, rate=0.5, decay=0.9, alpha=0.01)
+    assert schedule.layer == Stage(25, rate=0.5, decay=0.9, alpha=0.01, batch=1, zeroed=0.1)
     assert schedule.fine_tuning.rate == 0.01
     assert schedule.fine_tuning.alpha == 0
-    assert schedule.zeroed == 0.1
-    assert schedule.batch == 1
+    for stage in (schedule.layer, schedule.fine_tuning):
+        assert (stage.batch, stage.zeroed, stage.rescaled) == (1, 0.1, False)
 
 
 def test_every_stage_lowers_its_loss():
@@ -112,7 +112,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         model = small_model()
         before = model.layers[0].w.copy()
         rng = np.random.default_rng(0)
-        layerwise._step(model, windows[chosen], 0.0, rate, Schedule(zeroed=0.0), rng, None)
+        layerwise._step(model, windows[chosen], Stage(alpha=0.0, zeroed=0.0), rate, rng, None)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 

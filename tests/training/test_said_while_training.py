@@ -10,7 +10,7 @@ from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Schedule, Stage, layerwise, progress, train_autoencoder
 from numpy_cae.training.progress import Progress
 
-SCHEDULE = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(3, 0.01), batch=5)
+SCHEDULE = Schedule(Stage(epochs=2, batch=5), Stage(3, 0.01, batch=5))
 WINDOWS = np.random.default_rng(0).normal(scale=0.3, size=(12, 8, 3)).astype(np.float32)
 
 
@@ -150,7 +150,7 @@ def test_the_loss_of_an_epoch_is_the_mean_over_its_windows(monkeypatch):
     losses = iter([1.0, 2.0, 4.0, 3.0, 3.0, 3.0])
     monkeypatch.setattr(layerwise, "_step", lambda *arguments: next(losses))
     network = ConvAutoencoder(3, (4,), taps=3)
-    stages = Schedule(layer=Stage(epochs=1), fine_tuning=Stage(1), batch=5)
+    stages = Schedule(Stage(epochs=1, batch=5), Stage(1, batch=5))
     history = train_autoencoder(network, WINDOWS, stages, show_progress=False)
     assert history.losses["layer 1"] == [pytest.approx((5 * 1 + 5 * 2 + 2 * 4) / 12)]
     assert history.losses["fine tuning"] == [pytest.approx(3.0)]

@@ -14,7 +14,7 @@ def trained_weights(threads, batch):
     model = ConvAutoencoder(9, (16, 24), taps=15, rng=rng)
     model._fast = FastNetwork(threads)
     windows = (0.25 * rng.normal(size=(20, 40, 9))).astype(np.float32)
-    schedule = Schedule(Stage(epochs=2), Stage(2, 0.01, 0.9, 0.0), batch=batch)
+    schedule = Schedule(Stage(epochs=2, batch=batch), Stage(2, 0.01, 0.9, 0.0, batch))
     train_autoencoder(model, windows, schedule, rng, show_progress=False)
     return [array for layer in model.layers for array in (layer.w, layer.b)]
 
