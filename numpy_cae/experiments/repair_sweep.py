@@ -33,7 +33,7 @@ from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Curve, curves_figure, sav
 
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 CORRUPTED_ROW, LINEAR = "corrupted, X_c", "linear denoiser, 15 frames"
-RESCALED = " of X_c / (1 - p)"
+RESCALED = ", X_c / (1 - p)"
 INTERPOLATED = "linear interpolation, told where the holes are"
 COLOURS = {
     CORRUPTED_ROW: CORRUPTED,
@@ -142,7 +142,7 @@ class RepairSweep:
         ]
 
     def save_picture(self, path: str | Path) -> None:
-        """Error over p, PNG; dashed: of X_c / (1 - p); dotted: told where the holes are."""
+        """Error over p, PNG; dashed: from X_c / (1 - p); dotted: told where the holes are."""
         curves = [
             Curve(
                 PS,

@@ -22,19 +22,39 @@ TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 200
 
 @dataclass(frozen=True)
 class Split:
-    """`fitting` and `choosing` are parts of `training`, by take; `testing` is of other takes."""
+    """`fitting` and `choosing` are parts of `training`, by take; `testing` is of other takes.
+
+    Parameters
+    ----------
+    fitting, choosing, training, testing : Clips
+    sample : str
+        What is measured on, in a sentence.
+    takes : int
+        To train on.
+    """
 
     fitting: Clips
     choosing: Clips
     training: Clips
     testing: Clips
     sample: str
+    takes: int
 
     def text(self) -> str:
         """What was measured on what, for below a table."""
+        return f"{self.sample} {self.fitted()}"
+
+    def fitted(self) -> str:
+        """What baselines had to learn from; and the network, if it is not the same."""
+        learned = self.training.manifold.settings.get("takes", self.takes)
         return (
-            f"{self.sample} Baselines are fitted to {len(self.training)} windows of the training "
+            f"Baselines are fitted to {len(self.training)} windows of {self.takes} training "
             f"takes; their settings are chosen on every fifth of these takes, held back."
+            + (
+                f" The network learned from {learned} takes: not from the same."
+                if learned != self.takes
+                else ""
+            )
         )
 
 
@@ -54,6 +74,7 @@ def split_of(manifold: MotionManifold, material: Material) -> Split:
         _cut(manifold, material.training, TRAINING_WINDOWS),
         testing,
         sample,
+        len(material.training),
     )
 
 
