@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,6 +51,13 @@ class Clips:
         clips = [clip for clip in clips if len(clip) >= 3]
         each = [jitter(features_to_positions(clip), rate) for clip in clips]
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
+
+    def each(
+        self, change: Callable[[np.ndarray], np.ndarray], x: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Every window, or those of x, changed by itself as features (T, 63) in metres."""
+        features = self.manifold.denormalise(self.x if x is None else x)
+        return self.manifold.normalise(np.stack([change(window) for window in features]))
 
     def typical(self) -> int:
         """Number of the window in the middle of all by how far it strays from the mean pose; of

@@ -2,7 +2,7 @@
 figure 1, right (the wrist), then every joint in turn.
 
 Missing is zero in the network's terms: the joint is put where it is in the mean pose. Nobody tells
-the network which joint that is; it is projected and looked up in what comes out.
+the network which joint that is; it is projected and looked up in what comes out (`fill_joint`).
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.baselines import Moments
-from numpy_cae.experiments.clips import ENDS_HELD, Clips, project_ends_held
+from numpy_cae.experiments.clips import NETWORK, Clips
 from numpy_cae.experiments.contenders import pca_on_frames, pca_on_windows
 from numpy_cae.experiments.example import Example
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.split import split_of
 from numpy_cae.experiments.table import text_table
-from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold import MotionManifold, fill_joint
 from numpy_cae.motion import FEATURES, JOINTS, joint_slice
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, bars_figure, save_figure
 
@@ -49,7 +49,7 @@ class MissingMarker:
         methods = list(self.errors[WRISTS[0]])
         rows = [(joint, [self.errors[joint][method] for method in methods]) for joint in JOINTS]
         rows.append(("all", [self.over(JOINTS, method) for method in methods]))
-        mean, network = methods.index(MEAN_POSE), methods.index(ENDS_HELD)
+        mean, network = methods.index(MEAN_POSE), methods.index(NETWORK)
         lines = [
             [name, *(f"{error:.2f}" for error in row), f"{row[network] / row[mean]:.2f}"]
             for name, row in rows
@@ -64,9 +64,9 @@ class MissingMarker:
 
     def findings(self) -> list[Finding]:
         """The paper's wrist, then every joint, then the least that one could do."""
-        mean, network, told = (self.over(WRISTS, m) for m in (MEAN_POSE, ENDS_HELD, TOLD))
+        mean, network, told = (self.over(WRISTS, m) for m in (MEAN_POSE, NETWORK, TOLD))
         pca = min(self.over(WRISTS, m) for m in self.errors["hips"] if m.startswith("PCA"))
-        better = [joint for joint, row in self.errors.items() if row[ENDS_HELD] < row[MEAN_POSE]]
+        better = [joint for joint, row in self.errors.items() if row[NETWORK] < row[MEAN_POSE]]
         return [
             Finding(
                 "Projection infers where a wrist is whose marker is missing (holden2015, "
@@ -78,7 +78,7 @@ class MissingMarker:
                 "Projection infers any joint better than the mean pose does (not in the paper).",
                 len(better) == len(JOINTS),
                 f"{len(better)} of {len(JOINTS)} joints; over all "
-                f"{self.over(JOINTS, ENDS_HELD):.2f} cm against "
+                f"{self.over(JOINTS, NETWORK):.2f} cm against "
                 f"{self.over(JOINTS, MEAN_POSE):.2f}.",
             ),
             Finding(
@@ -92,7 +92,7 @@ class MissingMarker:
     def save_picture(self, path: str | Path) -> None:
         """Bars for each joint, PNG."""
         colours = dict(zip(self.errors["hips"], (CORRUPTED, "#c0504d", "#4aa6a6"), strict=False))
-        colours |= {ENDS_HELD: PROJECTED, TOLD: PLAIN}
+        colours |= {NETWORK: PROJECTED, TOLD: PLAIN}
         groups = [
             (method, [self.errors[joint][method] for joint in JOINTS], colour)
             for method, colour in colours.items()
@@ -128,11 +128,11 @@ def missing_marker(
         for pca in pcas:
             size = pca.best(_without(split.choosing, joint), split.choosing, joint)
             filled[pca.name] = pca.repair(lost, size)
-        filled[ENDS_HELD] = project_ends_held(manifold, lost)
+        filled[NETWORK] = testing.each(lambda x, joint=joint: fill_joint(manifold, x, joint))
         filled[TOLD] = moments.solve(_kept(joint)).repair(lost)
         errors[joint] = {name: testing.error(x, joint) for name, x in filled.items()}
         if joint == WRISTS[0]:
-            example = _example(testing, lost, filled[ENDS_HELD])
+            example = _example(testing, lost, filled[NETWORK])
     return MissingMarker(errors, example, split.text())
 
 
@@ -147,11 +147,7 @@ def _kept(joint: str) -> np.ndarray:
     return kept
 
 
-def _example(testing: Clips, lost: np.ndarray, projected: np.ndarray) -> Example:
-    """Only the wrist is taken from the projection; the rest was there."""
-    inferred = lost.copy()
-    wrist = joint_slice(WRISTS[0])
-    inferred[..., wrist] = projected[..., wrist]
+def _example(testing: Clips, lost: np.ndarray, inferred: np.ndarray) -> Example:
     return Example.of(
         testing,
         testing.typical(),
