@@ -7,11 +7,15 @@ from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyf
 from numpy_cae.manifold.geodesic import Geodesic, geodesic
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold
-from numpy_cae.manifold.model_file import ModelFileError, load_manifold, save_manifold
+from numpy_cae.manifold.model_arrays import ModelFileError
+from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.observed import project_observed
 from numpy_cae.manifold.repair import repair
 from numpy_cae.manifold.sample import NeighbourPrior, sample
+from numpy_cae.manifold.sequence_file import load_sequences, save_sequences
+from numpy_cae.manifold.sequence_learning import learn_sequences
+from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
 __all__ = [
     "G",
@@ -20,6 +24,7 @@ __all__ = [
     "MotionManifold",
     "NeighbourPrior",
     "Pins",
+    "SequenceManifold",
     "distance_matrix",
     "fill_joint",
     "fill_keyframes",
@@ -29,11 +34,14 @@ __all__ = [
     "hidden_units",
     "interpolate",
     "learn_manifold",
+    "learn_sequences",
     "load_manifold",
+    "load_sequences",
     "project_constrained",
     "project_observed",
     "repair",
     "sample",
     "save_manifold",
+    "save_sequences",
     "signature",
 ]

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.manifold.model_arrays import checked, load_arrays, save_arrays
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import FEATURES
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.whole_file import whole_file
 
 FORMAT = "numpy_cae convolutional manifold 1"
-
-
-class ModelFileError(ValueError):
-    """A model file that cannot be used as it stands."""
 
 
 def save_manifold(manifold: MotionManifold, path: str | Path) -> None:
@@ -37,8 +32,7 @@ def save_manifold(manifold: MotionManifold, path: str | Path) -> None:
     }
     for index, layer in enumerate(network.layers):
         arrays[f"w{index + 1}"], arrays[f"b{index + 1}"] = layer.w, layer.b
-    with whole_file(path) as beside, open(beside, "wb") as file:
-        np.savez_compressed(file, **arrays)
+    save_arrays(arrays, path)
 
 
 def load_manifold(path: str | Path) -> MotionManifold:
@@ -49,44 +43,23 @@ def load_manifold(path: str | Path) -> MotionManifold:
     ModelFileError
         If the file is missing, is none of ours, or its arrays do not fit together.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except OSError as error:
-        raise ModelFileError(f"{path}: {error.strerror or error}") from None
-    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError, zipfile.zlib.error):
-        raise ModelFileError(f"{path}: not a model that `numpy-cae train` wrote") from None
-    try:
-        return _assembled(arrays)
-    except (KeyError, ValueError, TypeError) as error:
-        raise ModelFileError(f"{path}: {error}") from None
+    return load_arrays(path, FORMAT, _assembled)
 
 
 def _assembled(arrays: dict[str, np.ndarray]) -> MotionManifold:
-    if str(arrays.get("format", "")) != FORMAT:
-        raise ValueError(f"not a {FORMAT!r}, but {str(arrays.get('format', 'no model'))!r}")
     if tuple(arrays["joints"]) != JOINTS:
         raise ValueError("its twenty joints are not the ones of this version")
     count = sum(name[0] == "w" and name[1:].isdigit() for name in arrays)
     filters = [len(arrays[f"b{index + 1}"]) for index in range(count)]
     network = ConvAutoencoder(FEATURES, filters, len(arrays["w1"]), float(arrays["bound"]))
     for index, layer in enumerate(network.layers):
-        layer.w = _checked(arrays, f"w{index + 1}", layer.w.shape)
-        layer.b = _checked(arrays, f"b{index + 1}", layer.b.shape)
+        layer.w = checked(arrays, f"w{index + 1}", layer.w.shape)
+        layer.b = checked(arrays, f"b{index + 1}", layer.b.shape)
     return MotionManifold(
         network.freeze(),
-        _checked(arrays, "mean_pose", (FEATURES,)),
-        _checked(arrays, "scale", (FEATURES,)),
-        _checked(arrays, "lengths", (len(JOINTS),)),
-        float(_checked(arrays, "rate", ())),
+        checked(arrays, "mean_pose", (FEATURES,)),
+        checked(arrays, "scale", (FEATURES,)),
+        checked(arrays, "lengths", (len(JOINTS),)),
+        float(checked(arrays, "rate", ())),
         json.loads(str(arrays["settings"])),
     )
-
-
-def _checked(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    array = arrays[name]
-    if array.shape != shape:
-        raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
-    if array.dtype.kind != "f" or not np.all(np.isfinite(array)):
-        raise ValueError(f"{name} holds values that are not finite numbers")
-    return array

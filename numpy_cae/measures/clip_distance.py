@@ -1,0 +1,38 @@
+"""How far clips lie from one another: the ground of everything that is asked of samples.
+
+    d(a, b) = √ mean_{t,k} (a_{t,k} - b_{t,k})²
+
+over frames and standardised numbers, so that 1 is one standard deviation in each.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def clip_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """d between every clip of a and every clip of b.
+
+    Parameters
+    ----------
+    a, b : (N, F, C), (M, F, C) arrays of float
+        Standardised.
+
+    Returns
+    -------
+    (N, M) array of float64
+    """
+    a, b = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (a, b))
+    squares = np.sum(a * a, axis=1)[:, None] + np.sum(b * b, axis=1) - 2 * a @ b.T
+    return np.sqrt(np.maximum(squares, 0) / a.shape[1])
+
+
+def nearest_distance(clips: np.ndarray, others: np.ndarray) -> float:
+    """The mean over the clips of the distance to the nearest of the others."""
+    return float(clip_distances(clips, others).min(axis=1).mean())
+
+
+def diversity(clips: np.ndarray) -> float:
+    """The mean distance between two different clips of a set; 0 if all are the same."""
+    distances = clip_distances(clips, clips)
+    return float(distances[np.triu_indices(len(clips), 1)].mean())
