@@ -114,11 +114,15 @@ class Comparison:
     def _matches(self, label: str) -> Finding:
         gap = self.difference(EUCLIDEAN, label)
         ours, theirs = (self.average[label][name].mean() for name in (EQUATION_4, EUCLIDEAN))
+        first, their_first = (
+            self.precision[label][name].mean() for name in (EQUATION_4, EUCLIDEAN)
+        )
         return Finding(
             "G correctly matches high level features where Euclidean distance does not "
             f"(holden2015, section 7): {label}.",
             gap.low > 0,
-            f"mean average precision {ours:.2f} against {theirs:.2f}, difference {gap.text()}.",
+            f"mean average precision {ours:.2f} against {theirs:.2f}, difference {gap.text()}; "
+            f"precision at 1 {first:.2f} against {their_first:.2f}.",
         )
 
     def save_picture(self, path: str | Path) -> None:

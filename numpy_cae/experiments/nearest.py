@@ -118,8 +118,8 @@ class Nearest:
         save_figure(strip_figure(self._actors(4, ": "), self.rate), path)
 
     def save_gif(self, path: str | Path) -> None:
-        """The query and the nearest two of each list, moving."""
-        save_gif(self._actors(2, ":\n"), path, self.rate, seconds=SECONDS)
+        """The query and the nearest two of each list, moving for five seconds."""
+        save_gif(self._actors(2, ":\n"), path, self.rate, seconds=5.0)
 
     def _counts(self, distance: str) -> Counter:
         return Counter(

@@ -53,9 +53,8 @@ class Responses:
         return np.concatenate([limbs, shares[:, -1:]], axis=1)
 
     def joints(self) -> np.ndarray:
-        """How many joints a filter moves: 1 / Σ share², n where n share alike. (filters heard,)"""
-        shares = self.by_joint()[:, : len(JOINTS)]
-        return _how_many(shares)
+        """How many joints a filter moves: (Σ e)² / Σ e² of their energies. (filters heard,)"""
+        return _how_many(self.by_joint()[:, : len(JOINTS)])
 
     def frames(self) -> np.ndarray:
         """How many frames a filter lasts, counted alike. (filters heard,)"""
@@ -81,8 +80,10 @@ class Responses:
 
 
 def _how_many(energy: np.ndarray) -> np.ndarray:
-    total = np.maximum(energy.sum(axis=1), np.finfo(np.float64).tiny)
-    return 1 / np.square(energy / total[:, None]).sum(axis=1).clip(1 / energy.shape[1])
+    """(Σ e)² / Σ e² along the second axis: n where n are alike and the others zero."""
+    squares = np.square(energy).sum(axis=1)
+    total = energy.sum(axis=1)
+    return np.divide(total**2, squares, out=np.zeros_like(total), where=squares > 0)
 
 
 def responses_of(layers: Sequence[ConvLayer], units: np.ndarray) -> Responses:

@@ -21,6 +21,8 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures.retrieval import bootstrapped_difference
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, save_figure
 
+ENOUGH = 80
+"""Takes to shift, spread evenly over those that are long enough."""
 SHIFTS = (1, 2, 5, 10, 15, 20, 30, 40)
 _COLOURS = (PROJECTED, CORRUPTED, PLAIN)
 
@@ -132,7 +134,8 @@ def shift(manifold: MotionManifold, material: Material, seed: int = 0) -> Shift:
         raise ValueError(
             f"a shift needs two held-out takes of {needed} frames, there are {len(takes)}"
         )
-    clips = [manifold.features(take)[0] for take in takes]
+    chosen = np.linspace(0, len(takes) - 1, min(ENOUGH, len(takes))).round().astype(int)
+    clips = [manifold.features(takes[n])[0] for n in chosen]
     first = [clip[:window] for clip in clips]
     moved, itself = {}, {}
     for way in (equation_4(manifold), euclidean(manifold), raw_extremes(manifold)):

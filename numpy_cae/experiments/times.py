@@ -149,7 +149,14 @@ def times(manifold: MotionManifold, material: Material, seed: int = 0) -> Times:
         A testing take is projected; training takes are used where training must be rehearsed.
     seed : int
         Of the rehearsal.
+
+    Raises
+    ------
+    ValueError
+        If no take is held out.
     """
+    if not material.testing:
+        raise ValueError("times needs a held-out take to project, there is none")
     settings = manifold.settings
     schedule = settings["schedule"]
     epochs = {

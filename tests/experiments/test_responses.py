@@ -52,6 +52,7 @@ def test_joints_and_frames_are_counted_by_hand():
     assert limbs["left arm"] == limbs["right leg"] == pytest.approx(0.5)
     uneven = one_filter((wrist, 1, 3.0), (knee, 1, 1.0), (slice(60, 63), 1, 1.0))
     assert uneven.by_limb()[0, LIMBS.index("path")] == pytest.approx(1 / 11)
+    assert one_filter((slice(60, 63), 1, 1.0)).joints() == [0]
     # Energies 9 and 1 of ten: 1 / (0.81 + 0.01).
     assert uneven.joints() == pytest.approx([1 / 0.82])
 

@@ -4,7 +4,16 @@ from dataclasses import replace
 
 import pytest
 
+from numpy_cae.experiments import times as clock
+from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.times import times
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(clock, "ROUNDS", 3)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +52,8 @@ def test_projection_is_timed_and_findings_follow(timed, tmp_path):
     assert f"{1e3 * encode:.2f}" in timed.text()
     timed.save_picture(tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_nothing_held_out_nothing_to_project(small_manifold, labelled):
+    with pytest.raises(ValueError, match="a held-out take"):
+        times(small_manifold, Material(labelled.training, []))
