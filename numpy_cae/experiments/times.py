@@ -36,9 +36,9 @@ class Times:
 
     Parameters
     ----------
-    seconds, epochs : stage to number
-        Of the training, or of its rehearsal.
-    windows, batch : int
+    seconds, epochs, batch : stage to number
+        Of the training, or of its rehearsal; `batch` windows in a step.
+    windows : int
     rehearsed : bool
         Whether the training was only rehearsed, for an epoch.
     projection : name to Timing
@@ -49,8 +49,8 @@ class Times:
 
     seconds: dict[str, float]
     epochs: dict[str, int]
+    batch: dict[str, int]
     windows: int
-    batch: int
     rehearsed: bool
     projection: dict[str, Timing]
     window: int
@@ -70,22 +70,29 @@ class Times:
     def text(self) -> str:
         """Training beside the paper's, then projection."""
         stages = [
-            [stage, str(self.epochs[stage]), f"{seconds / 60:.3g}", f"{self.scaled(stage):.1f}",
-             str(MINUTES.get(stage, ""))]
+            [stage, str(self.epochs[stage]), str(self.batch[stage]), f"{seconds / 60:.3g}",
+             f"{self.scaled(stage):.1f}", str(MINUTES.get(stage, ""))]
             for stage, seconds in self.seconds.items()
         ]  # fmt: skip
         stages.append(
-            ["all", "", f"{sum(self.seconds.values()) / 60:.3g}", f"{self.total:.1f}",
+            ["all", "", "", f"{sum(self.seconds.values()) / 60:.3g}", f"{self.total:.1f}",
              str(sum(MINUTES.values()))]
         )  # fmt: skip
-        header = ["stage", "epochs", "minutes", f"of {WINDOWS} windows × {EPOCHS} epochs", "paper"]
+        header = [
+            "stage",
+            "epochs",
+            "batch",
+            "minutes",
+            f"of {WINDOWS} windows × {EPOCHS} epochs",
+            "paper",
+        ]
         timed = [
             [name, f"{1e3 * each.median:.2f}", f"±{each.spread:.0%}"]
             for name, each in self.projection.items()
         ]
         what = "One epoch rehearsed now" if self.rehearsed else "Training, as the model recorded it"
         return (
-            f"{what}: {self.windows} windows, {self.batch} in a step.\n\n"
+            f"{what}, on {self.windows} windows:\n\n"
             f"{text_table(header, stages)}\n\n"
             f"Projection, timed now; a window has {self.window} frames, the take {self.take}:\n\n"
             f"{text_table(['what', 'milliseconds', 'half the quartiles'], timed)}"
@@ -158,15 +165,13 @@ def times(manifold: MotionManifold, material: Material, seed: int = 0) -> Times:
     if not material.testing:
         raise ValueError("times needs a held-out take to project, there is none")
     settings = manifold.settings
-    schedule = settings["schedule"]
-    epochs = {
-        stage: schedule["fine_tuning" if stage == "fine tuning" else "layer"]["epochs"]
-        for stage in settings["losses"]
-    }
+    stages = {stage: _stage(settings["schedule"], stage) for stage in settings["losses"]}
+    epochs = {stage: each["epochs"] for stage, each in stages.items()}
+    batch = {stage: each["batch"] for stage, each in stages.items()}
     seconds, windows = settings.get("seconds"), settings["windows"]
     rehearsed = seconds is None or not all(epochs.values())
     if rehearsed:
-        seconds, windows = _rehearse(manifold, material, schedule["batch"], seed)
+        seconds, windows = _rehearse(manifold, material, batch, seed)
         epochs = dict.fromkeys(seconds, 1)
     lengths = [len(take.positions) for take in material.testing]
     middle = material.testing[int(np.argsort(lengths)[len(lengths) // 2])].positions
@@ -182,18 +187,26 @@ def times(manifold: MotionManifold, material: Material, seed: int = 0) -> Times:
         ROUNDS,
     )
     return Times(
-        seconds, epochs, windows, schedule["batch"], rehearsed, projection,
-        window.shape[1], len(middle),
-    )  # fmt: skip
+        seconds, epochs, batch, windows, rehearsed, projection, window.shape[1], len(middle)
+    )
+
+
+def _stage(schedule: dict, stage: str) -> dict:
+    """What the schedule says of a stage; models of an earlier version had one batch for all."""
+    said = schedule["fine_tuning" if stage == "fine tuning" else "layer"]
+    return {"batch": schedule.get("batch", 1), **said}
 
 
 def _rehearse(
-    manifold: MotionManifold, material: Material, batch: int, seed: int
+    manifold: MotionManifold, material: Material, batch: dict[str, int], seed: int
 ) -> tuple[dict[str, float], int]:
     """One epoch of every stage, of a network of the same shape that nobody needs afterwards."""
     clips = clips_of(manifold, [take.positions for take in material.training])
     x = clips.evenly(REHEARSED).x
-    once = Schedule(Stage(epochs=1), Stage(1, 0.01, alpha=0.0), batch=batch)
+    once = Schedule(
+        Stage(epochs=1, batch=batch["layer 1"]),
+        Stage(epochs=1, rate=0.01, alpha=0.0, batch=batch["fine tuning"]),
+    )
     network = untrained(manifold, seed).network
     history = train_autoencoder(network, x, once, np.random.default_rng(seed), show_progress=False)
     return history.seconds, len(x)
