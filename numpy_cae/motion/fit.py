@@ -23,6 +23,9 @@ _TIPS = {
     "right_toe": (0.0, 0.0, 0.06),
 }
 
+_HOLD = 1e-7
+"""τ of `fan`: a T-pose is no place to stay near to, so it settles only what is left open."""
+
 
 def body_skeleton(lengths: np.ndarray) -> Skeleton:
     """The twenty joints as a skeleton in a T-pose, facing +Z.
@@ -96,4 +99,4 @@ def _fitted(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> tuple[Rotat
 def _turns(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> Rotation:
     """From the joint above's rotation on, the turn that follows the bones best."""
     before = np.stack([above.apply(bone) for bone in rest], axis=1)
-    return fan(before, bones) * above
+    return fan(before, bones, _HOLD) * above

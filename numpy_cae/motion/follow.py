@@ -31,9 +31,14 @@ _TURNED = 1e-9
 _MOVED = 1e-6
 """Metres. A joint further from its offset than this carries the body through the world."""
 
-_MENDED = 0.1
+_MENDED = 0.3
 """How much a bone with joints in between counts in a fan: those can still point it right, while
 the hips sit where the pelvis has them. Alone it turns no fan."""
+
+_HOLD = 0.03
+"""τ of `fan`. CMU's collars begin at one point, so all bones of its chest lie nearly along one
+line, and about it an error of a centimetre would turn the chest by a right angle. More, and turns
+that were asked for are held back (lessons/papers_to_code.md)."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +107,24 @@ def follow(motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None
                 turns = turn.magnitude() > _TURNED
             else:
                 mended = np.array([_turns_left(bone, joint, through) > 0 for bone in bones])
-                turn = fan(seen * np.where(mended, _MENDED, 1.0)[:, None], wanted)
+                turn = fan(seen * np.where(mended, _MENDED, 1.0)[:, None], wanted, _HOLD)
                 decides = ~mended | mended.all()
                 misses = np.linalg.norm(wanted - seen, axis=-1) > _TURNED
                 turns = misses[:, decides].any(axis=1) & (turn.magnitude() > _TURNED)
+                # Asked to stay, the fan turns back exactly, where a fit would be near.
+                were = np.stack([before[:, b.end] - before[:, joint] for b in bones], axis=1)
+                stay = np.abs(wanted - were).max(axis=(1, 2)) < _TURNED
+                turn = _either(stay, turned_before[joint] * here.inv(), turn)
             if turns.any():
-                here = Rotation.from_quat(
-                    np.where(turns[:, None], (turn * here).as_quat(), here.as_quat())
-                )
+                here = _either(turns, turn * here, here)
                 rotations[turns, joint] = (above.inv() * here).as_quat()[turns]
         turned.append(here)
     return replace(motion, rotations=rotations, translations=translations)
+
+
+def _either(chosen: np.ndarray, one: Rotation, other: Rotation) -> Rotation:
+    """Frame by frame, `one` where it is chosen, else `other`."""
+    return Rotation.from_quat(np.where(chosen[:, None], one.as_quat(), other.as_quat()))
 
 
 def moves_alone(motion: Motion, joint: str, mapping: dict[str, str] | None = None) -> bool:

@@ -5,17 +5,15 @@ leaves the bone's twist as it was. A fan of bones a_i to b_i: the rotation R tha
 
     Σ_i |b_i - R a_i|²      R = U diag(1, 1, det UVᵀ) Vᵀ,   with Σ_i b_i a_iᵀ = U S Vᵀ
 
-(Kabsch 1976). A diagonal added to that sum settles what the fan leaves open.
+(Kabsch 1976). A diagonal τ Σ_i |a_i|² added to that sum is the wish not to turn: it settles what
+the fan leaves open and damps what it hardly tells. A second pass, from where the first one led,
+gives back most of what the wish held back of a turn that the fan does tell.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-
-_TIE = 1e-7
-"""The weight of "don't turn" beside the fan's own: it decides where bones lie along one line and
-leave the turn about it open, and hardly moves anything else."""
 
 
 def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation:
@@ -43,20 +41,28 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation
     return Rotation.from_rotvec(_unit(axis) * (share * np.arctan2(sine, cosine))[:, None])
 
 
-def fan(before: np.ndarray, after: np.ndarray) -> Rotation:
+def fan(before: np.ndarray, after: np.ndarray, hold: float) -> Rotation:
     """The rotations that bring each frame's fan of bones `before` nearest to `after`.
 
     Parameters
     ----------
     before, after : (F, N, 3) arrays of float
         Long bones count more than short ones, and bones without length not at all.
+    hold : float
+        τ, above 0: the wish not to turn.
 
     Returns
     -------
     Rotation of F
-        Where bones lie along one line, without a turn about it.
+        About an axis that the bones hardly tell, such as the line that all lie along, hardly any.
     """
-    tie = _TIE * np.sum(before**2, axis=(1, 2))[:, None, None] + 1e-300
+    first = _held_fan(before, after, hold)
+    ahead = np.stack([first.apply(bone) for bone in before.transpose(1, 0, 2)], axis=1)
+    return _held_fan(ahead, after, hold) * first
+
+
+def _held_fan(before: np.ndarray, after: np.ndarray, hold: float) -> Rotation:
+    tie = hold * np.sum(before**2, axis=(1, 2))[:, None, None] + 1e-300
     u, _, vt = np.linalg.svd(after.transpose(0, 2, 1) @ before + tie * np.eye(3))
     u[:, :, 2] *= np.linalg.det(u @ vt)[:, None]  # else it could be a reflection
     return Rotation.from_matrix(u @ vt)

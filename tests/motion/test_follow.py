@@ -257,13 +257,24 @@ def test_a_swing_straight_back_and_of_nothing():
     np.testing.assert_array_equal(turn.magnitude()[1:], 0)
 
 
-@given(seed=st.integers(0, 999))
-def test_a_fan_that_was_turned_is_turned_back(seed):
+@given(seed=st.integers(0, 999), size=st.floats(0.1, 1.5))
+def test_a_fan_that_was_turned_is_turned_back(seed, size):
     rng = np.random.default_rng(seed)
-    before = rng.normal(size=(4, 3, 3))
-    turn = Rotation.random(4, rng)
+    before = np.eye(3) + rng.normal(0, 0.1, (4, 3, 3))
+    turn = Rotation.from_rotvec(swing_axes(rng, 4) * size)
     after = np.stack([one.apply(bones) for one, bones in zip(turn, before, strict=True)])
-    assert (fan(before, after) * turn.inv()).magnitude().max() < 0.01
-    weights = rng.normal(size=(4, 1, 1))
-    along = weights * np.array([[1.0], [2.0], [-1.0]]) * before[:, :1]
-    assert fan(along, along).magnitude().max() < 1e-9
+    assert (fan(before, after, 0.03) * turn.inv()).magnitude().max() < 0.02 * size
+
+
+def swing_axes(rng, count):
+    axes = rng.normal(size=(count, 3))
+    return axes / np.linalg.norm(axes, axis=1, keepdims=True)
+
+
+@given(seed=st.integers(0, 999))
+def test_a_fan_along_one_line_does_not_turn_about_it(seed):
+    rng = np.random.default_rng(seed)
+    before = np.array([0.2, 0.25, 0.3])[:, None] * swing_axes(rng, 5)[:, None]
+    shaken = before + rng.normal(0, 0.005, before.shape)
+    np.testing.assert_array_less(fan(before, before, 0.03).magnitude(), 1e-7)
+    assert np.degrees(fan(shaken, before, 0.03).magnitude().max()) < 20
