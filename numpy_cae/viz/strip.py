@@ -54,8 +54,11 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     reach = np.concatenate([pose.reshape(-1, 2) for row in drawn for pose in row])
     wide = 1.12 * max(np.ptp(reach[:, 0]), 0.5)
     low, high = reach[:, 1].min() - 0.12, reach[:, 1].max() + 0.15
+    # A pose that reaches far to one side of its middle (a press-up) is not cut off at the edge.
+    left = min(-0.55 * wide, reach[:, 0].min() - 0.05)
+    right = max(0.55 * wide, reach[:, 0].max() + 0.05) + (len(moments) - 1) * wide
     width = 1.25 * len(moments)
-    figure = Figure(figsize=(width, len(actors) * width * (high - low) / (wide * len(moments))))
+    figure = Figure(figsize=(width, len(actors) * width * (high - low) / (right - left)))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     for row, (actor, pictures) in enumerate(zip(actors, drawn, strict=True)):
         axes = figure.add_subplot(len(actors), 1, row + 1)
@@ -69,7 +72,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
         if actor.label:
             name = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
             axes.text(0.004, 0.98, actor.label, transform=axes.transAxes, va="top", **name)
-        axes.set(xlim=(-0.55 * wide, (len(moments) - 0.45) * wide), ylim=(low, high))
+        axes.set(xlim=(left, right), ylim=(low, high))
         axes.set_aspect("equal")
         axes.axis("off")
     return figure

@@ -1,0 +1,99 @@
+"""`report` as a person types it, on a folder of synthetic takes and a tiny network."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from data_synth import plan_takes, write_series
+from numpy_cae.cli import main
+from numpy_cae.experiments.reported import REPORTED
+from numpy_cae.manifold import load_manifold, save_manifold
+
+TINY = (
+    "--epochs 1 --fine-epochs 1 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
+    "--quiet"
+).split()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    motions = tmp_path_factory.mktemp("motions")
+    write_series(plan_takes(1.0, seed=2, kinds=["walk", "press_ups"]), motions, rate=30.0)
+    return motions
+
+
+@pytest.fixture(scope="module")
+def model(folder, tmp_path_factory):
+    """Says of itself which takes it was not trained on."""
+    file = tmp_path_factory.mktemp("model") / "model.npz"
+    assert main(["train", str(folder), "-o", str(file), "--test", "*_01.bvh", *TINY]) == 0
+    manifold = load_manifold(file)
+    manifold.settings["test"] = ["*_01.bvh"]
+    save_manifold(manifold, file)
+    return file
+
+
+def run(*argv) -> int:
+    return main(["report", *map(str, argv)])
+
+
+def test_it_writes_a_page_and_the_same_as_text(folder, model, tmp_path, capsys):
+    out = tmp_path / "new"
+    words = ["--data", folder, "-m", model, "-o", out, "--processes", 1]
+    assert run(*words, "--only", "sampling", "lengths") == 0
+    captured = capsys.readouterr()
+    assert "[2/2]" in captured.err
+    assert "claims held" in captured.out
+    html, text = ((out / name).read_text() for name in ("report.html", "report.txt"))
+    assert html.count('<section id="') == 2
+    assert "data:image/png;base64," in html
+    assert "| fitted prior " in text
+    assert "*_01.bvh" in text
+    assert f"NumPy {np.__version__}" in text
+    assert sorted(path.name for path in out.iterdir()) == ["report.html", "report.txt"]
+
+
+def test_two_processes_find_what_one_finds(folder, model, tmp_path):
+    tables = []
+    for processes in (1, 2):
+        out = tmp_path / str(processes)
+        words = ["--data", folder, "-m", model, "-o", out, "--processes", processes]
+        assert run(*words, "--only", "lengths", "shift") == 0
+        lines = (out / "report.txt").read_text().splitlines()
+        tables.append([line for line in lines if line.startswith("|")])
+    assert tables[0] == tables[1]
+    assert len(tables[0]) > 5
+
+
+def test_what_the_material_lacks_is_said_and_the_rest_is_written(folder, model, tmp_path, capsys):
+    lonely = tmp_path / "few"
+    lonely.mkdir()
+    for path in sorted(folder.rglob("*.bvh"))[:3]:
+        (lonely / path.name).write_bytes(path.read_bytes())  # without labels.csv
+    words = ["--data", lonely, "-m", model, "-o", tmp_path / "out", "--only"]
+    assert run(*words, "interpolation", "lengths", "--processes", 1) == 0
+    assert "could not be run" in capsys.readouterr().err
+    assert "Clips of any length" in (tmp_path / "out" / "report.txt").read_text()
+
+
+def test_it_refuses_to_measure_on_takes_that_were_learned_from(folder, model, tmp_path, capsys):
+    mute = tmp_path / "mute.npz"
+    manifold = load_manifold(model)
+    manifold.settings.pop("test")
+    save_manifold(manifold, mute)
+    out = tmp_path / "out"
+    assert run("--data", folder, "-m", mute, "-o", out) == 2
+    assert "--test" in capsys.readouterr().err
+    assert run("--data", folder, "-m", model, "-o", out, "--test", "*_02.bvh") == 2
+    assert "may be ones that it has seen" in capsys.readouterr().err
+    assert not out.exists()
+    assert run("--data", folder, "-m", mute, "-o", out, "--test", "no_such*") == 2
+    assert "holds no take to test" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as exit_:
+        run("--data", folder, "-m", model, "-o", out, "--only", "nonsense")
+    assert exit_.value.code == 2
+
+
+def test_every_experiment_is_named_after_itself():
+    assert all(name == experiment.__name__ for name, experiment in REPORTED.items())
