@@ -14,6 +14,7 @@ from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import LENGTH, cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
+ALL_SHIFTS = "the network, ends held, all shifts"
 """What `project` and `project_ends_held` are called in tables."""
 
 
@@ -111,10 +112,11 @@ def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
     return project_shifted(manifold.network, x)
 
 
-def project_ends_held(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
+def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) -> np.ndarray:
     """Φ†(Φ(X)) of windows whose first and last frames are held beyond their ends, as
-    `MotionManifold.project` does with a clip."""
-    return cut_ends(manifold, project(manifold, hold_ends(manifold, x)), x.shape[1])
+    `MotionManifold.project` does with a clip; the mean over so many shifts."""
+    projected = project_shifted(manifold.network, hold_ends(manifold, x), shifts)
+    return cut_ends(manifold, projected, x.shape[1])
 
 
 def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:

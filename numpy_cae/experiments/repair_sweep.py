@@ -14,7 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.baselines import Moments, interpolate_linearly
-from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project, project_ends_held
+from numpy_cae.experiments.clips import (
+    ALL_SHIFTS,
+    ENDS_HELD,
+    NETWORK,
+    Clips,
+    project,
+    project_ends_held,
+)
 from numpy_cae.experiments.contenders import (
     MEDIAN,
     PCA_ON_FRAMES,
@@ -39,6 +46,7 @@ COLOURS = {
     CORRUPTED_ROW: CORRUPTED,
     NETWORK: "#8fb8e8",
     ENDS_HELD: PROJECTED,
+    ALL_SHIFTS: "#123f7a",
     LINEAR: "#222222",
     MEDIAN: "#9c6bb3",
     SAVITZKY_GOLAY: "#b59a3c",
@@ -63,6 +71,8 @@ class RepairSweep:
         Error of the network on undamaged windows, cm.
     sample : str
         What it was measured on.
+    taught_rescaled : bool
+        Whether the network was trained on X_c / (1 - p), so that this is its plain use.
     """
 
     blind: dict[str, list[float]]
@@ -70,6 +80,7 @@ class RepairSweep:
     chosen: dict[str, list[str]]
     floor: float
     sample: str
+    taught_rescaled: bool = False
     title: str = "Repair: values set to zero"
 
     def winners(self) -> list[str]:
@@ -90,7 +101,7 @@ class RepairSweep:
                 "which values were lost, though a value of exactly zero gives it away to anyone "
                 "who looks; rescaling, the linear denoiser and the chosen settings know p. Ends "
                 "held: beyond a window the network sees its first and last frame, not the mean "
-                "pose.",
+                "pose. All shifts: the mean of its projections at all places of its pooling grid.",
                 table("blind", self.blind),
                 f"Least error: {self._winners()}.",
                 "Where the holes are known the problem is another and easier one:",
@@ -113,7 +124,8 @@ class RepairSweep:
         """What the paper says of p = 0.5, and what it does not ask."""
         half = PS.index(0.5)
         at = {name: errors[half] for name, errors in self.blind.items()}
-        plain, corrupted = at[NETWORK], at[CORRUPTED_ROW]
+        rescaled = RESCALED if self.taught_rescaled else ""
+        plain, corrupted = at[NETWORK + rescaled], at[CORRUPTED_ROW]
         best = min(error for name, error in at.items() if name.startswith(NETWORK))
         pca = min(error for name, error in at.items() if name.startswith("PCA"))
         return [
@@ -123,8 +135,9 @@ class RepairSweep:
                 "left).",
                 plain < corrupted / 2,
                 f"{corrupted:.2f} cm before, {plain:.2f} cm after, {plain / corrupted:.2f} of it "
-                f"({at[ENDS_HELD]:.2f} cm with the ends of a window held, "
-                f"{at[ENDS_HELD + RESCALED]:.2f} cm from rescaled input too); an undamaged motion "
+                f"({at[ENDS_HELD + rescaled]:.2f} cm with the ends of a window held, "
+                f"{at[ALL_SHIFTS + RESCALED]:.2f} cm with that, from rescaled input and as the "
+                "mean over all shifts of the pooling grid); an undamaged motion "
                 f"comes back {self.floor:.2f} cm off.",
             ),
             Finding(
@@ -175,7 +188,8 @@ def repair_sweep(manifold: MotionManifold, material: Material, seed: int = 0) ->
     choosing, testing = split.choosing, split.testing
     contenders = contenders_of(split)
     moments = Moments.of(split.training.x, split.training.real)
-    table = RepairSweep({}, {}, {}, testing.error(project(manifold, testing.x)), split.text())
+    floor = testing.error(project(manifold, testing.x))
+    table = RepairSweep({}, {}, {}, floor, split.text(), manifold.rescales)
     for number, p in enumerate(PS):
         rng = np.random.default_rng([seed, number])
         practice, _ = _zeroed(choosing, p, rng)
@@ -193,6 +207,8 @@ def repair_sweep(manifold: MotionManifold, material: Material, seed: int = 0) ->
                 table.chosen.setdefault(name, []).append(str(setting).strip("()"))
             note(table.blind, NETWORK + rescaled, project(manifold, lost * by))
             note(table.blind, ENDS_HELD + rescaled, project_ends_held(manifold, lost * by))
+            shifted = project_ends_held(manifold, lost * by, manifold.shifts)
+            note(table.blind, ALL_SHIFTS + rescaled, shifted)
         note(table.blind, LINEAR, moments.solve(1 - p).repair(lost))
         note(table.told, INTERPOLATED, interpolate_linearly(lost, known))
     return table

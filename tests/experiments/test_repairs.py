@@ -1,11 +1,18 @@
 """Repair and filling in: each table's rows are what they say, and findings follow from them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, clips_of, project_ends_held
+from numpy_cae.experiments.clips import (
+    ALL_SHIFTS,
+    ENDS_HELD,
+    NETWORK,
+    clips_of,
+    project_ends_held,
+)
 from numpy_cae.experiments.kinect import SEEN, kinect
 from numpy_cae.experiments.kinect import TRUE as KINECT_TRUTH
 from numpy_cae.experiments.missing_marker import MEAN_POSE, TOLD, missing_marker
@@ -57,6 +64,7 @@ def test_the_winner_of_the_sweep_is_named_and_findings_follow():
         NETWORK + RESCALED: [5.0] * 9,
         ENDS_HELD: [5.0] * 9,
         ENDS_HELD + RESCALED: [5.0] * 9,
+        ALL_SHIFTS + RESCALED: [5.0] * 9,
         LINEAR: [2.0] * 9,
     }
     table = RepairSweep(rows, {INTERPOLATED: [1.0] * 9}, {}, 1.5, "")
@@ -66,6 +74,9 @@ def test_the_winner_of_the_sweep_is_named_and_findings_follow():
     assert [finding.held for finding in table.findings()] == [True, True, True]
     rows[NETWORK][4] = 4.6
     assert not table.findings()[0].held
+    rows[NETWORK + RESCALED][4] = 4.4
+    assert not table.findings()[0].held
+    assert replace(table, taught_rescaled=True).findings()[0].held
 
 
 def test_the_sweep_draws_its_picture(sweep, tmp_path):
