@@ -21,7 +21,8 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
 
     The clip is continued as `MotionManifold.project` does it, its first and its last frame held as
     far as a unit sees, so that nothing is drawn to the mean pose at its ends. Units that stand on
-    held frames alone are left out again: they are of a motion that did not happen.
+    held frames alone are left out again: they are of a motion that did not happen. The pooling grid
+    begins with the clip, so that not even the unit at its end sees beyond what is held.
 
     Parameters
     ----------
