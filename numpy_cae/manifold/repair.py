@@ -3,11 +3,9 @@ Data")."""
 
 from __future__ import annotations
 
+from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.body import at_rate_of, body_of
-from numpy_cae.motion.features import features_to_positions
-from numpy_cae.motion.follow import follow
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.body import body_of
 from numpy_cae.motion.motion import Motion
 
 
@@ -38,9 +36,6 @@ def repair(
     UnknownRigError
         If joints are missing.
     """
-    positions = body_of(motion, mapping)
-    own = bone_lengths(positions)
-    features, start = manifold.features(positions)
-    projected = features_to_positions(manifold.project(features, manifold.shifts), start)
-    asked = change_lengths(projected, manifold.lengths, own)
-    return follow(motion, at_rate_of(motion, asked), mapping)
+    features, start = manifold.features(body_of(motion, mapping))
+    projected = manifold.project(features, manifold.shifts)
+    return in_rig(manifold, projected, start, motion, mapping)
