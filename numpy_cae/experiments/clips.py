@@ -15,7 +15,8 @@ from numpy_cae.motion.windows import LENGTH, cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
 ALL_SHIFTS = "the network, ends held, all shifts"
-"""What `project` and `project_ends_held` are called in tables."""
+"""What `project` and `project_ends_held` (once, and the mean over all shifts) are called in
+tables."""
 
 
 @dataclass(frozen=True)
@@ -30,19 +31,22 @@ class Clips:
         X: normalised windows, zero the mean pose.
     real : (N, T) array of bool
         Frames that count; False where a short take holds its last pose.
+    take : (N,) array of int
+        Number of the take that a window is of.
     """
 
     manifold: MotionManifold
     x: np.ndarray
     real: np.ndarray
+    take: np.ndarray
 
     def __len__(self) -> int:
         return len(self.x)
 
     def error(self, x: np.ndarray, joint: str | None = None) -> float:
         """The `position_error` of windows, cm, over all joints or one."""
-        features, truth = self.manifold.denormalise(x), self.manifold.denormalise(self.x)
-        return position_error(features, truth, self.real, joint)
+        gap = (x - self.x) / self.manifold.scale  # the mean pose is in both
+        return position_error(gap, np.zeros(gap.shape[-1]), self.real, joint)
 
     def jitter(self, x: np.ndarray) -> float:
         """The `jitter` of windows, m/s², on the paths that their velocities add up to; each window
@@ -77,11 +81,14 @@ class Clips:
     def evenly(self, count: int) -> Clips:
         """At most so many of the windows, spread evenly over all."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
-        return replace(self, x=self.x[chosen], real=self.real[chosen])
+        return self._chosen(chosen, self.real)
 
     def where(self, windows: np.ndarray, frames: np.ndarray) -> Clips:
         """The windows that are chosen, (N,) bool, and of them the frames, (N, T) bool, counted."""
-        return replace(self, x=self.x[windows], real=(self.real & frames)[windows])
+        return self._chosen(windows, self.real & frames)
+
+    def _chosen(self, windows: np.ndarray, real: np.ndarray) -> Clips:
+        return replace(self, x=self.x[windows], real=real[windows], take=self.take[windows])
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
@@ -104,7 +111,9 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     length = manifold.settings.get("window", LENGTH)
     cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
     windows = np.concatenate([windows for windows, _ in cut])
-    return Clips(manifold, manifold.normalise(windows), np.concatenate([real for _, real in cut]))
+    take = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
+    real = np.concatenate([real for _, real in cut])
+    return Clips(manifold, manifold.normalise(windows), real, take)
 
 
 def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ MEDIAN, SAVITZKY_GOLAY = "median filter", "Savitzky-Golay filter"
 Repair = Callable[[np.ndarray, object], np.ndarray]
 
 AXES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450)
-LENGTHS = (3, 5, 7, 9, 11, 15, 21, 31)
+LENGTHS = (3, 5, 7, 9, 15)
 POLYNOMIALS = tuple(
     (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
 )

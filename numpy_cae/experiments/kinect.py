@@ -10,7 +10,7 @@ a floor that rises.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ import numpy as np
 from data_synth import see_with_kinect
 from numpy_cae.baselines import Moments
 from numpy_cae.experiments.clips import (
-    ENDS_HELD,
+    ALL_SHIFTS,
     NETWORK,
     Clips,
     clips_of,
@@ -68,12 +68,12 @@ class Kinect:
         """The paper's sentence, for each source; and whether a filter does as well."""
         found = []
         for source, table in self.tables.items():
-            (before, shaken), (after, smooth) = table[SEEN], table[ENDS_HELD]
+            (before, shaken), (after, smooth) = table[SEEN], table[ALL_SHIFTS]
             truth = table[TRUE][1]
             others = {
                 name: error
                 for name, (error, _) in table.items()
-                if name not in (SEEN, NETWORK, ENDS_HELD, TRUE)
+                if name not in (SEEN, NETWORK, ALL_SHIFTS, TRUE)
             }
             best = min(others, key=others.__getitem__)
             found += [
@@ -83,7 +83,7 @@ class Kinect:
                     f"than two thirds of the error is left).",
                     after < before * 2 / 3,
                     f"{before:.2f} cm before, {after:.2f} cm after "
-                    f"({table[NETWORK][0]:.2f} with the mean pose beyond the windows).",
+                    f"({table[NETWORK][0]:.2f} without what `repair` adds).",
                 ),
                 Finding(
                     f"Projection brings its jitter nearer to the truth's ({source} takes).",
@@ -133,7 +133,7 @@ def kinect(manifold: MotionManifold, material: Material, seed: int = 0) -> Kinec
             **{each.name: each.repair(seen, best[each.name]) for each in contenders},
             LINEAR: linear.repair(seen),
             NETWORK: project(manifold, seen),
-            ENDS_HELD: project_ends_held(manifold, seen),
+            ALL_SHIFTS: project_ends_held(manifold, seen, manifold.shifts),
             TRUE: truth.x,
         }
         tables[source] = {name: (truth.error(x), truth.jitter(x)) for name, x in repaired.items()}
@@ -167,7 +167,7 @@ def _evenly(takes: Sequence[LabelledTake], count: int) -> list[LabelledTake]:
 
 def _example(repaired: dict[str, np.ndarray], truth: Clips) -> Example:
     window = truth.typical()
-    alone = replace(truth, x=truth.x[[window]], real=truth.real[[window]])
+    alone = truth.where(np.arange(len(truth)) == window, truth.real)
     return Example.of(
         truth,
         window,
@@ -177,7 +177,7 @@ def _example(repaired: dict[str, np.ndarray], truth: Clips) -> Example:
             else label: (repaired[name], colour)
             for label, name, colour in (
                 ("Kinect", SEEN, CORRUPTED),
-                ("projected", ENDS_HELD, PROJECTED),
+                ("projected", ALL_SHIFTS, PROJECTED),
                 ("truth", TRUE, TRUTH),
             )
         },

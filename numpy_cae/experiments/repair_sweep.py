@@ -39,6 +39,8 @@ from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Curve, curves_figure, save_figure
 
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+HALF = 0.5
+"""The p of the paper's figure 1."""
 CORRUPTED_ROW, LINEAR = "corrupted, X_c", "linear denoiser, 15 frames"
 RESCALED = ", X_c / (1 - p)"
 INTERPOLATED = "linear interpolation, told where the holes are"
@@ -71,6 +73,8 @@ class RepairSweep:
         Error of the network on undamaged windows, cm.
     sample : str
         What it was measured on.
+    half : dict of str to dict of str to float
+        The column of p = 0.5, by source of the takes.
     taught_rescaled : bool
         Whether the network was trained on X_c / (1 - p), so that this is its plain use.
     """
@@ -80,6 +84,7 @@ class RepairSweep:
     chosen: dict[str, list[str]]
     floor: float
     sample: str
+    half: dict[str, dict[str, float]]
     taught_rescaled: bool = False
     title: str = "Repair: values set to zero"
 
@@ -103,6 +108,8 @@ class RepairSweep:
                 "held: beyond a window the network sees its first and last frame, not the mean "
                 "pose. All shifts: the mean of its projections at all places of its pooling grid.",
                 table("blind", self.blind),
+                f"At p = {HALF} by source of the takes:",
+                self._by_source(),
                 f"Least error: {self._winners()}.",
                 "Where the holes are known the problem is another and easier one:",
                 table("holes known", self.told),
@@ -111,6 +118,12 @@ class RepairSweep:
                 self.sample,
             ]
         )
+
+    def _by_source(self) -> str:
+        rows = [
+            [name, *(f"{errors[name]:.2f}" for errors in self.half.values())] for name in self.blind
+        ]
+        return text_table([f"p = {HALF}", *self.half], rows)
 
     def _winners(self) -> str:
         runs = groupby(zip(PS, self.winners(), strict=True), key=lambda pair: pair[1])
@@ -122,7 +135,7 @@ class RepairSweep:
 
     def findings(self) -> list[Finding]:
         """What the paper says of p = 0.5, and what it does not ask."""
-        half = PS.index(0.5)
+        half = PS.index(HALF)
         at = {name: errors[half] for name, errors in self.blind.items()}
         rescaled = RESCALED if self.taught_rescaled else ""
         plain, corrupted = at[NETWORK + rescaled], at[CORRUPTED_ROW]
@@ -189,28 +202,36 @@ def repair_sweep(manifold: MotionManifold, material: Material, seed: int = 0) ->
     contenders = contenders_of(split)
     moments = Moments.of(split.training.x, split.training.real)
     floor = testing.error(project(manifold, testing.x))
-    table = RepairSweep({}, {}, {}, floor, split.text(), manifold.rescales)
+    source = np.array([material.testing[take].source for take in testing.take])
+    of_source = {
+        name: testing.where(source == name, testing.real) for name in sorted(set(source))
+    }
+    half = {name: {} for name in of_source}
+    table = RepairSweep({}, {}, {}, floor, split.text(), half, manifold.rescales)
+
+    def note(p: float, column: dict[str, list[float]], name: str, repaired: np.ndarray) -> None:
+        column.setdefault(name, []).append(testing.error(repaired))
+        if p == HALF:
+            for each, clips in of_source.items():
+                half[each][name] = clips.error(repaired[source == each])
+
     for number, p in enumerate(PS):
         rng = np.random.default_rng([seed, number])
         practice, _ = _zeroed(choosing, p, rng)
         lost, known = _zeroed(testing, p, rng)
-
-        def note(column: dict[str, list[float]], name: str, repaired: np.ndarray) -> None:
-            column.setdefault(name, []).append(testing.error(repaired))
-
-        note(table.blind, CORRUPTED_ROW, lost)
+        note(p, table.blind, CORRUPTED_ROW, lost)
         for rescaled, by in (("", 1.0), (RESCALED, 1 / (1 - p))):
             for contender in _worth_it(contenders, rescaled):
                 setting = contender.best(practice * by, choosing)
                 name = contender.name + rescaled
-                note(table.blind, name, contender.repair(lost * by, setting))
+                note(p, table.blind, name, contender.repair(lost * by, setting))
                 table.chosen.setdefault(name, []).append(str(setting).strip("()"))
-            note(table.blind, NETWORK + rescaled, project(manifold, lost * by))
-            note(table.blind, ENDS_HELD + rescaled, project_ends_held(manifold, lost * by))
+            note(p, table.blind, NETWORK + rescaled, project(manifold, lost * by))
+            note(p, table.blind, ENDS_HELD + rescaled, project_ends_held(manifold, lost * by))
             shifted = project_ends_held(manifold, lost * by, manifold.shifts)
-            note(table.blind, ALL_SHIFTS + rescaled, shifted)
-        note(table.blind, LINEAR, moments.solve(1 - p).repair(lost))
-        note(table.told, INTERPOLATED, interpolate_linearly(lost, known))
+            note(p, table.blind, ALL_SHIFTS + rescaled, shifted)
+        note(p, table.blind, LINEAR, moments.solve(1 - p).repair(lost))
+        note(p, table.told, INTERPOLATED, interpolate_linearly(lost, known))
     return table
 
 

@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
 
 EVERY = 5
 """One training take in so many is chosen on."""
-TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 200
+TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 150
 """At most, spread evenly over all: more changes no figure by much and takes minutes."""
 
 
@@ -81,8 +83,10 @@ def split_of(manifold: MotionManifold, material: Material) -> Split:
 def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str]:
     """The windows to measure on, and a sentence that says which they are."""
     testing = _cut(manifold, material.testing, TESTING_WINDOWS)
+    # Not all takes may be among them.
+    takes = len(np.unique(testing.take))
     return testing, (
-        f"Measured on {len(testing)} windows of {len(material.testing)} takes that nothing was "
+        f"Measured on {len(testing)} windows of {takes} takes that nothing was "
         f"trained on."
     )
 

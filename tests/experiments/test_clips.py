@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import clips_of, hold_ends, project, project_ends_held
+from numpy_cae.experiments.clips import (
+    clips_of,
+    hold_ends,
+    project,
+    project_ends_held,
+)
 from numpy_cae.experiments.split import split_of, split_takes
 from numpy_cae.measures import jitter
 from numpy_cae.motion import features_to_positions
@@ -35,6 +40,13 @@ def test_held_frames_count_in_neither(clips):
     assert cut.jitter(spoilt) == cut.jitter(cut.x)
 
 
+def test_windows_know_their_take(small_manifold, clips, labelled):
+    assert len(np.unique(clips.take)) == len(labelled.testing)
+    alone = clips_of(small_manifold, [labelled.testing[2].positions])
+    np.testing.assert_array_equal(clips.where(clips.take == 2, clips.real).x, alone.x)
+    assert clips.evenly(3).take.tolist() == [0, clips.take[len(clips) // 2], clips.take[-1]]
+
+
 def test_later_is_the_same_motion_after_a_wait(clips):
     late = clips.later(7)
     delayed = np.roll(clips.x, 7, axis=1)
@@ -47,6 +59,13 @@ def test_ends_held_is_what_the_manifold_does_with_a_clip(small_manifold, clips):
     whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
     ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]
     np.testing.assert_allclose(ours, whole, atol=1e-5)
+    shifted = small_manifold.project(
+        small_manifold.denormalise(clips.x[0]), small_manifold.shifts
+    )
+    ours = small_manifold.denormalise(
+        project_ends_held(small_manifold, clips.x[:1], small_manifold.shifts)
+    )[0]
+    np.testing.assert_allclose(ours, shifted, atol=1e-5)
     held = hold_ends(small_manifold, clips.x)
     assert held.shape[1] % small_manifold.network.frames_per_unit == 0
     np.testing.assert_array_equal(held[:, 0], clips.x[:, 0])

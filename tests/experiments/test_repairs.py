@@ -50,6 +50,11 @@ def test_who_is_told_of_few_holes_is_nearly_right_and_beats_everyone(sweep):
     assert all(len(errors) == len(PS) for errors in [*sweep.blind.values(), *sweep.told.values()])
 
 
+def test_a_single_source_has_the_column_of_the_whole(sweep):
+    for name, errors in sweep.blind.items():
+        assert sweep.half["bandai"][name] == pytest.approx(errors[PS.index(0.5)])
+
+
 def test_the_linear_denoiser_beats_filters_which_are_linear_too(sweep):
     for name, errors in sweep.blind.items():
         if name.startswith("Savitzky"):
@@ -67,7 +72,7 @@ def test_the_winner_of_the_sweep_is_named_and_findings_follow():
         ALL_SHIFTS + RESCALED: [5.0] * 9,
         LINEAR: [2.0] * 9,
     }
-    table = RepairSweep(rows, {INTERPOLATED: [1.0] * 9}, {}, 1.5, "")
+    table = RepairSweep(rows, {INTERPOLATED: [1.0] * 9}, {}, 1.5, "", {})
     assert f"{NETWORK} at p = 0.1 to 0.3; {LINEAR} at p = 0.4 to 0.9." in table.text()
     assert [finding.held for finding in table.findings()] == [True, False, False]
     rows[NETWORK][4] = 1.9
@@ -92,7 +97,7 @@ def test_a_kinect_is_noisier_than_the_truth_and_filters_calm_it(small_manifold, 
     assert table["median filter"][1] < table[SEEN][1]
     assert 1 < table[SEEN][0] < 20
     first = result.findings()[0]
-    assert first.held == (table[ENDS_HELD][0] < table[SEEN][0] * 2 / 3)
+    assert first.held == (table[ALL_SHIFTS][0] < table[SEEN][0] * 2 / 3)
     result.save_picture(tmp_path / "a.png")
     assert drawn(tmp_path / "a.png")
 
