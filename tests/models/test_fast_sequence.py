@@ -19,8 +19,9 @@ TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 
 @pytest.fixture(autouse=True)
 def shared_out(monkeypatch):
-    """Few clips would go to one thread; here they are to go to those that they are given."""
-    monkeypatch.setattr(network, "CLIPS_FOR_EACH", 1)
+    """Small networks would use one thread; here they are to use those that they are given."""
+    monkeypatch.setattr(network, "UNITS_FOR_A_CLIP", 1000)
+    monkeypatch.setattr(network, "NUMBERS_FOR_EACH", 1)
 
 
 def drawn(seed, batch, frames, features=3, hidden=4, latent=2, dtype=np.float64):

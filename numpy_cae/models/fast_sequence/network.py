@@ -18,12 +18,13 @@ from numpy_cae.models.sequence_weights import Weights
 CLIPS_AT_ONCE = 128
 """Clips that one workspace holds when no gradient is wanted; more go in parts."""
 
-CLIPS_FOR_EACH = 8
-"""Fewer clips are not shared out."""
+UNITS_FOR_A_CLIP = 16
+"""A member has at least one clip for so many hidden units. With fewer, a step of half the clips
+takes far more than half the time, since all of the weights are read for it; they are then not
+shared out, and BLAS shares the rows of a product among its own threads."""
 
-UNITS_TO_SHARE = 256
-"""With more hidden units than this the clips are not shared out either: each thread would read all
-of the weights, which no longer fit its cache. BLAS shares a product's rows out instead."""
+NUMBERS_FOR_EACH = 1024
+"""And its states have so many numbers: NumPy holds the interpreter for less than 500."""
 
 
 class Workspace:
@@ -175,9 +176,9 @@ class FastSequence:
         return self._workspaces[key]
 
     def _team(self, weights: Weights, batch: int) -> Team:
-        if len(weights["state_b"]) > UNITS_TO_SHARE:
-            return team(1)
-        return team(max(1, min(team(self._threads).size, batch // CLIPS_FOR_EACH)))
+        hidden = len(weights["state_b"])
+        worth = min(batch * UNITS_FOR_A_CLIP // hidden, batch * hidden // NUMBERS_FOR_EACH)
+        return team(max(1, min(team(self._threads).size, worth, batch)))
 
 
 def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:
