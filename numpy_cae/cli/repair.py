@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from numpy_cae.cli import one_motion
 from numpy_cae.manifold import repair
@@ -19,9 +20,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         epilog="example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif",
     )
     one_motion.add_arguments(parser)
+    parser.add_argument(
+        "--constrain",
+        action="store_true",
+        help="keep bone lengths, standing feet and the ground (takes a second for 5 of motion)",
+    )
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, project, write."""
-    return one_motion.change(args, repair)
+    return one_motion.change(args, partial(repair, constrained=args.constrain))

@@ -143,7 +143,7 @@ def evenly(takes: Sequence[LabelledTake], count: int) -> list[LabelledTake]:
 def _measured(manifold: MotionManifold, take: LabelledTake, lost: float, rng: np.random.Generator):
     features, start = manifold.features(take.positions[:LONGEST])
     given = manifold.denormalise(zero_values(manifold.normalise(features), lost, rng))
-    plain = manifold.project(given)
+    plain = manifold.project(given, manifold.shifts)
     contacts = find_contacts(features_to_positions(plain, start), manifold.rate)
     kept = project_constrained(manifold, given, start, contacts)
     motions = {TRUE_ROW: features, PLAIN_ROW: plain, KEPT_ROW: kept}

@@ -82,7 +82,7 @@ def project_constrained(
     """
     start = start or Place()
     units = manifold.encode(features)
-    plain = manifold.decode(units, len(features))
+    plain = manifold.project(features, manifold.shifts)
     positions = features_to_positions(plain, start)
     if contacts is None:
         contacts = find_contacts(positions, manifold.rate)

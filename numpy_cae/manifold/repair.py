@@ -3,6 +3,7 @@ Data")."""
 
 from __future__ import annotations
 
+from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.body import body_of
@@ -10,7 +11,10 @@ from numpy_cae.motion.motion import Motion
 
 
 def repair(
-    motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
+    motion: Motion,
+    manifold: MotionManifold,
+    mapping: dict[str, str] | None = None,
+    constrained: bool = False,
 ) -> Motion:
     """The motion on the manifold that stands for `motion`, on the rig that came in: the mean of its
     projections at all places of the pooling grid (`manifold.blind.project_shifted`).
@@ -25,6 +29,8 @@ def repair(
         Of any rig in which the twenty joints can be found, at any rate.
     manifold : MotionManifold
     mapping : dict of our joint names to the rig's, optional
+    constrained : bool
+        Keep bone lengths, standing feet and the ground: `project_constrained`.
 
     Returns
     -------
@@ -37,5 +43,8 @@ def repair(
         If joints are missing.
     """
     features, start = manifold.features(body_of(motion, mapping))
-    projected = manifold.project(features, manifold.shifts)
+    if constrained:
+        projected = project_constrained(manifold, features, start)
+    else:
+        projected = manifold.project(features, manifold.shifts)
     return in_rig(manifold, projected, start, motion, mapping)
