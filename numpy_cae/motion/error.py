@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+LONGEST = 700
+"""Letters of a complaint."""
+
 
 class MotionFileError(ValueError):
     """A motion file that cannot be read as it stands.
@@ -18,6 +21,9 @@ class MotionFileError(ValueError):
     """
 
     def __init__(self, path: str | Path, line: int | None, problem: str):
+        # A name in a damaged file may be as long as the file.
+        if len(problem) > LONGEST:
+            problem = f"{problem[: LONGEST // 2]} … {problem[-LONGEST // 2 :]}"
         self.path, self.line, self.problem = Path(path), line, problem
         where = f"{path}:{line}" if line is not None else f"{path}"
         super().__init__(f"{where}: {problem}")

@@ -130,12 +130,18 @@ class Motion:
         """
         if rate <= 0:
             raise ValueError(f"rate is {rate}, expected frames a second above 0")
-        step = round(self.rate / rate)
-        # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
-        if step >= 1 and abs(self.rate / rate / step - 1) < 0.005:
+        step = whole_step(self.rate, rate)
+        if step:
             return np.arange(0, len(self), step)
         last = (len(self) - 1) / self.rate * rate
         return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
+
+
+def whole_step(own: float, rate: float) -> int:
+    """Every how many-th frame of a motion at its `own` rate is one at `rate`; 0 where none is."""
+    step = round(own / rate)
+    # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
+    return step if step >= 1 and abs(own / rate / step - 1) < 0.005 else 0
 
 
 def slerp(then: np.ndarray, rotations: np.ndarray, now: np.ndarray) -> np.ndarray:

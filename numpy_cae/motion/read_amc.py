@@ -14,9 +14,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.error import MotionFileError
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.read_asf import AcclaimSkeleton, read_asf
-from numpy_cae.motion.text_file import TextFile, shortened, whole_number
+from numpy_cae.motion.text_file import SLOWEST, TextFile, parsed, shortened, whole_number
 from numpy_cae.motion.units import stature, unit_name
 
 log = logging.getLogger(__name__)
@@ -29,6 +29,7 @@ def read_amc(
     skeleton_path: str | Path | None = None,
     rate: float | None = None,
     unit: float | None = None,
+    wanted: float | None = None,
 ) -> Motion:
     """Read an Acclaim motion.
 
@@ -45,6 +46,8 @@ def read_amc(
         120, the rate of the CMU database.
     unit : float, optional
         Metres in one unit of the files; by default as the skeleton says.
+    wanted : float, optional
+        Frames a second that are enough, as in `read_bvh`.
 
     Returns
     -------
@@ -68,14 +71,15 @@ def read_amc(
     degrees, said_rate, start = _read_header(motion_file, acclaim.degrees)
     if rate is None:
         rate = said_rate or CMU_RATE
-    values = _read_frames(motion_file, acclaim, start)
+    step = 1 if wanted is None else max(1, whole_step(rate, wanted))
+    values = _read_frames(motion_file, acclaim, start, step)
     rotations, translations = _pose(acclaim, values, degrees)
     source = ":units of the skeleton" if unit is None else "as given"
     tall = stature(acclaim.skeleton)
     note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {tall:.1f} m tall)"
     return Motion(
         acclaim.skeleton,
-        float(rate),
+        float(wanted if step > 1 else rate),
         rotations,
         translations,
         acclaim.unit,
@@ -126,18 +130,64 @@ def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float | None, int
             degrees = keyword == ":degrees"
         elif keyword == ":samples-per-second":
             numbers = file.numbers(line, words[1:])
-            if len(numbers) != 1 or numbers[0] <= 0:
-                raise file.error(line, ":SAMPLES-PER-SECOND, expected one number above 0")
+            if len(numbers) != 1 or numbers[0] < SLOWEST:
+                raise file.error(
+                    line, f":SAMPLES-PER-SECOND, expected one number above 0, {SLOWEST:g} or more"
+                )
             rate = numbers[0]
     raise file.error(len(file.lines), "the file ends before the first frame")
 
 
-def _read_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int) -> np.ndarray:
-    """The table (frames, channels), columns in the order of the skeleton's joints."""
+def _read_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int, step: int) -> np.ndarray:
+    """The table (every `step`-th frame, channels), columns in the order of the skeleton's joints.
+
+    A file as programs write it says the same bones in the same order in every frame, and is parsed
+    a bone at a time; any other is read line by line, which finds what is wrong.
+    """
+    values = _regular_frames(file, acclaim, start, step)
+    if values is None:
+        values = _any_frames(file, acclaim, start)[::step]
+    file.require_meaning(len(values), len(acclaim.skeleton.names))
+    return values
+
+
+def _regular_frames(
+    file: TextFile, acclaim: AcclaimSkeleton, start: int, step: int
+) -> np.ndarray | None:
+    """The table where every frame is laid out as the first one, None where one is not."""
+    lines = file.lines[start:]
+    while lines and not lines[-1]:
+        lines.pop()
+    counts = {
+        name: len(channels)
+        for name, channels in zip(acclaim.skeleton.names, acclaim.channels, strict=True)
+        if channels
+    }
+    bones = [text.partition(" ")[0] for text in lines[1 : len(counts) + 1]]
+    height = len(bones) + 1
+    frames, rest = divmod(len(lines), height)
+    first = whole_number(lines[0])
+    if rest or first is None or sorted(bones) != sorted(counts):
+        return None
+    if lines[::height] != [str(number) for number in range(first, first + frames)]:
+        return None
+    columns = {}
+    for place, bone in enumerate(bones, start=1):
+        rows, begin = lines[place :: height * step], f"{bone} "
+        if not all(text.startswith(begin) for text in rows):
+            return None
+        columns[bone] = parsed((text[len(begin) :] for text in rows), len(rows), counts[bone])
+        if columns[bone] is None:
+            return None
+    return np.concatenate([columns[name] for name in counts], axis=1)
+
+
+def _any_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int) -> np.ndarray:
+    """The same, read line by line: a comment, a blank or another order of bones does no harm."""
     names = acclaim.skeleton.names
     counts = {name: len(channels) for name, channels in zip(names, acclaim.channels, strict=True)}
     moving = [name for name, count in counts.items() if count]
-    rows: list[list[float]] = []
+    rows: list[np.ndarray] = []
     frame: dict[str, list[float]] = {}
     number = frame_line = None
 
@@ -145,7 +195,7 @@ def _read_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int) -> np.nda
         missing = [name for name in moving if name not in frame]
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
-        rows.append([value for name in moving for value in frame[name]])
+        rows.append(np.array([value for name in moving for value in frame[name]]))
 
     for line, words in _statements(file, start):
         name = words[0]

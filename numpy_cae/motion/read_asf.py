@@ -253,8 +253,9 @@ def _assemble(file: TextFile, parts: _Parts, unit: float) -> AcclaimSkeleton:
         waiting += [(child, len(names)) for child in reversed(children)]
         names.append(name)
         parents.append(parent)
+    hung = set(names)
     for bone in parts.bones.values():
-        if bone.name not in names:
+        if bone.name not in hung:
             raise file.error(bone.line, f"bone {bone.name!r} hangs nowhere below the root")
 
     def tip(name: str) -> np.ndarray:

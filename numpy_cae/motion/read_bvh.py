@@ -15,15 +15,15 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.bvh_hierarchy import BvhJoint, read_hierarchy
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
-from numpy_cae.motion.text_file import TextFile, shortened, whole_number
+from numpy_cae.motion.text_file import SLOWEST, TextFile, shortened, whole_number
 from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stature, unit_name
 
 log = logging.getLogger(__name__)
 
 
-def read_bvh(path: str | Path, unit: float | None = None) -> Motion:
+def read_bvh(path: str | Path, unit: float | None = None, wanted: float | None = None) -> Motion:
     """Read a BVH file.
 
     Parameters
@@ -32,6 +32,9 @@ def read_bvh(path: str | Path, unit: float | None = None) -> Motion:
     unit : float, optional
         Metres in one unit of length of the file: 0.01 where it is in centimetres. By default
         guessed from the size of the skeleton; `Motion.unit_note` and the log say what was taken.
+    wanted : float, optional
+        Frames a second that are enough. Where leaving frames out makes them, the others are
+        counted and not parsed, and the motion has this rate.
 
     Returns
     -------
@@ -49,9 +52,7 @@ def read_bvh(path: str | Path, unit: float | None = None) -> Motion:
         unit = require_unit(unit)
     file = TextFile.read(path)
     joints, motion_line = read_hierarchy(file)
-    rate, values = _read_motion(
-        file, motion_line, sum(len(joint.channels or []) for joint in joints)
-    )
+    rate, values = _read_motion(file, motion_line, joints, wanted)
     rotations, translations = _pose(joints, values)
     skeleton = _skeleton(joints, 1.0)
 
@@ -109,16 +110,14 @@ def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.nd
     return rotations, translations
 
 
-def _read_motion(file: TextFile, motion_line: int, channels: int) -> tuple[float, np.ndarray]:
+def _read_motion(
+    file: TextFile, motion_line: int, joints: list[BvhJoint], wanted: float | None
+) -> tuple[float, np.ndarray]:
     """Frames a second and the table (frames, channels) below MOTION."""
-    filled = [
-        (line, text)
-        for line, text in enumerate(file.lines[motion_line:], start=motion_line + 1)
-        if text and not text.isspace()
-    ]
-    count_line, promised = _header(file, filled[0:1], r"frames\s*:?\s*(.*)", "Frames: and a number")
+    channels = sum(len(joint.channels or []) for joint in joints)
+    count_line, promised = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
     time_line, time = _header(
-        file, filled[1:2], r"frame\s*time\s*:?\s*(.*)", "Frame Time: and seconds"
+        file, count_line, r"frame\s*time\s*:?\s*(.*)", "Frame Time: and seconds"
     )
     if not whole_number(promised):
         raise file.error(
@@ -128,29 +127,26 @@ def _read_motion(file: TextFile, motion_line: int, channels: int) -> tuple[float
     if channels == 0:
         raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
 
-    rows = []
-    for line, text in filled[2:]:
-        words = text.split()
-        if len(words) != channels:
-            raise file.error(
-                line,
-                f"{len(words)} values, expected {channels}: one line a frame, one value for each "
-                "channel of the hierarchy",
-            )
-        rows.append(file.numbers(line, words))
-    if len(rows) != whole_number(promised):
-        raise file.error(
-            count_line, f"Frames: says {promised}, but {len(rows)} lines of values follow"
-        )
-    return rate, np.array(rows)
+    step = 1 if wanted is None else max(1, whole_step(rate, wanted))
+    values, lines = file.table(
+        time_line,
+        channels,
+        "one line a frame, one value for each channel of the hierarchy",
+        step,
+    )
+    if lines != whole_number(promised):
+        raise file.error(count_line, f"Frames: says {promised}, but {lines} lines of values follow")
+    file.require_meaning(len(values), len(joints))
+    return (wanted if step > 1 else rate), values
 
 
-def _header(
-    file: TextFile, found: list[tuple[int, str]], pattern: str, wanted: str
-) -> tuple[int, str]:
-    if not found:
+def _header(file: TextFile, after: int, pattern: str, wanted: str) -> tuple[int, str]:
+    """The next line that is not blank, its number and what the pattern finds in it."""
+    filled = (number for number in range(after, len(file.lines)) if file.lines[number].strip())
+    line = next(filled, None)
+    if line is None:
         raise file.error(len(file.lines), f"the file ends below MOTION, expected {wanted}")
-    line, text = found[0]
+    text, line = file.lines[line], line + 1
     match = re.fullmatch(pattern, text.strip(), re.IGNORECASE)
     if match is None:
         raise file.error(line, f"expected {wanted}, found {shortened(text.strip())}")
@@ -166,6 +162,8 @@ def _rate(file: TextFile, line: int, time: str) -> float:
     if seconds < 1e-9:
         raise file.error(line, f"Frame Time: {time}, expected seconds above 0")
     rate = 1 / seconds
+    if rate < 0.99 * SLOWEST:
+        raise file.error(line, f"Frame Time: {time}, expected at most {1 / SLOWEST:g} second")
     # .0083333 is how files write 1/120; 0.033367 (29.97 Hz) is its own.
     whole = max(1, round(rate))
     return float(whole) if abs(rate / whole - 1) < 1e-4 else rate

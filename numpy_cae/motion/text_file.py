@@ -6,11 +6,19 @@ counting lines as an editor does, and numbers that are numbers.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
+import numpy as np
+
 from numpy_cae.motion.error import MotionFileError
+
+LARGEST = 1e12
+"""No length and no angle of a motion is as large; sums and products of such numbers are finite."""
+SLOWEST = 1.0
+"""Frames a second. Below it a few frames would be hours, and at 30 a second fill the memory."""
 
 
 @dataclass(frozen=True)
@@ -74,10 +82,68 @@ class TextFile:
         except ValueError:
             values = []
         # Python reads 1_000 as a number; a motion file that says so is damaged.
-        if len(values) < len(words) or "_" in "".join(words) or not all(map(isfinite, values)):
+        if len(values) < len(words) or "_" in "".join(words) or not all(map(_is_usable, values)):
             wrong = next(word for word in words if not _is_number(word))
-            raise self.error(line, f"{shortened(wrong)} is not a number, expected a finite number")
+            raise self.error(
+                line,
+                f"{shortened(wrong)} is not a number, expected a finite number below {LARGEST:g}",
+            )
         return values
+
+    def table(self, first: int, width: int, expected: str, step: int = 1) -> tuple[np.ndarray, int]:
+        """The numbers below a line, as many in each line.
+
+        They are parsed all at once; only where that fails is each line looked at by itself, for the
+        error to say which.
+
+        Parameters
+        ----------
+        first : int
+            The line above them.
+        width : int
+            Numbers in a line.
+        expected : str
+            What a line should be, for the error.
+        step : int
+            Only every such line is parsed; the others are counted.
+
+        Returns
+        -------
+        (rows, width) array of float64
+        lines : int
+            That are not blank, parsed or not.
+        """
+        # Not the lines below, sliced: that would be a copy of the whole file's list.
+        rows = [
+            number
+            for number in range(first, len(self.lines))
+            if self.lines[number] and not self.lines[number].isspace()
+        ]
+        values = parsed((self.lines[number] for number in rows[::step]), len(rows[::step]), width)
+        if values is None:
+            values = np.empty((len(rows[::step]), width))
+            for row, number in enumerate(rows[::step]):
+                words = self.lines[number].split()
+                if len(words) != width:
+                    raise self.error(
+                        number + 1, f"{len(words)} values, expected {width}: {expected}"
+                    )
+                values[row] = self.numbers(number + 1, words)
+        return values, len(rows)
+
+    def require_meaning(self, frames: int, joints: int) -> None:
+        """Refuse more poses than a file of this size can mean.
+
+        A joint that never turns costs nothing in a file and a quaternion a frame in memory: a small
+        file with many of them and many short lines would fill it.
+        """
+        letters = sum(map(len, self.lines)) + len(self.lines)
+        if frames * joints > 4 * letters + 100_000:
+            raise self.error(
+                None,
+                f"{frames} frames of {joints} joints, of which almost none has values: expected a "
+                "motion",
+            )
 
     def three_numbers(self, line: int, words: list[str], what: str) -> list[float]:
         """x, y and z; `what` names them in the error."""
@@ -86,15 +152,32 @@ class TextFile:
         return self.numbers(line, words)
 
 
+def parsed(lines: Iterable[str], rows: int, width: int) -> np.ndarray | None:
+    """The lines as (rows, width) float64 in one go, None where they are anything else."""
+    if rows == 0:
+        return None
+    try:
+        values = np.loadtxt(lines, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    # NaN is not below anything either.
+    good = values.shape == (rows, width) and np.abs(values).max() < LARGEST
+    return values if good else None
+
+
 def whole_number(text: str) -> int | None:
     """The text as a whole number from 0 up, None where it is none."""
     # No count of anything in a motion file has more digits than this.
     return int(text) if text.isdecimal() and len(text) < 19 else None
 
 
+def _is_usable(value: float) -> bool:
+    return isfinite(value) and abs(value) < LARGEST
+
+
 def _is_number(word: str) -> bool:
     try:
-        return isfinite(float(word)) and "_" not in word
+        return _is_usable(float(word)) and "_" not in word
     except ValueError:
         return False
 
