@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion import find_motion_files, load_body
+from numpy_cae.motion import MotionFileError, find_motion_files, load_body
 
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
 _LABELS = "labels.csv"
@@ -117,5 +117,15 @@ def _label_rows(folder: Path) -> dict[str, dict[str, str]]:
 @lru_cache(maxsize=16)
 def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
     # Once a table, not once a file of it; `changed` is there so that a new table is read anew.
-    with open(table, newline="", encoding="utf-8") as file:
-        return {row["file"]: row for row in csv.DictReader(file) if "file" in row}
+    try:
+        with open(table, newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file, strict=True)
+            rows = list(reader)
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise MotionFileError(table, None, f"is no table of labels: {error}") from None
+    if "file" not in (reader.fieldnames or ()):
+        return {}  # somebody else's labels
+    for number, row in enumerate(rows, start=2):
+        if not all(row.get(column) is not None for column in ("file", "kind", "style")):
+            raise MotionFileError(table, number, "expected the columns file, kind and style")
+    return {row["file"]: row for row in rows}

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.manifold.model_arrays import checked, load_arrays, save_arrays
+from numpy_cae.manifold.model_arrays import (
+    checked,
+    load_arrays,
+    positive,
+    save_arrays,
+    text,
+)
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import FEATURES
@@ -47,19 +54,22 @@ def load_manifold(path: str | Path) -> MotionManifold:
 
 
 def _assembled(arrays: dict[str, np.ndarray]) -> MotionManifold:
-    if tuple(arrays["joints"]) != JOINTS:
+    if not np.array_equal(arrays["joints"], JOINTS):
         raise ValueError("its twenty joints are not the ones of this version")
-    count = sum(name[0] == "w" and name[1:].isdigit() for name in arrays)
-    filters = [len(arrays[f"b{index + 1}"]) for index in range(count)]
-    network = ConvAutoencoder(FEATURES, filters, len(arrays["w1"]), float(arrays["bound"]))
+    count = max(1, sum(f"w{index + 1}" in arrays for index in range(len(arrays))))
+    taps, filters = len(arrays["w1"]), [arrays[f"b{index + 1}"].size for index in range(count)]
+    # Before the network is made: it is as large as these say.
+    for index, (below, above) in enumerate(pairwise((FEATURES, *filters))):
+        checked(arrays, f"w{index + 1}", (taps, below, above))
+        checked(arrays, f"b{index + 1}", (above,))
+    network = ConvAutoencoder(FEATURES, filters, taps, float(checked(arrays, "bound", ())))
     for index, layer in enumerate(network.layers):
-        layer.w = checked(arrays, f"w{index + 1}", layer.w.shape)
-        layer.b = checked(arrays, f"b{index + 1}", layer.b.shape)
+        layer.w, layer.b = arrays[f"w{index + 1}"], arrays[f"b{index + 1}"]
     return MotionManifold(
         network.freeze(),
         checked(arrays, "mean_pose", (FEATURES,)),
-        checked(arrays, "scale", (FEATURES,)),
+        positive(arrays, "scale", (FEATURES,)),
         checked(arrays, "lengths", (len(JOINTS),)),
-        float(checked(arrays, "rate", ())),
-        json.loads(str(arrays["settings"])),
+        float(positive(arrays, "rate", ())),
+        text(arrays, "settings"),
     )

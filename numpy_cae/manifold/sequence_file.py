@@ -7,7 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.manifold.model_arrays import checked, load_arrays, save_arrays
+from numpy_cae.manifold.model_arrays import (
+    checked,
+    load_arrays,
+    positive,
+    save_arrays,
+    text,
+)
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion.angle_table import TABLES
@@ -44,24 +50,23 @@ def load_sequences(path: str | Path) -> SequenceManifold:
 
 def _assembled(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     table = TABLES.get(str(arrays["table"]))
-    if table is None or tuple(arrays["columns"]) != table.columns:
+    if table is None or not np.array_equal(arrays["columns"], table.columns):
         raise ValueError("its table of numbers is none of this version")
     if arrays["state_w"].ndim != 2:
         raise ValueError("state_w is no matrix")
     latent, hidden = arrays["state_w"].shape
     numbers = len(table.columns)
+    if hidden**2 > sum(array.size for array in arrays.values()):
+        raise ValueError("its weights are smaller than state_w says")
     network = SequentialAutoencoder(numbers, hidden, latent)
     for name, weight in network.weights.items():
         weight[...] = checked(arrays, name, weight.shape)
-    deviation = checked(arrays, "deviation", (numbers,))
-    if np.any(deviation <= 0):
-        raise ValueError("deviation holds values that are not above 0")
     return SequenceManifold(
         network,
         checked(arrays, "mean", (numbers,)),
-        deviation,
+        positive(arrays, "deviation", (numbers,)),
         table,
         checked(arrays, "offsets", (len(table.joints), 3)),
-        json.loads(str(arrays["settings"])),
-        float(checked(arrays, "rate", ())),
+        text(arrays, "settings"),
+        float(positive(arrays, "rate", ())),
     )

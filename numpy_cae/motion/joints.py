@@ -131,7 +131,7 @@ def read_mapping(path: str | Path) -> dict[str, str]:
     """
     try:
         mapping = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise UnknownRigError(f"{path}: not JSON: {error}") from None
     if not isinstance(mapping, dict) or not all(isinstance(v, str) for v in mapping.values()):
         raise UnknownRigError(f'{path}: expected an object such as {{"hips": "pelvis", …}}')
