@@ -3,11 +3,18 @@ Data")."""
 
 from __future__ import annotations
 
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
 from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.body import body_of
+from numpy_cae.motion.features import VELOCITY, Place, steps_along, way_of
 from numpy_cae.motion.motion import Motion
+
+WAY_SECONDS = 1 / 3
+"""Spread of the Gaussian that tells the slow part of a way, as for the heading."""
 
 
 def repair(
@@ -20,8 +27,9 @@ def repair(
     projections at all places of the pooling grid (`manifold.blind.project_shifted`).
 
     What the file has between two poses at the manifold's rate is as damaged as they are. So the
-    twenty joints follow the projected poses alone, smoothly joined; the joints beyond them
-    (fingers, tips) and the twist of bones, of which positions say nothing, stay as they came.
+    twenty joints follow the projected poses alone, smoothly joined, along the file's way; the
+    joints beyond them (fingers, tips) and the twist of bones, of which positions say nothing,
+    stay as they came.
 
     Parameters
     ----------
@@ -44,7 +52,45 @@ def repair(
     """
     features, start = manifold.features(body_of(motion, mapping))
     if constrained:
-        projected = project_constrained(manifold, features, start)
-    else:
-        projected = manifold.project(features, manifold.shifts)
-    return in_rig(manifold, projected, start, motion, mapping)
+        # Its feet stand in the world: another way would let them slide.
+        return in_rig(
+            manifold, project_constrained(manifold, features, start), start, motion, mapping
+        )
+    projected = manifold.project(features, manifold.shifts)
+    kept, start = kept_on_way(features, projected, start, manifold.rate)
+    return in_rig(manifold, kept, start, motion, mapping)
+
+
+def kept_on_way(
+    features: np.ndarray, projected: np.ndarray, start: Place, rate: float
+) -> tuple[np.ndarray, Place]:
+    """Projected features that lead where the motion's own did.
+
+    A network's velocity and turn are summed up to a way, and with them all of their errors: after a
+    few seconds the body would stand far off and face elsewhere. So only what is quick in the way is
+    the projection's; what is slow, seen by a Gaussian g of `WAY_SECONDS`, is the file's:
+
+        h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
+
+    Parameters
+    ----------
+    features, projected : (F, 63) arrays of float
+        Of the motion, and what became of them.
+    start : Place
+        Of the motion.
+    rate : float
+        Frames a second.
+
+    Returns
+    -------
+    features : (F, 63) array of float64
+        `projected` but for velocity and turn.
+    start : Place
+    """
+    (own_floor, own_theta), (floor, theta) = way_of(features, start), way_of(projected, start)
+    sigma = WAY_SECONDS * rate
+    floor = floor + gaussian_filter1d(own_floor - floor, sigma, axis=0, mode="nearest")
+    theta = theta + gaussian_filter1d(own_theta - theta, sigma, mode="nearest")
+    kept = projected.copy()
+    kept[:, VELOCITY.start :] = steps_along(floor, theta)
+    return kept, Place(floor[0, 0], floor[0, 2], theta[0])

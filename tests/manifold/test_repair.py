@@ -7,9 +7,13 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.manifold import MotionManifold, repair
+from numpy_cae.manifold.repair import kept_on_way
 from numpy_cae.measures import position_error
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import (
+    POSITIONS,
+    TURN,
+    VELOCITY,
     body_of,
     body_positions,
     bone_lengths,
@@ -18,6 +22,7 @@ from numpy_cae.motion import (
     read_bvh,
     write_bvh,
 )
+from numpy_cae.motion.features import way_of
 
 
 @pytest.fixture(scope="module")
@@ -115,3 +120,36 @@ def test_fingers_are_carried_along_and_a_wrong_pose_moves(manifold):
     asked = manifold.project(manifold.features(body_of(motion))[0])
     came = manifold.features(body_of(motion))[0]
     assert position_error(there, asked) < position_error(came, asked)
+
+
+def test_a_way_leads_where_the_files_did(manifold):
+    """Velocities summed up drift; the file knows where the body was."""
+    features, start = manifold.features(body_of(make_take("walk", 1, seconds=6.0).motion))
+    rng = np.random.default_rng(0)
+    drifting = features.copy()
+    drifting[:, VELOCITY] += 0.005
+    drifting[:, TURN] += 0.003
+    drifting[:, POSITIONS] += rng.normal(0, 0.01, (len(features), 60))
+    kept, place = kept_on_way(features, drifting, start, 30.0)
+    np.testing.assert_array_equal(kept[:, POSITIONS], drifting[:, POSITIONS])
+    (floor, theta), (there, facing) = way_of(features, start), way_of(kept, place)
+    assert np.abs(way_of(drifting, start)[0] - floor).max() > 0.5
+    assert np.abs(there - floor).max() < 0.15
+    assert np.abs(facing - theta).max() < 0.15
+    assert np.abs(there - floor)[30:-30].max() < 0.05
+
+
+def test_the_slow_of_a_way_is_the_files_and_the_quick_the_projections(manifold):
+    features, start = manifold.features(body_of(make_take("walk", 1, seconds=6.0).motion))
+    shaken = features.copy()
+    shaken[:, TURN] += 0.05 * (-1.0) ** np.arange(len(features))[:, None]
+    kept, _ = kept_on_way(shaken, features, start, 30.0)
+
+    def quick(x):
+        return np.abs(np.diff(way_of(x, start)[1] - way_of(features, start)[1]))
+
+    assert quick(shaken).min() > 0.04
+    assert quick(kept).max() < 0.004
+    same, place = kept_on_way(features, features, start, 30.0)
+    np.testing.assert_allclose(same[:-1], features[:-1], atol=1e-9)
+    assert place.heading == pytest.approx(start.heading)
