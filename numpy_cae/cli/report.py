@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import numpy as np
@@ -149,6 +151,11 @@ def _side_by_side(
         with pool:
             for done in as_completed([pool.submit(_work, name) for name in names]):
                 yield done.result()
+    except BrokenProcessPool:
+        raise ValueError(
+            "a process that ran experiments was ended from outside, perhaps for lack of memory: "
+            "try --processes 1"
+        ) from None
     finally:
         if before is None:
             del os.environ[_THREADS]
@@ -160,6 +167,7 @@ _given: dict = {}  # of a process of the pool: what all of its experiments are r
 
 
 def _begin(model: Path, material: Material, seed: int) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it; what to say is its parent's part
     _given.update(manifold=load_manifold(model), material=material, seed=seed)
 
 
@@ -194,6 +202,11 @@ def provenance(
         "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s with "
         f"{args.processes} experiments at a time",
     }
+    if settings.get("folders"):
+        told["learned from"] = ", ".join(
+            f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
+            for folder in settings["folders"]
+        )
     if seen is not None and seen != len(material.training):
         told["note"] = f"the model learned from {seen} takes, --data holds others than those"
     return told
