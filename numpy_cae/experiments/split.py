@@ -18,7 +18,7 @@ from numpy_cae.manifold import MotionManifold
 
 EVERY = 5
 """One training take in so many is chosen on."""
-TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 150
+TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
 """At most, spread evenly over all: more changes no figure by much and takes minutes."""
 
 

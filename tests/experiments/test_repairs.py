@@ -69,6 +69,7 @@ def test_the_winner_of_the_sweep_is_named_and_findings_follow():
         NETWORK + RESCALED: [5.0] * 9,
         ENDS_HELD: [5.0] * 9,
         ENDS_HELD + RESCALED: [5.0] * 9,
+        ALL_SHIFTS: [5.0] * 9,
         ALL_SHIFTS + RESCALED: [5.0] * 9,
         LINEAR: [2.0] * 9,
     }
