@@ -1,5 +1,6 @@
 """What is measured: one definition each, used everywhere."""
 
+from numpy_cae.measures.angle_distance import angle_distance
 from numpy_cae.measures.bone_length_error import bone_length_error
 from numpy_cae.measures.clip_distance import clip_distances, diversity, nearest_distance
 from numpy_cae.measures.foot_sliding import foot_sliding
@@ -16,6 +17,7 @@ __all__ = [
     "NearestPose",
     "Validity",
     "ValidityMeasure",
+    "angle_distance",
     "bends",
     "beyond_limits",
     "bone_length_error",

@@ -38,17 +38,25 @@ def weight_shapes(features: int, hidden: int, latent: int) -> dict[str, tuple[in
 def initial_weights(
     features: int, hidden: int, latent: int, rng: np.random.Generator, dtype: np.dtype | type
 ) -> Weights:
-    """Small random matrices by fan-in and fan-out, zero biases.
+    """Small random matrices by fan-in and fan-out, recurrent ones orthogonal, biases zero but one.
 
     As in the first network, W is uniform within ±√(6 / (fan_in + fan_out)). Each gate is a map of
-    its own, so its fan-out is H and not the 3H columns that the three share.
+    its own, so its fan-out is H and not the 3H columns that the three share. Two choices let a
+    gradient live through fifty steps: each gate's recurrent matrix is orthogonal (Saxe et al.,
+    2014), and the update gate's bias is 1, so that h' = (1 - z) ∘ n + z ∘ h begins by remembering.
     """
     weights = {}
     for name, shape in weight_shapes(features, hidden, latent).items():
         if len(shape) == 1:
             weights[name] = np.zeros(shape, dtype)
+            if name in ("encoder_b", "decoder_b"):
+                weights[name][hidden : 2 * hidden] = 1
             continue
         fan_in, fan_out = shape
+        if name in ("encoder_u", "decoder_u"):
+            gates = [np.linalg.qr(rng.standard_normal((hidden, hidden)))[0] for _ in range(GATES)]
+            weights[name] = np.hstack(gates).astype(dtype)
+            continue
         if name.startswith(("encoder", "decoder")):
             fan_out //= GATES
         width = np.sqrt(6 / (fan_in + fan_out))
