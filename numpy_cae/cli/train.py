@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli import train_sequential
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed, typical
 from numpy_cae.experiments.material import is_test
@@ -24,8 +25,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "train",
         help="learn a manifold from folders of motion files",
-        description="Learn a manifold from every .bvh and .amc file in one or more folders. "
-        "The defaults are those of holden2015.",
+        description="Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in "
+        "one or more folders. The defaults are those of holden2015.",
         epilog="example: numpy-cae train motions/ -o model.npz --test '*_005.bvh'",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
@@ -51,7 +52,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     _add_network_arguments(parser)
     _add_schedule_arguments(parser)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
-    parser.set_defaults(run=run)
+    parser.add_argument(
+        "--model",
+        choices=["convolutional", "sequential"],
+        default="convolutional",
+        help="of holden2015 or of jang2018",
+    )
+    train_sequential.add_arguments(parser)
+    parser.set_defaults(run=lambda args: run(args, parser))
 
 
 def _add_network_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,12 +116,15 @@ def _zeroed(option: str, shares: list[float]) -> float | tuple[float, float]:
     return shares[0] if len(shares) == 1 else (shares[0], shares[1])
 
 
-def run(args: argparse.Namespace) -> int:
+def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
     """Read, train, save, measure."""
+    train_sequential.require_own_options(args, parser)
     if args.picture and not args.test:
         raise ValueError("--picture draws a test take: name the test takes with --test")
     if not args.output.resolve().parent.is_dir():
         raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
+    if args.model == "sequential":
+        return train_sequential.run(args)
     mapping = kinds.chosen_mapping(args)
     schedule = schedule_of(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}

@@ -100,6 +100,6 @@ def _pca(study: Study, x: np.ndarray, seed: int) -> np.ndarray:
     size = study.manifold.network.latent
     # Only the first axes are wanted; all 2500 would take minutes.
     mean = seen.mean(axis=0)
-    _, _, axes = svds(seen - mean, size, random_state=seed)
-    pca = PCA(mean, axes[::-1])
+    _, spread, axes = svds(seen - mean, size, random_state=seed)
+    pca = PCA(mean, axes[::-1], spread[::-1] ** 2 / SEEN)
     return pca.project(x.reshape(len(x), -1).astype(np.float64), size).reshape(x.shape)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.experiments.actions import Action
 from numpy_cae.manifold import SequenceManifold, learn_sequences
+from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.measures import angle_distance
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion import cut_clips, draw_clips
@@ -38,11 +39,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Study:
-    """A trained manifold, how it came to be, and what it is to be measured on."""
+    """A trained manifold, how it came to be where that was watched, and what to measure it on."""
 
     action: Action
     manifold: SequenceManifold
-    curve: Curve
+    curve: Curve | None = None
 
     def held_out(self) -> np.ndarray:
         """Normalised clips of the motions that nothing was trained on, (N, F, 54)."""
@@ -61,8 +62,8 @@ def study(
     action: Action,
     schedule: SequenceSchedule | None = None,
     seed: int = 0,
-    hidden: int = 128,
-    latent: int = 16,
+    hidden: int = HIDDEN,
+    latent: int = LATENT,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
     show_progress: bool = True,
 ) -> Study:

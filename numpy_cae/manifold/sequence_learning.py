@@ -16,6 +16,9 @@ from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion import CLIP, AngleSequence, cut_clips
 from numpy_cae.training import SequenceSchedule, train_sequential
 
+HIDDEN, LATENT = 128, 16
+"""Units of each GRU and numbers of z. The paper states neither."""
+
 STEP = 5
 """The mean and the deviation are taken over clips that begin every so many frames."""
 
@@ -26,8 +29,8 @@ def learn_sequences(
     sequences: Sequence[AngleSequence],
     schedule: SequenceSchedule | None = None,
     seed: int = 0,
-    hidden: int = 128,
-    latent: int = 16,
+    hidden: int = HIDDEN,
+    latent: int = LATENT,
     frames: int = CLIP,
     watch: Watch | None = None,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
