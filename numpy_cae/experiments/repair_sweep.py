@@ -109,8 +109,7 @@ class RepairSweep:
                 "pose. All shifts: the mean of its projections at all places of its pooling grid, "
                 "from the kind of input that it was trained on.",
                 table("blind", self.blind),
-                f"At p = {HALF} by source of the takes:",
-                self._by_source(),
+                *self._by_source(),
                 f"Least error: {self._winners()}.",
                 "Where the holes are known the problem is another and easier one:",
                 table("holes known", self.told),
@@ -120,11 +119,14 @@ class RepairSweep:
             ]
         )
 
-    def _by_source(self) -> str:
+    def _by_source(self) -> list[str]:
+        if len(self.half) < 2:
+            return []
         rows = [
             [name, *(f"{errors[name]:.2f}" for errors in self.half.values())] for name in self.blind
         ]
-        return text_table([f"p = {HALF}", *self.half], rows)
+        table = text_table([f"p = {HALF}", *self.half], rows)
+        return [f"At p = {HALF} by source of the takes:", table]
 
     def _winners(self) -> str:
         runs = groupby(zip(PS, self.winners(), strict=True), key=lambda pair: pair[1])

@@ -53,6 +53,9 @@ def test_who_is_told_of_few_holes_is_nearly_right_and_beats_everyone(sweep):
 def test_a_single_source_has_the_column_of_the_whole(sweep):
     for name, errors in sweep.blind.items():
         assert sweep.half["bandai"][name] == pytest.approx(errors[PS.index(0.5)])
+    assert "by source" not in sweep.text()
+    two = replace(sweep, half={"one": sweep.half["bandai"], "other": sweep.half["bandai"]})
+    assert "by source" in two.text() and "| one | other |" in " ".join(two.text().split())
 
 
 def test_the_linear_denoiser_beats_filters_which_are_linear_too(sweep):
