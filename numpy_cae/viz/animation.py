@@ -39,10 +39,11 @@ def save_gif(
     """
     step = max(1, round(rate / fps))
     moments = range(0, min(len(actors[0].positions), int(seconds * rate)), step)
-    figure = Figure(figsize=(2.2 * len(actors), 2.8))
+    half = _half_width(actors, moments, azimuth)
+    figure = Figure(figsize=(2.4 * half * len(actors), 2.8))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     panels = [
-        _Panel(figure.add_subplot(1, len(actors), place + 1), actor, azimuth)
+        _Panel(figure.add_subplot(1, len(actors), place + 1), actor, azimuth, half)
         for place, actor in enumerate(actors)
     ]
 
@@ -54,19 +55,26 @@ def save_gif(
         animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=80)
 
 
+def _half_width(actors: list[Actor], moments: range, azimuth: float) -> float:
+    """Metres to either side of a body that its panel shows: more for those who lie down."""
+    shown = [actor.positions[moment] for actor in actors for moment in moments]
+    reach = max(np.abs(seen(points - below(points), azimuth)[:, 0]).max() for points in shown)
+    return float(np.clip(reach + 0.1, 0.9, 1.6))
+
+
 class _Panel:
     """One motion's part of the picture."""
 
     _TILE = 0.5  # metres between two lines of the floor
 
-    def __init__(self, axes, actor: Actor, azimuth: float):
+    def __init__(self, axes, actor: Actor, azimuth: float, half: float):
         self.actor, self.azimuth = actor, azimuth
         self.floor = axes.add_collection(LineCollection([], colors="#dddddd", linewidths=0.8))
         self.body = axes.add_collection(
             LineCollection([], colors=actor.colour, linewidths=2.6, capstyle="round")
         )
         height = np.quantile(actor.positions[..., 1], 0.98)
-        axes.set(xlim=(-0.9, 0.9), ylim=(-0.3, max(height + 0.3, 1.9)))
+        axes.set(xlim=(-half, half), ylim=(-0.3, max(height + 0.3, 1.9)))
         axes.set_aspect("equal")
         axes.axis("off")
         axes.text(0.5, 0.97, actor.label, transform=axes.transAxes, ha="center", va="top")

@@ -75,3 +75,12 @@ def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
     with pytest.raises(MotionFileError, match="no folder"):
         save_figure(strip_figure([actor()], 30), tmp_path / "no" / "a.png")
     assert not list(tmp_path.iterdir())
+
+
+def test_an_animation_is_as_wide_as_a_body_that_lies_down(tmp_path):
+    lying = np.zeros((2, len(JOINTS), 3))
+    lying[:, -1, 0] = 1.3
+    for name, positions in (("narrow", 0.5 * lying), ("wide", lying)):
+        save_gif([Actor(positions, PARENTS)], tmp_path / f"{name}.gif", rate=30, azimuth=0)
+    widths = [Image.open(tmp_path / f"{name}.gif").size[0] for name in ("narrow", "wide")]
+    assert widths[1] == pytest.approx(widths[0] * 1.4 / 0.9, abs=2)
