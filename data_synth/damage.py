@@ -89,7 +89,7 @@ def lose_marker(
     ------
     ValueError
         If the positions are not (F, J, 3), a joint is not there, `gap` is below 1 frame or `share`
-        not between 0 and 1, or gaps are asked for without `rng`.
+        not between 0 and gap / (gap + 1), or gaps are asked for without `rng`.
 
     References
     ----------
@@ -105,6 +105,11 @@ def lose_marker(
     else:
         if not (gap >= 1 and 0 < share < 1):
             raise ValueError(f"gap is {gap} and share {share}, expected at least 1, and 0 to 1")
+        if share > gap / (gap + 1):
+            raise ValueError(
+                f"share is {share}, expected at most {gap / (gap + 1):.2f}: between two gaps of "
+                f"{gap} frames at least one frame is seen"
+            )
         if rng is None:
             raise ValueError("gaps are drawn: give rng")
         rng = np.random.default_rng(rng)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from data_synth import hold_poses, lose_marker, make_take, see_with_kinect, zero_values
@@ -45,6 +45,7 @@ def test_a_marker_lost_for_the_whole_clip(body):
 @settings(max_examples=15, deadline=None)
 @given(seed=seeds, gap=st.floats(2, 40), share=st.floats(0.1, 0.8))
 def test_gaps_are_as_long_and_as_many_as_asked(seed, gap, share):
+    assume(share <= gap / (gap + 1))
     positions = np.zeros((60_000, 2, 3))
     damaged = lose_marker(positions, [1], seed, gap=gap, share=share)
     lost = ~damaged.known[:, 1, 0]
@@ -52,6 +53,11 @@ def test_gaps_are_as_long_and_as_many_as_asked(seed, gap, share):
     assert lost.mean() == pytest.approx(share, abs=0.1)
     assert lost.sum() / max(begins, 1) == pytest.approx(gap, rel=0.25)
     assert damaged.known[:, 0].all()
+
+
+def test_gaps_that_leave_no_room_for_a_frame_between_them_are_refused():
+    with pytest.raises(ValueError, match="at most 0.67"):
+        lose_marker(np.zeros((10, 2, 3)), [1], 0, gap=2.0, share=0.78)
 
 
 def test_held_poses_are_the_key_poses(body):
