@@ -193,9 +193,6 @@ def provenance(
         f"of {len(manifold.network.layers[0].w)} frames",
         "layers": _words(schedule.get("layer", {})),
         "fine tuning": _words(schedule.get("fine_tuning", {})),
-        "corruption": _words(
-            {key: value for key, value in schedule.items() if not isinstance(value, dict)}
-        ),
         "data": f"{', '.join(folder.name for folder in args.data)}: {len(material.training)} takes "
         f"to fit baselines to, {len(material.testing)} to test",
         "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
