@@ -22,6 +22,7 @@ from numpy_cae.cli import (
     report,
     sample,
     show,
+    study,
     train,
     verify,
 )
@@ -37,6 +38,7 @@ SUBCOMMANDS = (
     sample,
     show,
     report,
+    study,
     lessons,
     verify,
     bench,

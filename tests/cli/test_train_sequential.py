@@ -1,4 +1,4 @@
-"""`numpy-cae train --model sequential` as a person types it."""
+"""`numpy-cae train --model sequential` and `numpy-cae study` as a person types them."""
 
 import numpy as np
 import pytest
@@ -45,6 +45,21 @@ def test_exponential_map_text_is_learned_from(tmp_path):
     argv = ["train", str(tmp_path), "-o", str(tmp_path / "seq.npz"), *TINY]
     assert main(argv) == 0
     assert load_sequences(tmp_path / "seq.npz").settings["motions"] == 2
+
+
+def test_a_study_writes_its_claims_and_pictures(folder, tmp_path, capsys):
+    argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
+    assert main([str(word) for word in argv]) == 0
+    said = capsys.readouterr().out
+    assert said == (tmp_path / "study/study.txt").read_text(encoding="utf-8")
+    assert "held: " in said and "teacher-forced" in said
+    pictures = {path.name for path in (tmp_path / "study").iterdir()}
+    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif"} <= pictures
+
+
+def test_a_study_needs_something_to_test_on(folder, tmp_path, capsys):
+    assert main(["study", "--data", str(folder), "-o", str(tmp_path), *TINY[2:]]) == 2
+    assert "leaves nothing of walking to test" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,77 @@
+"""`numpy-cae study -o FOLDER`: every result of jang2018, trained for and measured."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli import train_sequential
+from numpy_cae.experiments.actions import Action, read_action, synthetic_action
+from numpy_cae.experiments.sequential import sequential
+from numpy_cae.motion.whole_file import whole_file
+
+ACTIONS = ("walking", "waiting", "walking_dog")
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Actions in, tables and pictures out."""
+    parser = subparsers.add_parser(
+        "study",
+        help="every result of jang2018, trained for and measured",
+        description="Train jang2018's network on each action, with its regulariser and without, "
+        "and write study.txt (each claim, our table, whether it held), figure 2 and samples as "
+        "strips and GIFs. Without --data the motions are made by data_synth.",
+        epilog="example: numpy-cae study -o study; with motions of your own, a folder an action: "
+        "numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    add = parser.add_argument
+    add("-o", "--output", type=Path, required=True, metavar="FOLDER", help="made if missing")
+    add("--data", type=Path, nargs="+", metavar="FOLDER", help="motion files of one action each")
+    add("--test", nargs="+", default=[], metavar="PATTERN", help="with --data: files kept out")
+    add("--actions", nargs="+", choices=ACTIONS, default=list(ACTIONS), help="without --data")
+    add("--minutes", type=kinds.positive, default=60.0, help="of each action, without --data")
+    add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
+    add("--quiet", action="store_true", help="show no progress")
+    kinds.add_motion_arguments(parser)
+    train_sequential.add_arguments(parser)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read or make, train, measure, write."""
+    args.output.mkdir(parents=True, exist_ok=True)
+    actions = _read(args) if args.data else [_made(name, args) for name in args.actions]
+    result = sequential(
+        actions,
+        train_sequential.schedule_of(args),
+        args.seed,
+        args.hidden,
+        args.latent,
+        show_progress=not args.quiet,
+    )
+    findings = "\n".join(finding.text() for finding in result.findings())
+    text = f"{result.text()}\n\n{findings}\n"
+    with whole_file(args.output / "study.txt") as beside:
+        beside.write_text(text, encoding="utf-8")
+    result.save_pictures(args.output)
+    print(text, end="")
+    return 0
+
+
+def _made(name: str, args: argparse.Namespace) -> Action:
+    return synthetic_action(name, args.minutes, max(args.minutes / 5, 0.2), args.seed)
+
+
+def _read(args: argparse.Namespace) -> list[Action]:
+    mapping = kinds.chosen_mapping(args)
+    actions = [
+        read_action(folder.resolve().name, [folder], args.test, mapping, args.unit)
+        for folder in args.data
+    ]
+    for action in actions:
+        if not (action.training and action.testing):
+            which = "train" if action.testing else "test"
+            raise ValueError(f"--test leaves nothing of {action.name} to {which}")
+    return actions
