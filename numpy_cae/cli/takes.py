@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion import load_body
+from numpy_cae.motion import MotionFileError, UnknownRigError, load_body
+from numpy_cae.motion.lengths import require_legs
 
 
 def read_takes(
@@ -18,6 +19,7 @@ def read_takes(
     mapping: dict[str, str] | None = None,
     unit: float | None = None,
     test: Sequence[str] = (),
+    strict: bool = False,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second.
 
@@ -28,6 +30,8 @@ def read_takes(
         As `load_body` takes them.
     test : sequence of str
         Patterns such as "*_005.bvh": files whose name matches one are kept for testing.
+    strict : bool
+        Whether a file that cannot be used is raised; else it is listed and left out.
 
     Returns
     -------
@@ -36,24 +40,37 @@ def read_takes(
     Raises
     ------
     MotionFileError, UnknownRigError
-        As `load_body` does.
+        As `load_body` does, where strict or where there is one file.
     ValueError
         If a pattern leaves nothing to test, or all of them nothing to train on.
     """
     for pattern in test:
         if not any(is_test(path, [pattern]) for path in paths):
             raise ValueError(f"no file matches {pattern!r}, none is left to test")
-    training, testing, notes = [], [], Counter()
+    training, testing, notes, left_out = [], [], Counter(), 0
     for path in paths:
-        positions, motion = load_body(path, mapping, unit)
+        try:
+            positions, motion = load_body(path, mapping, unit)
+            require_legs(path, positions)
+        except (MotionFileError, UnknownRigError) as error:
+            if strict or len(paths) == 1:
+                raise
+            left_out += 1
+            print(f"left out: {error}", file=sys.stderr)
+            continue
         (testing if is_test(path, test) else training).append(positions)
         notes[motion.unit_note.split(" (")[0]] += 1
+    if left_out == len(paths):
+        raise ValueError(f"none of {left_out} files can be used, see above")
+    if test and not testing:
+        raise ValueError("every file to test was left out, see above")
     if not training:
         raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
+    said = f", {left_out} left out" if left_out else ""
     seconds = sum(map(len, training)) / 30
     print(
-        f"{len(paths)} files read: {len(training)} takes to train on ({seconds / 60:.1f} min), "
-        f"{len(testing)} to test; lengths in "
+        f"{len(paths) - left_out} files read{said}: {len(training)} takes to train on "
+        f"({seconds / 60:.1f} min), {len(testing)} to test; lengths in "
         + ", ".join(f"{note} ({count})" for note, count in notes.most_common()),
         file=sys.stderr,
     )

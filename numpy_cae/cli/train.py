@@ -8,6 +8,8 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_sequential
+from numpy_cae.cli.one_run import add_arguments as add_run_arguments
+from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments import figure_1, half_zeroed, typical
 from numpy_cae.experiments.material import is_test
@@ -15,7 +17,7 @@ from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.windows import LENGTH, OVERLAP
-from numpy_cae.training import Schedule, Stage
+from numpy_cae.training import Checkpoint, Schedule, Stage
 
 PAPER = Schedule()
 
@@ -51,6 +53,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     kinds.add_motion_arguments(parser)
     _add_network_arguments(parser)
     _add_schedule_arguments(parser)
+    parser.add_argument(
+        "--strict", action="store_true", help="stop at a file that cannot be used, not go on"
+    )
+    add_run_arguments(parser)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.add_argument(
         "--model",
@@ -123,13 +129,24 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
         raise ValueError("--picture draws a test take: name the test takes with --test")
     if not args.output.resolve().parent.is_dir():
         raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
-    if args.model == "sequential":
-        return train_sequential.run(args)
+    if args.resume and args.output.exists() and not state_of(args.output).exists():
+        print(f"{args.output}: is whole, there is nothing to go on with")
+        return 0
+    learn = train_sequential.run if args.model == "sequential" else _run
+    with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
+        return learn(args, checkpoint)
+
+
+def _run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     mapping = kinds.chosen_mapping(args)
     schedule = schedule_of(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
     training, testing = read_takes(
-        [path for paths in found.values() for path in paths], mapping, args.unit, args.test
+        [path for paths in found.values() for path in paths],
+        mapping,
+        args.unit,
+        args.test,
+        args.strict,
     )
     manifold = learn_manifold(
         training,
@@ -142,6 +159,7 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
         bound=args.bound,
         rms=args.rms,
         show_progress=not args.quiet,
+        checkpoint=checkpoint,
     )
     manifold.settings["test"] = args.test
     manifold.settings["folders"] = [
@@ -149,6 +167,7 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
         for folder, paths in found.items()
     ]
     save_manifold(manifold, args.output)
+    checkpoint.remove()
     print(f"{args.output}: learned from {manifold.settings['windows']} windows")
     if testing:
         table = half_zeroed(manifold, training, testing)

@@ -13,12 +13,12 @@ from numpy_cae.experiments.sequence_study import Study
 from numpy_cae.manifold import learn_sequences, save_sequences
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.motion import ANGLE_RATE, CLIP
-from numpy_cae.training import SequenceSchedule
+from numpy_cae.training import Checkpoint, SequenceSchedule
 
 CHOSEN = SequenceSchedule()
 SHARED = {
     "command", "run", "model", "folders", "output", "test", "picture", "mapping", "unit", "seed",
-    "quiet",
+    "quiet", "resume", "checkpoint",
 }  # fmt: skip
 """Options that mean the same for both models."""
 
@@ -74,7 +74,7 @@ def schedule_of(args: argparse.Namespace) -> SequenceSchedule:
     )
 
 
-def run(args: argparse.Namespace) -> int:
+def run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     """Read, train, save, measure."""
     name = args.folders[0].resolve().name
     action = read_action(name, args.folders, args.test, kinds.chosen_mapping(args), args.unit)
@@ -96,9 +96,11 @@ def run(args: argparse.Namespace) -> int:
         latent=args.latent,
         frames=args.frames,
         show_progress=not args.quiet,
+        checkpoint=checkpoint,
     )
     manifold.settings["test"] = args.test
     save_sequences(manifold, args.output)
+    checkpoint.remove()
     print(f"{args.output}: learned clips of {args.frames} frames of {len(action.training)} motions")
     trained = Study(action, manifold)
     if action.testing:

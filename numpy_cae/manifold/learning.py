@@ -18,7 +18,7 @@ from numpy_cae.motion.features import (
 )
 from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
-from numpy_cae.training import Schedule, train_autoencoder
+from numpy_cae.training import Checkpoint, Schedule, train_autoencoder
 
 RMS = 0.25
 """What each kind of features is scaled to, root mean square. The paper does not say; much
@@ -44,6 +44,7 @@ def learn_manifold(
     bound: float = 0.9,
     rms: float = RMS,
     show_progress: bool = True,
+    checkpoint: Checkpoint | None = None,
 ) -> MotionManifold:
     """Train a manifold on takes.
 
@@ -62,6 +63,8 @@ def learn_manifold(
     rms : float
         What the features are scaled to, root mean square; less where a single window would have
         more than `LOUDEST` times it.
+    checkpoint : Checkpoint, optional
+        Of `train_autoencoder`.
 
     Returns
     -------
@@ -88,7 +91,7 @@ def learn_manifold(
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
 
     history = train_autoencoder(
-        network, manifold.normalise(windows), schedule, rng, show_progress=show_progress
+        network, manifold.normalise(windows), schedule, rng, show_progress, checkpoint
     )
     manifold.settings = {
         "seed": seed,

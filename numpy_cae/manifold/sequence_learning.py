@@ -14,7 +14,7 @@ from numpy_cae.manifold.sequence_manifold import (
 )
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion import CLIP, AngleSequence, cut_clips
-from numpy_cae.training import SequenceSchedule, train_sequential
+from numpy_cae.training import Checkpoint, SequenceSchedule, train_sequential
 
 HIDDEN, LATENT = 128, 16
 """Units of each GRU and numbers of z. The paper states neither."""
@@ -35,6 +35,7 @@ def learn_sequences(
     watch: Watch | None = None,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
     show_progress: bool = True,
+    checkpoint: Checkpoint | None = None,
 ) -> SequenceManifold:
     """Train a manifold on motions of one action.
 
@@ -54,6 +55,8 @@ def learn_sequences(
     network : type
         What to train; another loss can be put in its place to compare with.
     show_progress : bool
+    checkpoint : Checkpoint, optional
+        Of `train_sequential`.
 
     Returns
     -------
@@ -81,6 +84,7 @@ def learn_sequences(
         rng,
         show_progress,
         None if watch is None else lambda step: watch(manifold, step),
+        checkpoint,
     )
     manifold.settings = {
         "seed": seed,

@@ -8,8 +8,11 @@ takes the mean person's steps and the feet stay on the floor.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 _LEGS = [
@@ -37,6 +40,19 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
             bones = positions[:, joint] - positions[:, parent]
             lengths[joint] = np.linalg.norm(bones, axis=-1).mean()
     return lengths
+
+
+def require_legs(path: str | Path, positions: np.ndarray) -> None:
+    """Refuse a body that no bones of another length can be given to.
+
+    Raises
+    ------
+    MotionFileError
+        If the legs (knees and ankles) of these (F, 20, 3) positions in metres have no length.
+    """
+    legs = bone_lengths(positions)[_LEGS].sum()
+    if not legs > _NO_LENGTH:
+        raise MotionFileError(path, None, f"its legs are {legs:.2g} m long, expected a person's")
 
 
 def change_lengths(positions: np.ndarray, own: np.ndarray, wanted: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
 
 from numpy_cae.motion.error import MotionFileError
@@ -31,7 +32,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
         raise MotionFileError(path, None, "cannot be written: there is a folder of this name")
     if not os.path.isdir(path.parent):
         raise MotionFileError(path, None, f"cannot be written: there is no folder {path.parent}")
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield beside
         os.replace(beside, path)
@@ -40,3 +41,11 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             beside.unlink()
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Remove what processes that were killed left beside `path`; for its only writer to call."""
+    path = Path(path)
+    for left in path.parent.glob(f".{escape(path.stem)}.*.part{escape(path.suffix)}"):
+        with suppress(OSError):
+            left.unlink()

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training.checkpoint import Checkpoint, State, run_of
 from numpy_cae.training.corruption import corrupt
+from numpy_cae.training.divergence import DivergedError, first_layer_gone, gone, shown
 from numpy_cae.training.progress import Progress
 from numpy_cae.training.schedule import Schedule, Stage
 from numpy_cae.training.sgd import decayed_rate, descend
 
-
-class DivergedError(ArithmeticError):
-    """Training whose loss is no longer a number."""
+ADVICE = "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
 
 
 @dataclass
@@ -43,6 +43,7 @@ def train_autoencoder(
     schedule: Schedule | None = None,
     rng: np.random.Generator | None = None,
     show_progress: bool = True,
+    checkpoint: Checkpoint | None = None,
 ) -> History:
     """Train the model in place.
 
@@ -57,6 +58,9 @@ def train_autoencoder(
         Draws the order of the windows, the corruption and the unpooling. Two runs from the same
         seed on the same number of threads are equal to the bit.
     show_progress : bool
+    checkpoint : Checkpoint, optional
+        Where the state is kept after every epoch and as often as it says, and where an
+        interrupted run is gone on from: to the same bits.
 
     Returns
     -------
@@ -65,65 +69,145 @@ def train_autoencoder(
     Raises
     ------
     DivergedError
-        If a loss is not finite, with the stage and the epoch.
+        If a loss or a weight is not finite, with the stage, the epoch, the windows and the layer.
+    CheckpointError
+        If the checkpoint is of another run or cannot be written.
     """
     schedule = schedule or Schedule()
     rng = rng or np.random.default_rng(0)
-    history = History()
     model.thaw()
+    run = _Run(model, rng, show_progress, checkpoint)
+    begin = run.resumed(windows, schedule)
     inputs = windows
-    for index, layer in enumerate(model.layers):
-        name = f"layer {index + 1}"
-        start = time.perf_counter()
-        history.losses[name] = _train_stage(
-            model, inputs, schedule.layer, rng, name, show_progress, index
+    for number, layer in enumerate((*range(len(model.layers)), None)):
+        if number >= begin.stage:
+            stage = schedule.fine_tuning if layer is None else schedule.layer
+            state = begin if number == begin.stage else run.state(number)
+            run.train(windows if layer is None else inputs, stage, layer, state)
+        if layer is not None and layer + 1 < len(model.layers):
+            inputs = _encoded(model.layers[layer], inputs)
+    return run.history
+
+
+@dataclass
+class _Run:
+    """One training, from its beginning or from where a checkpoint says."""
+
+    model: ConvAutoencoder
+    rng: np.random.Generator
+    show_progress: bool
+    checkpoint: Checkpoint | None
+    history: History = field(default_factory=History)
+
+    def weights(self) -> dict[str, np.ndarray]:
+        return {
+            f"{letter}{number}": array
+            for number, layer in enumerate(self.model.layers, start=1)
+            for letter, array in (("w", layer.w), ("b", layer.b))
+        }
+
+    def state(self, stage: int, epoch: int = 0, step: int = 0, total: float = 0.0) -> State:
+        """How far it is now."""
+        return State(
+            self.weights(),
+            self.rng.bit_generator.state,
+            stage,
+            epoch,
+            step,
+            total,
+            history={"losses": self.history.losses, "seconds": self.history.seconds},
         )
-        history.seconds[name] = time.perf_counter() - start
-        inputs = _encoded(layer, inputs) if index + 1 < len(model.layers) else None
-    start = time.perf_counter()
-    history.losses["fine tuning"] = _train_stage(
-        model, windows, schedule.fine_tuning, rng, "fine tuning", show_progress
-    )
-    history.seconds["fine tuning"] = time.perf_counter() - start
-    return history
+
+    def resumed(self, windows: np.ndarray, schedule: Schedule) -> State:
+        """Where to begin; the weights, the random numbers and the history are brought there."""
+        kept = None
+        if self.checkpoint is not None:
+            own = [*self.weights().values(), windows]
+            bounds = [layer.bound for layer in self.model.layers]
+            name = run_of(own, schedule, bounds, self.rng.bit_generator.state)
+            kept = self.checkpoint.begin(name)
+        if kept is None:
+            return self.state(0)
+        for name, array in self.weights().items():
+            array[...] = kept.weights[name]
+        self.rng.bit_generator.state = kept.rng
+        self.history = History(**kept.history)
+        return kept
+
+    def train(self, inputs: np.ndarray, stage: Stage, layer: int | None, at: State) -> None:
+        """One stage: a layer, or (None) all of them."""
+        name = "fine tuning" if layer is None else f"layer {layer + 1}"
+        steps = -(-len(inputs) // stage.batch)
+        losses = self.history.losses.setdefault(name, [])
+        before = self.history.seconds.setdefault(name, 0.0)
+        start = time.perf_counter()
+        progress = Progress(name, stage.epochs, steps, self.show_progress)
+        if at.epoch or at.step:
+            progress.begin_at(at.epoch * steps + at.step)
+        try:
+            for epoch in range(at.epoch, stage.epochs):
+                losses.append(self._epoch(inputs, stage, layer, at, name, epoch, progress))
+                self.history.seconds[name] = before + time.perf_counter() - start
+                at = self.state(at.stage, epoch + 1)
+                if self.checkpoint is not None:
+                    self.checkpoint.save(at)
+                progress.epoch(epoch, losses[-1])
+        except DivergedError as error:
+            if self.checkpoint is not None:
+                error.kept = self.checkpoint.said()
+            raise
+        finally:
+            progress.close()
+
+    def _epoch(
+        self,
+        inputs: np.ndarray,
+        stage: Stage,
+        layer: int | None,
+        at: State,
+        name: str,
+        epoch: int,
+        progress: Progress,
+    ) -> float:
+        """Every window once, in a new order, `batch` at a time; returns the mean loss."""
+        rate = decayed_rate(stage.rate, stage.decay, epoch)
+        order = at.order if at.step else self.rng.permutation(len(inputs))
+        batches = _batches(order, stage.batch)
+        total = at.total
+        for step, chosen in enumerate(batches[at.step :], start=at.step):
+            loss = _step(self.model, inputs[chosen], stage, rate, self.rng, layer)
+            if not np.isfinite(loss):
+                raise DivergedError(
+                    f"{name}, epoch {epoch + 1}, {shown(chosen)}",
+                    first_layer_gone(self.model, inputs[chosen], layer),
+                    f"the loss is {loss} at rate {rate:.4g}",
+                    ADVICE,
+                )
+            total += loss * len(chosen)
+            progress.step()
+            if self.checkpoint is not None and self.checkpoint.is_due():
+                state = self.state(at.stage, epoch, step + 1, total)
+                state.order = order
+                self._require_finite(name, epoch, rate)
+                self.checkpoint.save(state)
+        self._require_finite(name, epoch, rate)
+        return total / len(inputs)
+
+    def _require_finite(self, name: str, epoch: int, rate: float) -> None:
+        """A loss can be finite and the step after it not: such weights are never kept."""
+        lost = gone(self.weights())
+        if lost:
+            raise DivergedError(
+                f"{name}, epoch {epoch + 1}",
+                f"{lost[0]} (layer {lost[0][1:]})",
+                f"weights are no longer finite at rate {rate:.4g}",
+                ADVICE,
+            )
 
 
-def _train_stage(
-    model: ConvAutoencoder,
-    inputs: np.ndarray,
-    stage: Stage,
-    rng: np.random.Generator,
-    name: str,
-    show_progress: bool,
-    layer: int | None = None,
-) -> list[float]:
-    steps = -(-len(inputs) // stage.batch)
-    progress = Progress(name, stage.epochs, steps, show_progress)
-    losses = []
-    try:
-        for epoch in range(stage.epochs):
-            rate = decayed_rate(stage.rate, stage.decay, epoch)
-            total = 0.0
-            for chosen in _batches(len(inputs), stage.batch, rng):
-                loss = _step(model, inputs[chosen], stage, rate, rng, layer)
-                if not np.isfinite(loss):
-                    raise DivergedError(
-                        f"{name}, epoch {epoch + 1}: the loss is {loss} at rate {rate:.4g}; "
-                        "a lower rate or smaller values of the input may keep it finite"
-                    )
-                total += loss * len(chosen)
-                progress.step()
-            losses.append(total / len(inputs))
-            progress.epoch(epoch, losses[-1])
-    finally:
-        progress.close()
-    return losses
-
-
-def _batches(windows: int, batch: int, rng: np.random.Generator) -> list[np.ndarray]:
-    """The windows in a new order, `batch` at a time."""
-    order = rng.permutation(windows)
-    return [order[start : start + batch] for start in range(0, windows, batch)]
+def _batches(order: np.ndarray, batch: int) -> list[np.ndarray]:
+    """The windows in this order, `batch` at a time."""
+    return [order[start : start + batch] for start in range(0, len(order), batch)]
 
 
 def _step(

@@ -29,9 +29,18 @@ class Progress:
     def __init__(self, stage: str, epochs: int, steps: int, shown: bool = True, bar: bool = True):
         self.stage, self.epochs, self.shown = stage, epochs, shown
         self.started = time.monotonic()
+        self.before = 0.0
         self.bar = None
         if shown and bar and tqdm is not None and epochs:
             self.bar = tqdm(total=epochs * steps, desc=stage, unit=" steps", file=sys.stderr)
+        self.steps = steps
+
+    def begin_at(self, done: int) -> None:
+        """So many steps were done before an interruption."""
+        self.before = done / self.steps
+        if self.bar is not None:
+            self.bar.initial = done
+            self.bar.reset(self.bar.total)
 
     def step(self) -> None:
         """One step of descent was made."""
@@ -44,7 +53,7 @@ class Progress:
             self.bar.set_postfix_str(f"epoch {epoch + 1}/{self.epochs}, loss {loss:.5f}")
         elif self.shown:
             seconds = time.monotonic() - self.started
-            left = seconds / (epoch + 1) * (self.epochs - epoch - 1)
+            left = seconds / (epoch + 1 - self.before) * (self.epochs - epoch - 1)
             print(
                 f"{self.stage}, epoch {epoch + 1}/{self.epochs}: loss {loss:.5f}, "
                 f"{seconds:.0f} s gone, {left:.0f} s to go",

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.training.checkpoint import Checkpoint, State, run_of
 from numpy_cae.training.clipping import clip_norm
 from numpy_cae.training.directions import unit_directions
-from numpy_cae.training.layerwise import DivergedError
+from numpy_cae.training.divergence import DivergedError, gone
 from numpy_cae.training.progress import Progress
 from numpy_cae.training.schedule import SequenceSchedule
 from numpy_cae.training.sgd import decayed_rate, descend
+
+ADVICE = "a lower rate or a lower bound on the gradient's norm may keep it finite"
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 
@@ -48,6 +52,7 @@ def train_sequential(
     rng: np.random.Generator | None = None,
     show_progress: bool = True,
     each: Callable[[int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> SequenceHistory:
     """Train the model in place.
 
@@ -64,6 +69,8 @@ def train_sequential(
     each : (step) -> None, optional
         Called after every step with the number of steps made so far; what it measures of the model
         must draw from a generator of its own.
+    checkpoint : Checkpoint, optional
+        As in `train_autoencoder`; clips are told apart by a first draw.
 
     Returns
     -------
@@ -72,27 +79,77 @@ def train_sequential(
     Raises
     ------
     DivergedError
-        If a loss is not finite, with the epoch.
+        If a loss or a weight is not finite, with the epoch and the step.
+    CheckpointError
+        If the checkpoint is of another run or cannot be written.
     """
     schedule = schedule or SequenceSchedule()
     rng = rng or np.random.default_rng(0)
     history = SequenceHistory()
+    at = _resumed(model, draw, schedule, rng, history, checkpoint)
     progress = Progress("sequences", schedule.epochs, schedule.steps, show_progress)
-    start = time.perf_counter()
+    if at.epoch or at.step:
+        progress.begin_at(at.epoch * schedule.steps + at.step)
+    start, before = time.perf_counter(), history.seconds
     try:
-        for epoch in range(schedule.epochs):
+        for epoch in range(at.epoch, schedule.epochs):
             rate = decayed_rate(schedule.rate, schedule.decay, epoch)
-            total = 0.0
-            for step in range(schedule.steps):
-                total += _step(model, draw, schedule, rate, rng, history, epoch)
+            done, total = (at.step, at.total) if epoch == at.epoch else (0, 0.0)
+            for step in range(done, schedule.steps):
+                where = f"sequences, epoch {epoch + 1}, step {step + 1}"
+                total += _step(model, draw, schedule, rate, rng, history, where)
                 progress.step()
                 if each is not None:
                     each(epoch * schedule.steps + step + 1)
+                last = step + 1 == schedule.steps
+                history.seconds = before + time.perf_counter() - start
+                if checkpoint is not None and (last or checkpoint.is_due()):
+                    checkpoint.save(_state(model, rng, history, epoch, step + 1, total))
             progress.epoch(epoch, total / schedule.steps)
+    except DivergedError as error:
+        if checkpoint is not None:
+            error.kept = checkpoint.said()
+        raise
     finally:
         progress.close()
-    history.seconds = time.perf_counter() - start
     return history
+
+
+def _state(
+    model: SequentialAutoencoder,
+    rng: np.random.Generator,
+    history: SequenceHistory,
+    epoch: int = 0,
+    step: int = 0,
+    total: float = 0.0,
+) -> State:
+    """How far it is now; what is kept of it is written before the next step changes it."""
+    drawn, measured = rng.bit_generator.state, vars(history)
+    return State(model.weights, drawn, 0, epoch, step, total, history=measured)
+
+
+def _resumed(
+    model: SequentialAutoencoder,
+    draw: Draw,
+    schedule: SequenceSchedule,
+    rng: np.random.Generator,
+    history: SequenceHistory,
+    checkpoint: Checkpoint | None,
+) -> State:
+    """Where to begin; the weights, the random numbers and the history are brought there."""
+    kept = None
+    if checkpoint is not None:
+        # A copy draws, so that a run with a checkpoint draws the same as one without.
+        clips = draw(deepcopy(rng), schedule.batch)
+        own = [*model.weights.values(), clips]
+        kept = checkpoint.begin(run_of(own, schedule, rng.bit_generator.state))
+    if kept is None:
+        return _state(model, rng, history)
+    for name, array in model.weights.items():
+        array[...] = kept.weights[name]
+    rng.bit_generator.state = kept.rng
+    vars(history).update(kept.history)
+    return kept
 
 
 def _step(
@@ -102,7 +159,7 @@ def _step(
     rate: float,
     rng: np.random.Generator,
     history: SequenceHistory,
-    epoch: int,
+    where: str,
 ) -> float:
     """Draw, compare, clip, descend; returns the loss."""
     x = draw(rng, schedule.batch)
@@ -110,12 +167,15 @@ def _step(
     directions = unit_directions(schedule.directions, model.latent, rng, x.dtype)
     losses, gradients = model.loss_and_gradients(x, prior, directions, schedule.weight)
     if not np.isfinite(losses.total):
-        raise DivergedError(
-            f"sequences, epoch {epoch + 1}: the loss is {losses.total} at rate {rate:.4g}; "
-            "a lower rate or a lower bound on the gradient's norm may keep it finite"
-        )
+        problem = f"the loss is {losses.total} at rate {rate:.4g}"
+        culprit = "what the network makes of them" if np.isfinite(x).all() else "the clips"
+        raise DivergedError(where, culprit, problem, ADVICE)
     history.reconstruction.append(losses.reconstruction)
     history.discrepancy.append(losses.discrepancy)
     history.norm.append(clip_norm(list(gradients.values()), schedule.norm))
     descend(model.weights.values(), gradients.values(), rate)
+    lost = gone(model.weights)
+    if lost:
+        problem = f"weights are no longer finite at rate {rate:.4g}"
+        raise DivergedError(where, lost[0], problem, ADVICE)
     return losses.total

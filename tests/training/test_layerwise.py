@@ -96,9 +96,13 @@ def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
     assert np.mean([call[3] for call in calls]) == pytest.approx(0.1, abs=0.02)
 
 
-def test_an_epoch_shows_every_window_once_in_a_new_order():
-    rng = np.random.default_rng(0)
-    first, second = (layerwise._batches(10, 3, rng) for _ in range(2))
+def test_an_epoch_shows_every_window_once_in_a_new_order(monkeypatch):
+    shown = []
+    monkeypatch.setattr(layerwise, "_step", lambda _, x, *more: shown.append(x[:, 0, 0]) or 1.0)
+    windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 3), np.float32)
+    schedule = Schedule(Stage(epochs=2, batch=3), Stage(epochs=0))
+    train_autoencoder(ConvAutoencoder(3, (4,), taps=3), windows, schedule, show_progress=False)
+    first, second = shown[:4], shown[4:]
     assert [len(batch) for batch in first] == [3, 3, 3, 1]
     assert sorted(np.concatenate(first)) == list(range(10))
     assert list(np.concatenate(first)) != list(np.concatenate(second))

@@ -161,7 +161,9 @@ def test_divergence_says_where_at_which_rate_and_what_may_help(monkeypatch):
     monkeypatch.setattr(layerwise, "_step", lambda *arguments: next(losses))
     with pytest.raises(layerwise.DivergedError) as failure:
         train_autoencoder(model(), WINDOWS, SCHEDULE, show_progress=False)
-    assert str(failure.value) == (
-        "layer 1, epoch 2: the loss is inf at rate 0.45; "
-        "a lower rate or smaller values of the input may keep it finite"
+    said = str(failure.value)
+    assert said.startswith("layer 1, epoch 2, windows ")
+    assert "the loss is inf at rate 0.45, first in layer 1; there is no checkpoint; " in said
+    assert said.endswith(
+        "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
     )

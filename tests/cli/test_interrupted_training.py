@@ -1,0 +1,180 @@
+"""`train` killed at any moment: the last good checkpoint and model are there and can be read."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import main
+from numpy_cae.manifold import load_manifold
+from numpy_cae.motion import write_bvh
+from numpy_cae.motion.sole_writer import sole_writer
+
+TINY = (
+    "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
+    "--quiet --checkpoint 0"
+).split()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    motions = tmp_path_factory.mktemp("motions")
+    for seed in range(3):
+        take = make_take("walk", seed, seconds=3.0, rate=30.0)
+        write_bvh(take.motion, motions / f"walk_{seed}.bvh", unit=0.01)
+    return motions
+
+
+@pytest.fixture(scope="module")
+def whole(folder, tmp_path_factory):
+    """The model of a run that nothing interrupted."""
+    file = tmp_path_factory.mktemp("whole") / "m.npz"
+    assert main(["train", str(folder), "-o", str(file), *TINY]) == 0
+    return file
+
+
+def started(folder, out, *more):
+    return subprocess.Popen(
+        [sys.executable, "-m", "numpy_cae", "train", str(folder), "-o", str(out), *TINY, *more],
+        cwd=Path(__file__).parents[2],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )
+
+
+def weights(path):
+    return [array for layer in load_manifold(path).network.layers for array in (layer.w, layer.b)]
+
+
+def same(one, other):
+    return all(np.array_equal(a, b) for a, b in zip(weights(one), weights(other), strict=True))
+
+
+def wait_for_a_state(process, state):
+    """Until the run has kept a state newer than any before it; what comes earlier is reading."""
+    before = state.stat().st_mtime_ns if state.exists() else 0
+    while process.poll() is None:
+        # The run moves another file into this place at any moment, and removes it at its end.
+        with suppress(FileNotFoundError):
+            if state.stat().st_mtime_ns > before:
+                return
+        time.sleep(0.002)
+
+
+def kill_again_and_again(folder, whole, out, times, rng, longest):
+    """Kill `times` runs at random moments, each going on from what the one before left."""
+    state, kept = out.with_name("m.checkpoint.npz"), 0
+    for number in range(times):
+        process = started(folder, out, "--resume")
+        if number % 4 == 3:
+            time.sleep(rng.uniform(0, 3))
+            process.kill()
+        else:
+            wait_for_a_state(process, state)
+            time.sleep(rng.uniform(0, longest))
+            process.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGINT]))
+        assert "Traceback" not in process.communicate()[1]
+        kept += state.exists()
+        if out.exists():
+            assert same(out, whole)
+            out.unlink()
+    assert main(["train", str(folder), "-o", str(out), *TINY, "--resume"]) == 0
+    assert same(out, whole)
+    assert [path.name for path in out.parent.iterdir()] == ["m.npz"]
+    return kept
+
+
+def test_killed_three_times(folder, whole, tmp_path):
+    kept = kill_again_and_again(
+        folder, whole, tmp_path / "m.npz", 3, np.random.default_rng(0), longest=0.1
+    )
+    assert kept > 0
+
+
+@pytest.mark.thorough
+def test_killed_a_hundred_times(folder, whole, tmp_path):
+    kept = kill_again_and_again(
+        folder, whole, tmp_path / "m.npz", 100, np.random.default_rng(1), longest=0.5
+    )
+    assert kept > 10
+
+
+def test_a_second_process_on_the_same_output_is_refused(folder, tmp_path, capsys):
+    out = tmp_path / "m.npz"
+    with sole_writer(out):
+        assert main(["train", str(folder), "-o", str(out), *TINY]) == 2
+    assert "another process is writing to it" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_diverges_keeps_the_model_that_was_there(folder, whole, tmp_path, capsys):
+    out = tmp_path / "m.npz"
+    out.write_bytes(whole.read_bytes())
+    argv = ["train", str(folder), "-o", str(out), *TINY, "--rate", "1e20"]
+    with np.errstate(all="ignore"):
+        assert main(argv) == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("numpy-cae train: layer 1, epoch 1")
+    assert "window" in last
+    assert "checkpoint" in last
+    assert "--rate" in last
+    assert out.read_bytes() == whole.read_bytes()
+
+
+def test_resume_where_nothing_is_left_to_do(folder, whole, capsys):
+    before = whole.read_bytes()
+    assert main(["train", str(folder), "-o", str(whole), *TINY, "--resume"]) == 0
+    assert "is whole" in capsys.readouterr().out
+    assert whole.read_bytes() == before
+
+
+def test_a_full_disk(folder, tmp_path, capsys):
+    """A real one: a file system of 32 kB, which holds one checkpoint and no second."""
+    small = tmp_path / "small"
+    small.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=32k", "tmpfs", str(small)]
+    try:
+        done = subprocess.run(mount, capture_output=True, check=False).returncode
+    except FileNotFoundError:
+        done = 1
+    if done:
+        pytest.skip("only root can mount a small file system")
+    try:
+        out = small / "m.npz"
+        (small / "ballast").write_bytes(bytes(8_000))
+        argv = ["train", str(folder), "-o", str(out), *TINY]
+        assert main(argv) == 2
+        said = capsys.readouterr().err.splitlines()[-1]
+        assert "No space left" in said
+        (small / "ballast").unlink()
+        assert [path.name for path in small.iterdir()] == ["m.checkpoint.npz"]
+    finally:
+        subprocess.run(["umount", str(small)], check=True)
+
+
+def test_a_bad_file_is_listed_and_left_out_unless_strict(folder, tmp_path, capsys):
+    motions = tmp_path / "motions"
+    motions.mkdir()
+    for path in folder.iterdir():
+        (motions / path.name).write_bytes(path.read_bytes())
+    (motions / "bad.bvh").write_text("HIERARCHY\nnonsense\n")
+    out = tmp_path / "m.npz"
+    assert main(["train", str(motions), "-o", str(out), *TINY]) == 0
+    said = capsys.readouterr().err
+    assert f"left out: {motions / 'bad.bvh'}:2: " in said
+    assert "3 files read, 1 left out" in said
+    out.unlink()
+    assert main(["train", str(motions), "-o", str(out), *TINY, "--strict"]) == 2
+    assert "bad.bvh:2: " in capsys.readouterr().err.splitlines()[-1]
+    assert not out.exists()

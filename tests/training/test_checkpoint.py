@@ -1,0 +1,163 @@
+"""Interrupted anywhere and gone on with, training ends in the same bits; nothing good is lost."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.training import (
+    Checkpoint,
+    CheckpointError,
+    DivergedError,
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    checkpoint,
+    layerwise,
+    sequential,
+    train_autoencoder,
+    train_sequential,
+)
+
+WINDOWS = np.random.default_rng(0).normal(scale=0.3, size=(7, 8, 3)).astype(np.float32)
+SCHEDULE = Schedule(Stage(epochs=2, batch=2), Stage(2, 0.01, batch=2))
+STEPS = 3 * 2 * 4  # stages, epochs, batches
+SHORT = SequenceSchedule(epochs=2, steps=4, batch=4, directions=4)
+
+
+class Interrupted(Exception):
+    pass
+
+
+def train_conv(path, resume=False, windows=WINDOWS, schedule=SCHEDULE):
+    model = ConvAutoencoder(3, (4, 5), taps=3, rng=np.random.default_rng(0))
+    kept = None if path is None else Checkpoint(path, 0.0, resume)
+    rng = np.random.default_rng(1)
+    history = train_autoencoder(model, windows, schedule, rng, False, kept)
+    return [array for layer in model.layers for array in (layer.w, layer.b)], history
+
+
+def train_sequence(path, resume=False):
+    def draw(rng, batch):
+        return rng.normal(size=(batch, 6, 3)).astype(np.float32)
+
+    model = SequentialAutoencoder(3, 5, 2, np.random.default_rng(0))
+    kept = None if path is None else Checkpoint(path, 0.0, resume)
+    history = train_sequential(model, draw, SHORT, np.random.default_rng(1), False, None, kept)
+    return list(model.weights.values()), history
+
+
+def interrupt(monkeypatch, module, after):
+    """Make the step raise instead of being made once so many have been."""
+    step, made = module._step, [0]
+
+    def interrupted(*arguments):
+        made[0] += 1
+        if made[0] > after:
+            raise Interrupted
+        return step(*arguments)
+
+    monkeypatch.setattr(module, "_step", interrupted)
+
+
+@pytest.mark.parametrize("after", [0, 1, 3, 4, 7, 8, 15, 16, 17, 23])
+def test_the_conv_autoencoder_ends_in_the_same_bits(tmp_path, monkeypatch, after):
+    whole, history = train_conv(None)
+    with monkeypatch.context() as patch, pytest.raises(Interrupted):
+        interrupt(patch, layerwise, after)
+        train_conv(tmp_path / "c.npz")
+    again, resumed = train_conv(tmp_path / "c.npz", resume=True)
+    assert all(np.array_equal(a, b) for a, b in zip(whole, again, strict=True))
+    assert history.losses == resumed.losses
+    # And from its very end.
+    again, resumed = train_conv(tmp_path / "c.npz", resume=True)
+    assert all(np.array_equal(a, b) for a, b in zip(whole, again, strict=True))
+    assert history.losses == resumed.losses
+
+
+@pytest.mark.parametrize("after", [0, 1, 3, 4, 7])
+def test_the_sequential_autoencoder_ends_in_the_same_bits(tmp_path, monkeypatch, after):
+    whole, history = train_sequence(None)
+    with monkeypatch.context() as patch, pytest.raises(Interrupted):
+        interrupt(patch, sequential, after)
+        train_sequence(tmp_path / "c.npz")
+    again, resumed = train_sequence(tmp_path / "c.npz", resume=True)
+    assert all(np.array_equal(a, b) for a, b in zip(whole, again, strict=True))
+    assert history.norm == resumed.norm
+    assert history.reconstruction == resumed.reconstruction
+
+
+def test_a_checkpoint_is_not_overwritten_unasked_nor_used_for_another_run(tmp_path):
+    path = tmp_path / "c.npz"
+    train_conv(path)
+    before = path.read_bytes()
+    with pytest.raises(CheckpointError, match="--resume"):
+        train_conv(path)
+    with pytest.raises(CheckpointError, match="other motions"):
+        train_conv(path, resume=True, windows=WINDOWS * 2)
+    with pytest.raises(CheckpointError, match="other motions"):
+        train_conv(path, resume=True, schedule=Schedule(Stage(epochs=1), Stage(epochs=1)))
+    assert path.read_bytes() == before
+
+
+def test_a_checkpoint_that_is_damaged(tmp_path):
+    path = tmp_path / "c.npz"
+    train_conv(path)
+    data = path.read_bytes()
+    for changed in (data[:100], b"", data[: len(data) // 2] + b"x" * 50 + data[len(data) // 2 :]):
+        path.write_bytes(changed)
+        with pytest.raises(CheckpointError, match="no checkpoint of this version"):
+            train_conv(path, resume=True)
+
+
+def test_a_full_disk_leaves_the_last_good_state(tmp_path, monkeypatch):
+    whole, _ = train_conv(None)
+    path, written = tmp_path / "c.npz", [0]
+    fsync = os.fsync
+
+    def full(number):
+        written[0] += 1
+        if written[0] > 5:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        fsync(number)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint.os, "fsync", full)
+        with pytest.raises(CheckpointError, match=r"No space left.*stage 1, 1 epochs and 0 steps"):
+            train_conv(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["c.npz"]
+    again, _ = train_conv(path, resume=True)
+    assert all(np.array_equal(a, b) for a, b in zip(whole, again, strict=True))
+
+
+def test_how_often_by_time(tmp_path, monkeypatch):
+    saved = []
+    monkeypatch.setattr(Checkpoint, "save", lambda self, state: saved.append(state.step))
+    model = ConvAutoencoder(3, (4, 5), taps=3)
+    kept = Checkpoint(tmp_path / "c.npz", seconds=1e9)
+    train_autoencoder(model, WINDOWS, SCHEDULE, None, False, kept)
+    assert saved == [0] * 6
+
+
+def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_states(tmp_path):
+    path = tmp_path / "c.npz"
+    schedule = Schedule(Stage(epochs=1, rate=0.1), Stage(5, 1e20, 1.0, 0.0))
+    with pytest.raises(DivergedError) as failure, np.errstate(all="ignore"):
+        train_conv(path, schedule=schedule)
+    said = str(failure.value)
+    assert said.startswith("fine tuning, epoch 1")
+    assert "layer" in said
+    assert f"the last good state is in {path} (stage " in said
+    with np.load(path) as file:
+        assert all(np.isfinite(file[name]).all() for name in file.files if "weight" in name)
+
+
+def test_a_window_that_is_not_finite_is_named(tmp_path):
+    windows = WINDOWS.copy()
+    windows[4] = np.nan
+    with pytest.raises(DivergedError, match=r"window 5: the loss is nan.*no checkpoint"):
+        train_conv(None, windows=windows, schedule=Schedule(Stage(epochs=1), Stage(epochs=1)))
