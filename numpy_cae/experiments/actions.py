@@ -33,7 +33,7 @@ class Action:
 
 
 def synthetic_action(
-    kind: str, minutes: float = 20.0, test_minutes: float = 8.0, seed: int = 0
+    kind: str, minutes: float = 20.0, test_minutes: float = 4.0, seed: int = 0
 ) -> Action:
     """One of jang2018's three actions, made by formula; other people are tested than trained on.
 
@@ -48,7 +48,7 @@ def synthetic_action(
         raise ValueError(f"no action {kind!r}; there are {', '.join(JANG2018_KINDS)}")
     halves = [
         [angles_of(plan.make(ANGLE_RATE).motion) for plan in plan_takes(long, number, [kind])]
-        for long, number in ((minutes, 2 * seed), (test_minutes, 2 * seed + 1))
+        for long, number in ((minutes, 2 * seed + 1), (test_minutes, 2 * seed + 2))
     ]
     return Action(kind, *halves, periodic=kind in PERIODIC)
 

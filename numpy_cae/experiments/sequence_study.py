@@ -24,7 +24,7 @@ from numpy_cae.training import SequenceSchedule, unit_directions
 DRAWS = 1000
 """Latent vectors and draws of the prior that a discrepancy is measured with."""
 DIRECTIONS = 128
-POINTS = 60
+POINTS = 40
 """Of a curve."""
 
 

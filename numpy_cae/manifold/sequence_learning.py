@@ -16,7 +16,7 @@ from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion import CLIP, AngleSequence, cut_clips
 from numpy_cae.training import Checkpoint, SequenceSchedule, train_sequential
 
-HIDDEN, LATENT = 128, 16
+HIDDEN, LATENT = 128, 8
 """Units of each GRU and numbers of z. The paper states neither."""
 
 STEP = 5

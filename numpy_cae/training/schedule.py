@@ -78,11 +78,11 @@ class SequenceSchedule:
         The bound on the gradient's norm.
     """
 
-    epochs: int = 20
+    epochs: int = 40
     steps: int = 100
-    rate: float = 0.5
-    decay: float = 0.9
+    rate: float = 1.0
+    decay: float = 0.93
     batch: int = 64
     weight: float = 0.1
-    directions: int = 64
+    directions: int = 32
     norm: float = 1.0
