@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.motion import Motion, whole_step
+from numpy_cae.motion.quaternions import IDENTITY, from_euler, product
 from numpy_cae.motion.read_asf import AcclaimSkeleton, read_asf
 from numpy_cae.motion.text_file import SLOWEST, TextFile, parsed, shortened, whole_number
 from numpy_cae.motion.units import stature, unit_name
@@ -255,9 +255,11 @@ def _pose(
             column += 1
         if order:
             # Small letters turn about fixed axes, the first of them first.
-            turned = Rotation.from_euler(order, values[:, columns], degrees=degrees)
+            turned = from_euler(order, values[:, columns], degrees)
+            turned = product(product(axes.as_quat(), turned), axes.inv().as_quat())
         else:
-            turned = Rotation.identity(frames)
-        turned = axes * turned * axes.inv()
-        rotations[:, joint] = (acclaim.orientation * turned if joint == 0 else turned).as_quat()
+            turned = IDENTITY
+        rotations[:, joint] = (
+            product(acclaim.orientation.as_quat(), turned) if joint == 0 else turned
+        )
     return rotations, translations

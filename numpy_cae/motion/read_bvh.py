@@ -12,10 +12,10 @@ import re
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.motion.motion import Motion, whole_step
+from numpy_cae.motion.quaternions import IDENTITY, from_euler
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.text_file import SLOWEST, TextFile, shortened, whole_number
 from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stature, unit_name
@@ -103,10 +103,9 @@ def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.nd
             column += 1
         if axes:
             # Capital letters turn about the joint's own axes: R = R_first · R_second · R_third.
-            turned = Rotation.from_euler(axes, values[:, columns], degrees=True)
+            rotations[:, index] = from_euler(axes, values[:, columns])
         else:
-            turned = Rotation.identity(frames)
-        rotations[:, index] = turned.as_quat()
+            rotations[:, index] = IDENTITY
     return rotations, translations
 
 
