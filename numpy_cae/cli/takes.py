@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,8 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion import MotionFileError, UnknownRigError, load_body
-from numpy_cae.motion.lengths import require_legs
+from numpy_cae.motion.read_many import read_bodies
 
 
 def read_takes(
@@ -20,6 +20,7 @@ def read_takes(
     unit: float | None = None,
     test: Sequence[str] = (),
     strict: bool = False,
+    cache: Path | None = None,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second.
 
@@ -32,6 +33,8 @@ def read_takes(
         Patterns such as "*_005.bvh": files whose name matches one are kept for testing.
     strict : bool
         Whether a file that cannot be used is raised; else it is listed and left out.
+    cache : path, optional
+        Where what was read is kept for the next time; None for nowhere.
 
     Returns
     -------
@@ -48,18 +51,17 @@ def read_takes(
         if not any(is_test(path, [pattern]) for path in paths):
             raise ValueError(f"no file matches {pattern!r}, none is left to test")
     training, testing, notes, left_out = [], [], Counter(), 0
-    for path in paths:
-        try:
-            positions, motion = load_body(path, mapping, unit)
-            require_legs(path, positions)
-        except (MotionFileError, UnknownRigError) as error:
+    following = _Following(len(paths))
+    for body in read_bodies(paths, mapping, unit, cache):
+        following.one_more()
+        if body.problem is not None:
             if strict or len(paths) == 1:
-                raise
+                raise body.problem
             left_out += 1
-            print(f"left out: {error}", file=sys.stderr)
+            print(f"left out: {body.problem}", file=sys.stderr)
             continue
-        (testing if is_test(path, test) else training).append(positions)
-        notes[motion.unit_note.split(" (")[0]] += 1
+        (testing if is_test(body.path, test) else training).append(body.positions)
+        notes[body.note.split(" (")[0]] += 1
     if left_out == len(paths):
         raise ValueError(f"none of {left_out} files can be used, see above")
     if test and not testing:
@@ -75,3 +77,20 @@ def read_takes(
         file=sys.stderr,
     )
     return training, testing
+
+
+class _Following:
+    """A line every few seconds while many files are read, with the time left."""
+
+    def __init__(self, files: int):
+        self.files, self.read = files, 0
+        self.begun = self.said = time.monotonic()
+
+    def one_more(self) -> None:
+        """One more file was read."""
+        self.read += 1
+        now = time.monotonic()
+        if now - self.said > 5:
+            self.said = now
+            left = (now - self.begun) / self.read * (self.files - self.read)
+            print(f"{self.read} of {self.files} files read, {left:.0f} s to go", file=sys.stderr)

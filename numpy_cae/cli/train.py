@@ -16,6 +16,7 @@ from numpy_cae.experiments.material import is_test
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
+from numpy_cae.motion.read_many import default_cache, is_worthwhile
 from numpy_cae.motion.windows import LENGTH, OVERLAP
 from numpy_cae.training import Checkpoint, Schedule, Stage
 
@@ -53,6 +54,15 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     kinds.add_motion_arguments(parser)
     _add_network_arguments(parser)
     _add_schedule_arguments(parser)
+    caching = parser.add_mutually_exclusive_group()
+    caching.add_argument(
+        "--cache",
+        type=Path,
+        metavar="FOLDER",
+        help="keep what was read of the files, by their content; by default, for 20 MB of files or "
+        f"more, in {default_cache()}",
+    )
+    caching.add_argument("--no-cache", action="store_true", help="read every file anew")
     parser.add_argument(
         "--strict", action="store_true", help="stop at a file that cannot be used, not go on"
     )
@@ -141,13 +151,11 @@ def _run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     mapping = kinds.chosen_mapping(args)
     schedule = schedule_of(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
-    training, testing = read_takes(
-        [path for paths in found.values() for path in paths],
-        mapping,
-        args.unit,
-        args.test,
-        args.strict,
-    )
+    paths = [path for some in found.values() for path in some]
+    cache = args.cache
+    if cache is None and not args.no_cache and is_worthwhile(paths):
+        cache = default_cache()
+    training, testing = read_takes(paths, mapping, args.unit, args.test, args.strict, cache)
     manifold = learn_manifold(
         training,
         schedule,

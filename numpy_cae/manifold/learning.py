@@ -84,15 +84,14 @@ def learn_manifold(
         raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
 
     features, lengths = features_on_mean_skeleton(takes, RATE)
-    frames = np.concatenate(features)
-    mean_pose = frames.mean(axis=0)
-    windows = np.concatenate([cut_windows(take, window, overlap)[0] for take in features])
-    scale = _scale(frames - mean_pose, windows - mean_pose, rms)
+    mean_pose, scale = _mean_and_scale(features, window, overlap, rms)
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
-
-    history = train_autoencoder(
-        network, manifold.normalise(windows), schedule, rng, show_progress, checkpoint
+    # Take by take, and single precision at once: of a large database there are gigabytes.
+    windows = np.concatenate(
+        [manifold.normalise(cut_windows(take, window, overlap)[0]) for take in features]
     )
+    del features
+    history = train_autoencoder(network, windows, schedule, rng, show_progress, checkpoint)
     manifold.settings = {
         "seed": seed,
         "window": window,
@@ -106,17 +105,24 @@ def learn_manifold(
     return manifold
 
 
-def _scale(frames: np.ndarray, windows: np.ndarray, rms: float) -> np.ndarray:
-    """What each feature is multiplied by, (63,): one factor for a kind of features.
+def _mean_and_scale(
+    features: Sequence[np.ndarray], window: int, overlap: int, rms: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The mean pose and what each feature is multiplied by, (63,) both: one factor for a kind.
 
     Each kind (positions, velocity, turn) is brought to `rms`, or none would learn to turn: a turn
     of a frame is a hundredth of a radian where positions are a tenth of a metre.
     """
+    frames = np.concatenate(features)
+    mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
     for kind in (POSITIONS, VELOCITY, TURN):
-        spread = np.sqrt(np.mean(frames[:, kind] ** 2))
+        spread = np.sqrt(np.mean((frames[:, kind] - mean_pose[kind]) ** 2))
         if kind is POSITIONS and spread < STILL:
             raise ValueError("every frame of the takes is the same: there is nothing to learn")
         scale[kind] = rms / max(spread, STILL)
-    loudest = np.sqrt(np.mean((windows * scale) ** 2, axis=(1, 2)).max())
-    return scale * min(1.0, LOUDEST * rms / loudest)
+    loudest = max(
+        np.sqrt(np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2)).max())
+        for windows in (cut_windows(take, window, overlap)[0] for take in features)
+    )
+    return mean_pose, scale * min(1.0, LOUDEST * rms / loudest)

@@ -27,3 +27,7 @@ class MotionFileError(ValueError):
         self.path, self.line, self.problem = Path(path), line, problem
         where = f"{path}:{line}" if line is not None else f"{path}"
         super().__init__(f"{where}: {problem}")
+
+    def __reduce__(self):
+        # Another process that read the file hands the error over in pieces.
+        return type(self), (self.path, self.line, self.problem)
