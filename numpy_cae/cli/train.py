@@ -111,6 +111,7 @@ def _add_schedule_arguments(parser: argparse.ArgumentParser) -> None:
             help="share of inputs set to zero; two, and each window draws its own between them",
         )
     add("--fine-rescale", action="store_true", help="divide what fine tuning sees by 1 - P")
+    add("--fine-momentum", type=kinds.fraction, default=0.0, help="of fine tuning; below 1")
 
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
@@ -119,10 +120,12 @@ def schedule_of(args: argparse.Namespace) -> Schedule:
     fine_zeroed = _zeroed("--fine-zeroed", args.fine_zeroed)
     if args.fine_rescale and args.fine_zeroed[-1] == 1:
         raise ValueError("--fine-rescale divides by 1 - P: --fine-zeroed must stay below 1")
+    if args.fine_momentum == 1:
+        raise ValueError("--fine-momentum 1 would never slow down: it must stay below 1")
     fine = args.fine_epochs, args.fine_rate, args.fine_decay, args.fine_alpha, args.fine_batch
     return Schedule(
         layer=Stage(args.epochs, args.rate, args.decay, args.alpha, args.batch, zeroed),
-        fine_tuning=Stage(*fine, fine_zeroed, args.fine_rescale),
+        fine_tuning=Stage(*fine, fine_zeroed, args.fine_rescale, args.fine_momentum),
     )
 
 

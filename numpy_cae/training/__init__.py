@@ -8,7 +8,7 @@ from numpy_cae.training.divergence import DivergedError
 from numpy_cae.training.layerwise import History, train_autoencoder
 from numpy_cae.training.schedule import Schedule, SequenceSchedule, Stage
 from numpy_cae.training.sequential import SequenceHistory, train_sequential
-from numpy_cae.training.sgd import decayed_rate, descend
+from numpy_cae.training.sgd import decayed_rate, descend, descend_with_momentum
 
 __all__ = [
     "Checkpoint",
@@ -22,6 +22,7 @@ __all__ = [
     "clip_norm",
     "decayed_rate",
     "descend",
+    "descend_with_momentum",
     "train_autoencoder",
     "train_sequential",
     "unit_directions",

@@ -18,7 +18,7 @@ from numpy_cae.training.corruption import corrupt
 from numpy_cae.training.divergence import DivergedError, first_layer_gone, gone, shown
 from numpy_cae.training.progress import Progress
 from numpy_cae.training.schedule import Schedule, Stage
-from numpy_cae.training.sgd import decayed_rate, descend
+from numpy_cae.training.sgd import decayed_rate, descend, descend_with_momentum
 
 ADVICE = "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
 
@@ -98,6 +98,10 @@ class _Run:
     show_progress: bool
     checkpoint: Checkpoint | None
     history: History = field(default_factory=History)
+    velocities: dict[str, np.ndarray] = field(init=False)
+
+    def __post_init__(self):
+        self.velocities = {name: np.zeros_like(w) for name, w in self.weights().items()}
 
     def weights(self) -> dict[str, np.ndarray]:
         return {
@@ -109,7 +113,7 @@ class _Run:
     def state(self, stage: int, epoch: int = 0, step: int = 0, total: float = 0.0) -> State:
         """How far it is now."""
         return State(
-            self.weights(),
+            self.weights() | self._named_velocities(),
             self.rng.bit_generator.state,
             stage,
             epoch,
@@ -117,6 +121,9 @@ class _Run:
             total,
             history={"losses": self.history.losses, "seconds": self.history.seconds},
         )
+
+    def _named_velocities(self) -> dict[str, np.ndarray]:
+        return {f"velocity of {name}": array for name, array in self.velocities.items()}
 
     def resumed(self, windows: np.ndarray, schedule: Schedule) -> State:
         """Where to begin; the weights, the random numbers and the history are brought there."""
@@ -128,7 +135,7 @@ class _Run:
             kept = self.checkpoint.begin(name)
         if kept is None:
             return self.state(0)
-        for name, array in self.weights().items():
+        for name, array in (self.weights() | self._named_velocities()).items():
             array[...] = kept.weights[name]
         self.rng.bit_generator.state = kept.rng
         self.history = History(**kept.history)
@@ -144,6 +151,9 @@ class _Run:
         progress = Progress(name, stage.epochs, steps, self.show_progress)
         if at.epoch or at.step:
             progress.begin_at(at.epoch * steps + at.step)
+        else:
+            for velocity in self.velocities.values():
+                velocity[...] = 0
         try:
             for epoch in range(at.epoch, stage.epochs):
                 losses.append(self._epoch(inputs, stage, layer, at, name, epoch, progress))
@@ -175,11 +185,12 @@ class _Run:
         batches = _batches(order, stage.batch)
         total = at.total
         for step, chosen in enumerate(batches[at.step :], start=at.step):
-            loss = _step(self.model, inputs[chosen], stage, rate, self.rng, layer)
+            x = inputs[chosen]
+            loss = _step(self.model, x, stage, rate, self.rng, layer, self.velocities)
             if not np.isfinite(loss):
                 raise DivergedError(
                     f"{name}, epoch {epoch + 1}, {shown(chosen)}",
-                    first_layer_gone(self.model, inputs[chosen], layer),
+                    first_layer_gone(self.model, x, layer),
                     f"the loss is {loss} at rate {rate:.4g}",
                     ADVICE,
                 )
@@ -217,14 +228,20 @@ def _step(
     rate: float,
     rng: np.random.Generator,
     layer: int | None,
+    velocities: dict[str, np.ndarray],
 ) -> float:
     """Corrupt, compare, descend: one step on one batch, for one layer or (None) for all."""
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
-    trained = model.layers if layer is None else [model.layers[layer]]
-    first = None if layer is None else [_drawn_mask(x, trained[0].b.size, rng)]
+    numbers = range(len(model.layers)) if layer is None else [layer]
+    first = None if layer is None else [_drawn_mask(x, model.layers[layer].b.size, rng)]
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
-    for each, (dw, db) in zip(trained, gradients, strict=True):
-        descend((each.w, each.b), (dw, db), rate)
+    for number, gradient in zip(numbers, gradients, strict=True):
+        parameters = model.layers[number].w, model.layers[number].b
+        if stage.momentum:
+            own = [velocities[f"{letter}{number + 1}"] for letter in "wb"]
+            descend_with_momentum(parameters, own, gradient, rate, stage.momentum)
+        else:
+            descend(parameters, gradient, rate)
     return loss
 
 

@@ -26,6 +26,8 @@ class Stage:
         between them, anew for each window in each step.
     rescaled : bool
         Whether the corrupted input is divided by 1 - p: see `training.corruption`.
+    momentum : float
+        μ of `training.descend_with_momentum`, at least 0 and below 1; the paper's descent has none.
     """
 
     epochs: int = 25
@@ -35,6 +37,7 @@ class Stage:
     batch: int = 1
     zeroed: float | tuple[float, float] = 0.1
     rescaled: bool = False
+    momentum: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -18,3 +18,22 @@ def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], r
     """θ ← θ - η · dL/dθ, each parameter in place."""
     for parameter, gradient in zip(parameters, gradients, strict=True):
         parameter -= rate * gradient
+
+
+def descend_with_momentum(
+    parameters: Iterable[np.ndarray],
+    velocities: Iterable[np.ndarray],
+    gradients: Iterable[np.ndarray],
+    rate: float,
+    momentum: float,
+) -> None:
+    """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place.
+
+    Along a direction in which the gradient keeps its sign steps add up to 1 / (1 - μ) of one; where
+    it changes its sign they cancel. Not in holden2015: see "The network that repairs best" in
+    lessons/papers_to_code.md.
+    """
+    for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
+        velocity *= momentum
+        velocity -= rate * gradient
+        parameter += velocity

@@ -64,6 +64,7 @@ def test_train_measures_on_the_takes_kept_out(folder, tmp_path, capsys):
         "batch": 1,
         "zeroed": 0.1,
         "rescaled": False,
+        "momentum": 0.0,
     }
 
 
@@ -74,6 +75,7 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
         (other / name).write_bytes((folder / name).read_bytes())
     argv = ["train", folder, other, "-o", file, "--test", "*_3.bvh", "*_2.bvh", *TINY]
     argv += ["--fine-zeroed", "0.1", "0.9", "--fine-rescale", "--fine-batch", "4"]
+    argv += ["--fine-momentum", "0.5"]
     assert main([str(word) for word in argv]) == 0
     assert "4 takes to train on" in capsys.readouterr().err
     manifold = load_manifold(file)
@@ -83,6 +85,7 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
         {"name": "other", "files": 3, "test": 1},
     ]
     assert manifold.settings["schedule"]["fine_tuning"]["zeroed"] == [0.1, 0.9]
+    assert manifold.settings["schedule"]["fine_tuning"]["momentum"] == 0.5
     assert manifold.rescales
 
 
@@ -92,6 +95,7 @@ def test_several_folders_and_patterns_are_kept_with_the_model(folder, tmp_path, 
         (["--zeroed", "0.9", "0.1"], "the lowest and the highest"),
         (["--fine-zeroed", "0.1", "0.2", "0.3"], "the lowest and the highest"),
         (["--fine-zeroed", "0.1", "1", "--fine-rescale"], "below 1"),
+        (["--fine-momentum", "1"], "below 1"),
         (["--test", "*_3.bvh", "x*"], "no file matches 'x*'"),
     ],
 )

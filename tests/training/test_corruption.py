@@ -46,7 +46,7 @@ def test_a_step_sees_the_corruption_of_its_schedule(monkeypatch):
             return 0.0, []
 
     network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
-    layerwise._step(network, X, stage, 0.1, np.random.default_rng(5), None)
+    layerwise._step(network, X, stage, 0.1, np.random.default_rng(5), None, {})
     x, corrupted = network.seen
     assert x is X
     np.testing.assert_array_equal(

@@ -10,6 +10,7 @@ from numpy_cae.training import (
     Stage,
     decayed_rate,
     descend,
+    descend_with_momentum,
     layerwise,
     train_autoencoder,
     zero_values,
@@ -116,7 +117,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         model = small_model()
         before = model.layers[0].w.copy()
         rng = np.random.default_rng(0)
-        layerwise._step(model, windows[chosen], Stage(alpha=0.0, zeroed=0.0), rate, rng, None)
+        layerwise._step(model, windows[chosen], Stage(alpha=0.0, zeroed=0.0), rate, rng, None, {})
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
@@ -132,6 +133,30 @@ def test_descent_moves_against_the_gradient_in_place():
     descend((w, b), (np.array([0.5, -1.0]), np.array([2.0])), rate=0.1)
     np.testing.assert_allclose(w, [0.95, 2.1])
     np.testing.assert_allclose(b, [2.8])
+
+
+def test_momentum_goes_on_where_the_gradient_keeps_its_sign_and_rests_where_it_does_not():
+    w, velocity = np.zeros(2), np.zeros(2)
+    for step in range(200):
+        gradient = np.array([1.0, (-1.0) ** step])
+        descend_with_momentum((w,), (velocity,), (gradient,), rate=0.01, momentum=0.9)
+    np.testing.assert_allclose(velocity[0], -0.01 / (1 - 0.9), rtol=1e-6)
+    np.testing.assert_allclose(abs(velocity[1]), 0.01 / (1 + 0.9), rtol=1e-6)
+    assert w[0] < -15 and abs(w[1]) < 0.1
+
+
+def test_a_stage_begins_at_rest_and_without_momentum_is_plain_descent():
+    def trained(**momentum):
+        model = small_model()
+        stage = Stage(epochs=2, rate=0.1, **momentum)
+        schedule = Schedule(Stage(epochs=1, rate=0.1), stage)
+        train_autoencoder(
+            model, waves(), schedule, np.random.default_rng(3), show_progress=False
+        )
+        return model.layers[0].w
+
+    np.testing.assert_array_equal(trained(), trained(momentum=0.0))
+    assert np.abs(trained() - trained(momentum=0.5)).max() > 1e-4
 
 
 def test_the_rate_decays_from_the_first_epoch_on():
