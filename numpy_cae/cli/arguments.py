@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import tempfile
 from pathlib import Path
 
 from numpy_cae.motion import read_mapping
@@ -83,3 +84,15 @@ def add_motion_arguments(parser: argparse.ArgumentParser) -> None:
 def chosen_mapping(args: argparse.Namespace) -> dict[str, str] | None:
     """The mapping that `--mapping` names, read."""
     return None if args.mapping is None else read_mapping(args.mapping)
+
+
+def require_place(path: Path) -> None:
+    """Raise ValueError unless a file can be made there: asked before hours of work, not after."""
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise ValueError(f"{path}: cannot be written: there is no folder {folder}")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None

@@ -67,6 +67,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print."""
+    if args.growth:
+        kinds.require_place(args.growth)
     _warn_of_others()
     if args.paper or args.full:
         epochs = paper.EPOCHS if args.full else 1

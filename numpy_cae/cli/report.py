@@ -74,12 +74,12 @@ def run(args: argparse.Namespace) -> int:
     started = time.monotonic()
     manifold = load_manifold(args.model)
     patterns = _test_patterns(manifold, args)
-    args.output.mkdir(parents=True, exist_ok=True)
     print(f"reading {', '.join(map(str, args.data))}", file=sys.stderr, flush=True)
     material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
     if not material.testing or not material.training:
         which = "test" if not material.testing else "learn from"
         raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
+    args.output.mkdir(parents=True, exist_ok=True)
     seconds = time.monotonic() - started
     print(
         f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test, "

@@ -41,8 +41,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read or make, train, measure, write."""
-    args.output.mkdir(parents=True, exist_ok=True)
     actions = _read(args) if args.data else [_made(name, args) for name in args.actions]
+    args.output.mkdir(parents=True, exist_ok=True)
     result = sequential(
         actions,
         train_sequential.schedule_of(args),

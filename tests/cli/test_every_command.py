@@ -1,0 +1,162 @@
+"""Every subcommand: an example in its help; what cannot be done is one line, status 2, no file."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import SUBCOMMANDS, main
+from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold, save_sequences
+from numpy_cae.motion import angles_of, body_of, write_bvh
+from numpy_cae.training import Schedule, SequenceSchedule, Stage
+
+NAMES = [each.__name__.rsplit(".", 1)[1] for each in SUBCOMMANDS]
+
+# WALK is a motion, FOLDER holds it, MODEL suits it; OUT.xyz can be written. Each case replaces one.
+COMMANDS = {
+    "demo": "demo -o OUT --quiet",
+    "download": "download cmu --subjects 1 -o OUT --site http://127.0.0.1:9 --quiet",
+    "train": "train FOLDER -o OUT.npz --epochs 1 --fine-epochs 1 --filters 4 --quiet",
+    "repair": "repair WALK -m MODEL -o OUT.bvh",
+    "fill": "fill WALK -m MODEL -o OUT.bvh --joint left_wrist",
+    "interpolate": "interpolate WALK WALK -m MODEL -o OUT.bvh",
+    "compare": "compare FOLDER -m MODEL -o OUT.csv",
+    "sample": "sample -m MODEL --data FOLDER -o OUT.bvh --seconds 1",
+    "show": "show WALK -o OUT",
+    "report": "report --data FOLDER -m MODEL -o OUT --test walk_1.bvh",
+    "study": "study --data FOLDER --test walk_1.bvh -o OUT --quiet",
+    "lessons": "lessons OUT --from FOLDER",
+    "verify": "verify SCRIPT",
+    "bench": "bench --growth OUT.png",
+}
+
+
+@pytest.fixture(scope="module")
+def things(tmp_path_factory):
+    """What the words of a command stand for, all of it good."""
+    base = tmp_path_factory.mktemp("things")
+    (base / "motions").mkdir()
+    (base / "empty").mkdir()
+    motions = [make_take("walk", seed, seconds=2.0, rate=50.0).motion for seed in range(2)]
+    for number, motion in enumerate(motions):
+        write_bvh(motion, base / "motions" / f"walk_{number}.bvh", unit=0.01)
+    stage = Stage(epochs=1)
+    manifold = learn_manifold(
+        [body_of(motion) for motion in motions],
+        Schedule(stage, stage), 0, 16, 8, (4, 4, 4), 5, show_progress=False,
+    )  # fmt: skip
+    save_manifold(manifold, base / "model.npz")
+    short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
+    angles = [angles_of(motion) for motion in motions]
+    sequences = learn_sequences(angles, short, hidden=4, latent=2, show_progress=False)
+    save_sequences(sequences, base / "sequences.npz")
+    np.savez(base / "strange.npz", a=np.zeros(3))
+    (base / "plain.txt").write_text("a note\n")
+    return {
+        "WALK": base / "motions" / "walk_0.bvh",
+        "FOLDER": base / "motions",
+        "MODEL": base / "model.npz",
+        "SCRIPT": base / "missing.py",
+        "base": base,
+    }
+
+
+def typed(things, name, out, **instead):
+    """The command with other things in the place of some."""
+    words = []
+    for word in COMMANDS[name].split():
+        if word in instead:
+            words.append(str(instead[word]))
+        elif word.startswith("OUT"):
+            words.append(f"{out}{word[3:]}")
+        else:
+            words.append(str(things.get(word, word)))
+    return words
+
+
+def refused(capsys, argv, written):
+    """One line, status 2, no traceback, nothing in the folder `written`."""
+    before = sorted(written.rglob("*"))
+    capsys.readouterr()
+    try:
+        status = main(argv)
+    except SystemExit as exit_:
+        status = exit_.code
+    said = capsys.readouterr()
+    assert status == 2, said
+    assert "Traceback" not in said.err
+    lines = said.err.rstrip().splitlines()
+    assert lines[-1].startswith(f"numpy-cae {argv[0]}: "), said.err
+    assert sum(line.startswith("numpy-cae ") for line in lines) == 1, said.err
+    assert sorted(written.rglob("*")) == before
+    return lines[-1]
+
+
+def with_word(word):
+    return [name for name in NAMES if word in COMMANDS[name].split()]
+
+
+def test_every_command_is_tested_here():
+    assert sorted(COMMANDS) == sorted(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_has_an_example(name, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main([name, "--help"])
+    assert exit_.value.code == 0
+    said = capsys.readouterr().out
+    assert "example" in said
+    assert f"numpy-cae {name} " in said.split("example", 1)[1]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_option_that_is_none(name, things, tmp_path, capsys):
+    argv = [*typed(things, name, tmp_path / "out"), "--no-such-option"]
+    with pytest.raises(SystemExit) as exit_:
+        main(argv)
+    assert exit_.value.code == 2
+    assert "Traceback" not in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("word", ["WALK", "FOLDER", "MODEL", "SCRIPT"])
+@pytest.mark.parametrize("name", NAMES)
+def test_missing_input(name, word, things, tmp_path, capsys):
+    if word not in COMMANDS[name].split():
+        pytest.skip(f"{name} reads no {word.lower()}")
+    argv = typed(things, name, tmp_path / "out", **{word: tmp_path / "missing.bvh"})
+    assert "missing" in refused(capsys, argv, tmp_path)
+
+
+@pytest.mark.parametrize("name", with_word("WALK"))
+@pytest.mark.parametrize("wrong", ["plain.txt", "model.npz", "empty"])
+def test_input_of_another_kind(name, wrong, things, tmp_path, capsys):
+    argv = typed(things, name, tmp_path / "out", WALK=things["base"] / wrong)
+    assert wrong in refused(capsys, argv, tmp_path)
+
+
+@pytest.mark.parametrize("name", with_word("FOLDER"))
+def test_an_empty_folder(name, things, tmp_path, capsys):
+    argv = typed(things, name, tmp_path / "out", FOLDER=things["base"] / "empty")
+    assert "empty" in refused(capsys, argv, tmp_path)
+
+
+@pytest.mark.parametrize("name", with_word("MODEL"))
+@pytest.mark.parametrize("wrong", ["strange.npz", "plain.txt", "motions", "sequences.npz"])
+def test_a_model_that_is_none_or_for_other_data(name, wrong, things, tmp_path, capsys):
+    argv = typed(things, name, tmp_path / "out", MODEL=things["base"] / wrong)
+    if name == "sample" and wrong == "sequences.npz":
+        argv = [word for word in argv if word not in ("--data", str(things["FOLDER"]))]
+        pytest.skip("sample takes both kinds of models")
+    assert wrong in refused(capsys, argv, tmp_path)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if "OUT" in COMMANDS[name]])
+@pytest.mark.parametrize("place", ["a file's inside", "read-only"])
+def test_output_that_cannot_be_written(name, place, things, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    # To the administrator no folder is read-only, but for those that the system itself makes up.
+    out = tmp_path / "file" / "out" if place == "a file's inside" else "/proc/out"
+    refused(capsys, typed(things, name, out), tmp_path)
