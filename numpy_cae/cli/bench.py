@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 from data_synth import make_takes
-from numpy_cae.bench import growth, paper, sequence, table
+from numpy_cae.bench import growth, paper, reading, sequence, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.motion import load_motion
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -61,6 +64,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="MINUTES",
         help="make so many minutes of synthetic walking at 30 frames a second",
     )
+    instead.add_argument(
+        "--reading",
+        type=Path,
+        nargs="+",
+        metavar="FILE",
+        help="read motion files, beside pybvh and bvh where they are installed",
+    )
+    parser.add_argument("--json", action="store_true", help="with --reading: print JSON")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 
@@ -69,12 +80,16 @@ def run(args: argparse.Namespace) -> int:
     """Measure and print."""
     if args.growth:
         kinds.require_place(args.growth)
+    if args.json and not args.reading:
+        raise ValueError("--json is for --reading")
     _warn_of_others()
     if args.paper or args.full:
         epochs = paper.EPOCHS if args.full else 1
         for batch in args.batch or (1, 16):
             print(paper.run_paper(batch, epochs, show_progress=not args.quiet).text(), flush=True)
             print()
+    elif args.reading:
+        _reading(args)
     elif args.walks:
         print(_walks(args.walks))
     elif args.growth:
@@ -89,6 +104,16 @@ def run(args: argparse.Namespace) -> int:
         for row in timed.rows(peak, args.batch or timed.BATCHES, args.rounds):
             print(row.text(), flush=True)
     return 0
+
+
+def _reading(args: argparse.Namespace) -> None:
+    for path in args.reading:
+        load_motion(path)  # what is wrong with a file is said of it, not of a reader
+    rows = reading.readings(args.reading)
+    if args.json:
+        print(json.dumps([asdict(row) for row in rows], indent=1))
+    else:
+        print("\n".join([reading.HEADER, *(row.text() for row in rows)]))
 
 
 def _walks(minutes: float) -> str:
