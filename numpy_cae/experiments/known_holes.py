@@ -18,12 +18,12 @@ from numpy_cae.manifold import MotionManifold, project_observed
 from numpy_cae.motion import FEATURES, POSITIONS, cut_windows, joint_slice
 from numpy_cae.viz import Curve, curves_figure, save_figure
 
-TAKES = 8
+TAKES = 6
 FRAMES = 160
-GAPS = (5, 10, 20, 30, 45, 60, 90)
+GAPS = (5, 15, 30, 45, 90)
 EVERY = 15
 JOINT = "left_wrist"
-SIZES = (10, 20, 40, 63, 100, 200)
+SIZES = (20, 63, 200)
 LINE, PCA_FRAMES, PCA_WINDOWS = "linear interpolation", "PCA on frames", "PCA on windows"
 PLAIN, KNOWING = "plain projection", "projection of the observed"
 METHODS = (LINE, PCA_FRAMES, PCA_WINDOWS, PLAIN, KNOWING)
