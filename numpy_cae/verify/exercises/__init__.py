@@ -13,7 +13,9 @@ from numpy_cae.verify.exercises import (
     lesson_05,
     lesson_06,
     lesson_07,
+    lesson_08,
     lesson_12,
+    lesson_14,
 )
 from numpy_cae.verify.exercises.exercise import Exercise
 
@@ -27,7 +29,9 @@ LESSONS: dict[str, tuple[Exercise, ...]] = {
         lesson_05,
         lesson_06,
         lesson_07,
+        lesson_08,
         lesson_12,
+        lesson_14,
     )
 }
 
