@@ -6,12 +6,20 @@ import argparse
 import time
 from pathlib import Path
 
-from numpy_cae.course import execute, find_lessons, read_notebook, student_copy, write_notebook
+from numpy_cae.course import (
+    execute,
+    find_lessons,
+    read_notebook,
+    student_copy,
+    write_notebook,
+    write_picture,
+)
 
 EXAMPLE = """\
 examples: numpy-cae lessons student/              write the student's copy of every lesson
           numpy-cae lessons --execute             run the instructor's copies and store the outputs
-          numpy-cae lessons --execute --only 03   of one lesson"""
+          numpy-cae lessons --execute --only 03   of one lesson
+          numpy-cae lessons --gallery             one picture a lesson, from the stored outputs"""
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -21,7 +29,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="write the student's copies of the lessons, or run the instructor's",
         description="Write the student's copy of every lesson: a stub in place of each solution, "
         "no outputs. With --execute, run the instructor's copies from a fresh kernel instead and "
-        "store what they show.",
+        "store what they show, and the picture of the gallery with it. With --gallery, make the "
+        "pictures of the outputs that are stored.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -35,20 +44,27 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="the instructor's copies; default lessons, as in a clone",
     )
     parser.add_argument("--execute", action="store_true", help="run the instructor's copies")
+    parser.add_argument(
+        "--gallery", action="store_true", help="make the pictures of what is stored, run nothing"
+    )
     parser.add_argument("--only", metavar="NN", help="only the lesson with this number")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Write or execute, saying which file."""
-    if args.execute == (args.folder is not None):
-        raise ValueError("expected either a folder for the student's copies or --execute")
+    if [args.execute, args.gallery, args.folder is not None].count(True) != 1:
+        raise ValueError(
+            "expected either a folder for the student's copies or --execute or --gallery"
+        )
     lessons = find_lessons(args.source)
     if args.only:
         lessons = [path for path in lessons if path.name.startswith(f"{args.only}_")]
         if not lessons:
             raise ValueError(f"no lesson {args.only} in {args.source}")
-    return _execute(lessons) if args.execute else _write_copies(lessons, args.folder)
+    if args.folder is not None:
+        return _write_copies(lessons, args.folder)
+    return _execute(lessons) if args.execute else _gallery(lessons)
 
 
 def _execute(lessons: list[Path]) -> int:
@@ -60,6 +76,16 @@ def _execute(lessons: list[Path]) -> int:
             raise ValueError(f"{path}: {error}") from None
         write_notebook(executed, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
+        print(write_picture(executed, path))
+    return 0
+
+
+def _gallery(lessons: list[Path]) -> int:
+    for path in lessons:
+        try:
+            print(write_picture(read_notebook(path), path))
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
     return 0
 
 

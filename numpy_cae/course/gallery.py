@@ -1,0 +1,95 @@
+"""One picture a lesson, taken from what the lesson itself drew when it was executed.
+
+The lesson says which: the cell tagged "gallery", or its last picture where no cell is. In the
+folder `pictures` it stands small, with a few colours, and carries a hash of the picture that it
+was made of, so that a test can tell whether the two belong together.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+from PIL import Image, PngImagePlugin
+
+from numpy_cae.motion.whole_file import whole_file
+
+TAG, MADE_OF = "gallery", "made of"
+WIDTH, HEIGHT = 480, 320
+"""Pixels at most."""
+COLOURS = 64
+
+
+def picture_of(notebook: dict) -> bytes:
+    """The PNG that stands for an executed lesson.
+
+    Parameters
+    ----------
+    notebook : dict
+        As `course.read_notebook` returns it.
+
+    Raises
+    ------
+    ValueError
+        If the lesson shows no picture, or none in the cell that it tagged.
+    """
+    cells = notebook["cells"]
+    tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
+    pictures = list(_pictures(tagged or cells))
+    if not pictures:
+        where = f"the cell tagged {TAG!r}" if tagged else "the lesson"
+        raise ValueError(f"{where} shows no picture: was it executed?")
+    return base64.b64decode(pictures[-1])
+
+
+def write_picture(notebook: dict, lesson: str | Path) -> Path:
+    """The lesson's picture, small, in `pictures` beside the lesson; returns where.
+
+    Parameters
+    ----------
+    notebook : dict
+        Executed.
+    lesson : path
+        Of its file, such as lessons/03_convolution_by_hand.ipynb.
+    """
+    drawn, path = picture_of(notebook), picture_path(lesson)
+    path.parent.mkdir(exist_ok=True)
+    with Image.open(io.BytesIO(drawn)) as picture:
+        small = Image.new("RGB", picture.size, "white")
+        small.paste(picture, mask=picture.getchannel("A") if picture.mode == "RGBA" else None)
+    small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    said = PngImagePlugin.PngInfo()
+    said.add_text(MADE_OF, _hash(drawn))
+    with whole_file(path) as beside:
+        small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=said)
+    return path
+
+
+def is_current(notebook: dict, lesson: str | Path) -> bool:
+    """Whether the lesson's small picture is there and was made of what the lesson shows."""
+    path = picture_path(lesson)
+    if not path.exists():
+        return False
+    with Image.open(path) as picture:
+        return picture.info.get(MADE_OF) == _hash(picture_of(notebook))
+
+
+def picture_path(lesson: str | Path) -> Path:
+    """lessons/pictures/03.png of lessons/03_convolution_by_hand.ipynb."""
+    lesson = Path(lesson)
+    return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
+
+
+def _pictures(cells: list[dict]) -> Iterator[str]:
+    for cell in cells:
+        for output in cell.get("outputs", ()):
+            data = output.get("data", {})
+            if "image/png" in data:
+                yield "".join(data["image/png"])
+
+
+def _hash(picture: bytes) -> str:
+    return hashlib.sha256(picture).hexdigest()
