@@ -14,6 +14,8 @@ from numpy_cae.verify.exercises import (
     lesson_06,
     lesson_07,
     lesson_08,
+    lesson_10,
+    lesson_11,
     lesson_12,
     lesson_14,
 )
@@ -30,6 +32,8 @@ LESSONS: dict[str, tuple[Exercise, ...]] = {
         lesson_06,
         lesson_07,
         lesson_08,
+        lesson_10,
+        lesson_11,
         lesson_12,
         lesson_14,
     )
