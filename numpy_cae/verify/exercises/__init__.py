@@ -14,9 +14,11 @@ from numpy_cae.verify.exercises import (
     lesson_06,
     lesson_07,
     lesson_08,
+    lesson_09,
     lesson_10,
     lesson_11,
     lesson_12,
+    lesson_13,
     lesson_14,
 )
 from numpy_cae.verify.exercises.exercise import Exercise
@@ -32,9 +34,11 @@ LESSONS: dict[str, tuple[Exercise, ...]] = {
         lesson_06,
         lesson_07,
         lesson_08,
+        lesson_09,
         lesson_10,
         lesson_11,
         lesson_12,
+        lesson_13,
         lesson_14,
     )
 }
