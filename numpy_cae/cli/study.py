@@ -31,7 +31,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add("--data", type=Path, nargs="+", metavar="FOLDER", help="motion files of one action each")
     add("--test", nargs="+", default=[], metavar="PATTERN", help="with --data: files kept out")
     add("--actions", nargs="+", choices=ACTIONS, default=list(ACTIONS), help="without --data")
-    add("--minutes", type=kinds.positive, default=20.0, help="of each action, without --data")
+    add(
+        "--minutes",
+        type=kinds.positive,
+        default=60.0,
+        help="to learn from, of each action, without --data; two thirds of that to test on",
+    )
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
     add("--quiet", action="store_true", help="show no progress")
     kinds.add_motion_arguments(parser)
@@ -61,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _made(name: str, args: argparse.Namespace) -> Action:
-    return synthetic_action(name, args.minutes, max(args.minutes / 5, 0.2), args.seed)
+    return synthetic_action(name, args.minutes, max(args.minutes * 2 / 3, 0.2), args.seed)
 
 
 def _read(args: argparse.Namespace) -> list[Action]:
