@@ -35,7 +35,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--minutes",
         type=kinds.positive,
         default=60.0,
-        help="to learn from, of each action, without --data; two thirds of that to test on",
+        help="to learn from, of each action, without --data; as many to test on",
     )
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
     add("--quiet", action="store_true", help="show no progress")
@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _made(name: str, args: argparse.Namespace) -> Action:
-    return synthetic_action(name, args.minutes, max(args.minutes * 2 / 3, 0.2), args.seed)
+    return synthetic_action(name, args.minutes, args.minutes, args.seed)
 
 
 def _read(args: argparse.Namespace) -> list[Action]:

@@ -117,7 +117,9 @@ def _or_nothing(value: float) -> str:
     return "" if np.isnan(value) else f"{value:.2f}"
 
 
-def sequence_samples(studies: Sequence[Study], seed: int = 0) -> SequenceSamples:
+def sequence_samples(
+    studies: Sequence[Study], seed: int = 0, count: int = SAMPLES
+) -> SequenceSamples:
     """Draw from each study's manifold and measure.
 
     Parameters
@@ -125,11 +127,13 @@ def sequence_samples(studies: Sequence[Study], seed: int = 0) -> SequenceSamples
     studies : sequence of Study
     seed : int
         Of the draws.
+    count : int
+        Clips from each source.
     """
     rows = []
     for study in studies:
-        clips = sampled(study, SAMPLES, seed)
-        held_out, other_real = clips[REAL], study.drawn(SAMPLES, seed + 1)
+        clips = sampled(study, count, seed)
+        held_out, other_real = clips[REAL], study.drawn(count, seed + 1)
         real_near, real_diversity = nearest_distance(other_real, held_out), diversity(held_out)
         walks = study.action.name in WALKING
         real_stride = _strides(study, held_out) if walks else np.nan

@@ -82,10 +82,10 @@ class SequenceSchedule:
     """
 
     epochs: int = 40
-    steps: int = 100
+    steps: int = 40
     rate: float = 1.0
-    decay: float = 0.93
+    decay: float = 0.91
     batch: int = 64
-    weight: float = 0.1
-    directions: int = 32
+    weight: float = 1.0
+    directions: int = 64
     norm: float = 1.0

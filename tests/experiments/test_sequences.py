@@ -48,12 +48,12 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     curve = studies[0].curve
     assert list(curve.steps) == [0, 1, 2, 3, 4]
     assert np.isfinite(curve.error).all() and (curve.discrepancy > 0).all()
-    x = studies[0].held_out()
+    x = studies[0].drawn(1000, 7, training=False)
     manifold = studies[0].manifold
     error = angle_distance(
         manifold.denormalise(manifold.network.denoise(x)), manifold.denormalise(x)
     )
-    assert curve.error[-1] == pytest.approx(error)
+    assert curve.error[-1] == pytest.approx(error, rel=0.03)
 
 
 def test_the_discrepancy_of_the_prior_itself_is_the_floor():
@@ -103,7 +103,7 @@ def test_reconstruction_beside_simpler_ones(studies):
 
 
 def test_real_clips_are_at_the_measure_of_samples(studies):
-    table = sequence_samples(studies)
+    table = sequence_samples(studies, count=20)
     for action in ("walking", "waiting"):
         assert table.row(action, REAL).near == pytest.approx(1)
     assert 0.5 < table.row("walking", REAL).stride < 2
