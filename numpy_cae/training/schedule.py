@@ -82,9 +82,9 @@ class SequenceSchedule:
     """
 
     epochs: int = 40
-    steps: int = 40
+    steps: int = 65
     rate: float = 1.0
-    decay: float = 0.91
+    decay: float = 0.93
     batch: int = 64
     weight: float = 1.0
     directions: int = 64
