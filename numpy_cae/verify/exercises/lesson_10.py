@@ -29,6 +29,7 @@ from numpy_cae.verify.property import require_equal
 
 SIZES = {"batch": (1, 2), "frames": (1, 2, 3), "features": (1, 2), "hidden": (1, 2)}
 LATENT = {**SIZES, "latent": (1, 2, 3)}
+WHOLE = {**LATENT, "frames": (1, 2), "hidden": (1,)}  # its parts have been tried wider
 OF_READING = ("encoder_w", "encoder_u", "encoder_b", "encoder_c", "latent_w", "latent_b")
 OF_GRU = ("decoder_w", "decoder_u", "decoder_b", "decoder_c")
 OF_FRAME = ("frame_w", "frame_b")
@@ -280,7 +281,7 @@ EXERCISES: tuple[Exercise, ...] = (
         "share no name: {**one, **other} is both",
         reconstruction_loss,
         _to_compare,
-        LATENT,
+        WHOLE,
         (
             Claim("value", "the loss is that of the definition, loop by loop", _compared, 2),
             Claim(

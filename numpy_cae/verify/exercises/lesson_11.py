@@ -18,7 +18,7 @@ from numpy_cae.verify.exercises.exercise import (
     unaltered,
 )
 from numpy_cae.verify.exercises.lesson_05 import scattered
-from numpy_cae.verify.exercises.lesson_10 import LATENT, OF_READING, OF_WRITING
+from numpy_cae.verify.exercises.lesson_10 import OF_READING, OF_WRITING, WHOLE
 from numpy_cae.verify.exercises.weights_by_name import (
     by_name,
     defined_read,
@@ -168,7 +168,7 @@ EXERCISES: tuple[Exercise, ...] = (
         "before you go back through the encoder",
         regularised_loss,
         _to_regularise,
-        {**LATENT, "directions": (1, 2)},
+        {**WHOLE, "directions": (1, 2)},
         (
             Claim(
                 "value",

@@ -121,8 +121,8 @@ class Student:
     def function(self, name: str, numbers_only: bool = True) -> Callable:
         """A function of the file, in the form of an operation.
 
-        It may be given functions, which are called on our side. What it returns has to be
-        numbers, unless `numbers_only` is False.
+        It may be given functions, which are called on our side. What it and its pullback return
+        has to be numbers, unless `numbers_only` is False: a lesson's own may have dicts of them.
         """
 
         def operation(*arguments):
@@ -139,7 +139,8 @@ class Student:
             def pullback(*upstream):
                 _, gradients = self._answer({"do": "pull", "number": number}, upstream)
                 _require_values(gradients)
-                _require_numbers(gradients)
+                if numbers_only:
+                    _require_numbers(gradients)
                 return gradients
 
             return returned, pullback
