@@ -20,6 +20,21 @@ def tanh(x):
     y = np.tanh(x)
     return y, lambda dy: dy * (1 - y * y)
 """
+READ_CLIPS = """
+def read_clips(weights, x):
+    gru_names = ["encoder_w", "encoder_u", "encoder_b", "encoder_c"]
+    u = weights["encoder_u"]
+    states, gru_back = gru(x, np.zeros((len(x), len(u)), u.dtype), *(weights[n] for n in gru_names))
+    z, back = linear(states[:, -1], weights["latent_w"], weights["latent_b"])
+
+    def pullback(dz):
+        d_states = np.zeros_like(states)
+        d_states[:, -1], dw, db = back(dz)
+        gradients = dict(zip(gru_names, gru_back(d_states)[2:]))
+        return {**gradients, "latent_w": dw, "latent_b": db}
+
+    return z, pullback
+"""
 TAKEN = "def encode_layer(x, w, b):\n    return decode_layer(x, w, b)"
 
 
@@ -45,6 +60,13 @@ def test_an_exercise_of_the_same_lesson_is_not_given(tmp_path):
     graded = grade(notebook(tmp_path, ENCODE))
     assert not report_on(graded, "encode_layer").points
     assert "name 'tanh' is not defined" in str(graded)
+
+
+def test_a_pullback_may_return_gradients_by_name(tmp_path):
+    graded = grade(notebook(tmp_path, READ_CLIPS))
+    assert report_on(graded, "read_clips").held, str(graded)
+    without = grade(notebook(tmp_path, READ_CLIPS.replace(', "latent_b": db', "")))
+    assert "no gradient for latent_b" in str(without)
 
 
 def test_a_later_exercise_is_not_given(tmp_path):
