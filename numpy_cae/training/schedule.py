@@ -79,6 +79,8 @@ class SequenceSchedule:
         That it projects on, drawn anew at every step.
     norm : float
         The bound on the gradient's norm.
+    momentum : float
+        μ of `training.descend_with_momentum`, at least 0 and below 1.
     """
 
     epochs: int = 40
@@ -89,3 +91,4 @@ class SequenceSchedule:
     weight: float = 1.0
     directions: int = 64
     norm: float = 1.0
+    momentum: float = 0.0

@@ -16,7 +16,7 @@ from numpy_cae.training.directions import unit_directions
 from numpy_cae.training.divergence import DivergedError, gone
 from numpy_cae.training.progress import Progress
 from numpy_cae.training.schedule import SequenceSchedule
-from numpy_cae.training.sgd import decayed_rate, descend
+from numpy_cae.training.sgd import decayed_rate, descend_with_momentum
 
 ADVICE = "a lower rate or a lower bound on the gradient's norm may keep it finite"
 
@@ -86,7 +86,8 @@ def train_sequential(
     schedule = schedule or SequenceSchedule()
     rng = rng or np.random.default_rng(0)
     history = SequenceHistory()
-    at = _resumed(model, draw, schedule, rng, history, checkpoint)
+    velocities = {name: np.zeros_like(array) for name, array in model.weights.items()}
+    at = _resumed(model, velocities, draw, schedule, rng, history, checkpoint)
     progress = Progress("sequences", schedule.epochs, schedule.steps, show_progress)
     if at.epoch or at.step:
         progress.begin_at(at.epoch * schedule.steps + at.step)
@@ -97,14 +98,15 @@ def train_sequential(
             done, total = (at.step, at.total) if epoch == at.epoch else (0, 0.0)
             for step in range(done, schedule.steps):
                 where = f"sequences, epoch {epoch + 1}, step {step + 1}"
-                total += _step(model, draw, schedule, rate, rng, history, where)
+                total += _step(model, velocities, draw, schedule, rate, rng, history, where)
                 progress.step()
                 if each is not None:
                     each(epoch * schedule.steps + step + 1)
                 last = step + 1 == schedule.steps
                 history.seconds = before + time.perf_counter() - start
                 if checkpoint is not None and (last or checkpoint.is_due()):
-                    checkpoint.save(_state(model, rng, history, epoch, step + 1, total))
+                    state = _state(model, velocities, rng, history, epoch, step + 1, total)
+                    checkpoint.save(state)
             progress.epoch(epoch, total / schedule.steps)
     except DivergedError as error:
         if checkpoint is not None:
@@ -115,8 +117,17 @@ def train_sequential(
     return history
 
 
+def _kept(
+    model: SequentialAutoencoder, velocities: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The arrays that the rest of the training depends on."""
+    named = {f"velocity of {name}": array for name, array in velocities.items()}
+    return dict(model.weights) | named
+
+
 def _state(
     model: SequentialAutoencoder,
+    velocities: dict[str, np.ndarray],
     rng: np.random.Generator,
     history: SequenceHistory,
     epoch: int = 0,
@@ -125,11 +136,12 @@ def _state(
 ) -> State:
     """How far it is now; what is kept of it is written before the next step changes it."""
     drawn, measured = rng.bit_generator.state, vars(history)
-    return State(model.weights, drawn, 0, epoch, step, total, history=measured)
+    return State(_kept(model, velocities), drawn, 0, epoch, step, total, history=measured)
 
 
 def _resumed(
     model: SequentialAutoencoder,
+    velocities: dict[str, np.ndarray],
     draw: Draw,
     schedule: SequenceSchedule,
     rng: np.random.Generator,
@@ -144,8 +156,8 @@ def _resumed(
         own = [*model.weights.values(), clips]
         kept = checkpoint.begin(run_of(own, schedule, rng.bit_generator.state))
     if kept is None:
-        return _state(model, rng, history)
-    for name, array in model.weights.items():
+        return _state(model, velocities, rng, history)
+    for name, array in _kept(model, velocities).items():
         array[...] = kept.weights[name]
     rng.bit_generator.state = kept.rng
     vars(history).update(kept.history)
@@ -154,6 +166,7 @@ def _resumed(
 
 def _step(
     model: SequentialAutoencoder,
+    velocities: dict[str, np.ndarray],
     draw: Draw,
     schedule: SequenceSchedule,
     rate: float,
@@ -173,7 +186,9 @@ def _step(
     history.reconstruction.append(losses.reconstruction)
     history.discrepancy.append(losses.discrepancy)
     history.norm.append(clip_norm(list(gradients.values()), schedule.norm))
-    descend(model.weights.values(), gradients.values(), rate)
+    descend_with_momentum(
+        model.weights.values(), velocities.values(), gradients.values(), rate, schedule.momentum
+    )
     lost = gone(model.weights)
     if lost:
         problem = f"weights are no longer finite at rate {rate:.4g}"

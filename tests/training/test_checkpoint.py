@@ -26,7 +26,7 @@ from numpy_cae.training import (
 WINDOWS = np.random.default_rng(0).normal(scale=0.3, size=(7, 8, 3)).astype(np.float32)
 SCHEDULE = Schedule(Stage(epochs=2, batch=2), Stage(2, 0.01, batch=2, momentum=0.9))
 STEPS = 3 * 2 * 4  # stages, epochs, batches
-SHORT = SequenceSchedule(epochs=2, steps=4, batch=4, directions=4)
+SHORT = SequenceSchedule(epochs=2, steps=4, batch=4, directions=4, momentum=0.9)
 
 
 class Interrupted(Exception):

@@ -76,13 +76,13 @@ def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
     """The gradients of the last update, all of them together, are clipped before they descend."""
     lengths = []
 
-    def recorded(parameters, gradients, rate):
+    def recorded(parameters, velocities, gradients, rate, momentum):
         gradients = list(gradients)
         lengths.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
         for parameter, gradient in zip(parameters, gradients, strict=True):
             parameter -= rate * gradient
 
-    monkeypatch.setattr(module, "descend", recorded)
+    monkeypatch.setattr(module, "descend_with_momentum", recorded)
     _, history = trained(norm=0.05, epochs=1)
     assert max(history.norm) > 0.05  # or there was nothing to clip
     np.testing.assert_allclose(lengths, np.minimum(history.norm, 0.05), rtol=1e-4)
@@ -90,7 +90,9 @@ def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
 
 def test_the_rate_decays_by_the_epoch(monkeypatch):
     rates = []
-    monkeypatch.setattr(module, "descend", lambda parameters, gradients, rate: rates.append(rate))
+    monkeypatch.setattr(
+        module, "descend_with_momentum", lambda w, v, gradients, rate, momentum: rates.append(rate)
+    )
     trained(epochs=3, steps=2, rate=0.4, decay=0.5)
     assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
 
