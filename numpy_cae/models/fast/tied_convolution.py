@@ -52,7 +52,7 @@ def cheapest_length(
     and up or down alone, with ŵ known, which is then read once by products that keep the
     processor busier:
 
-        3 S C D                     the memory
+        5 S C D                     the memory
         (S C D + S N C + S L D) B a block
     """
 
@@ -60,7 +60,7 @@ def cheapest_length(
         length, count = block_length(frames, longest)
         points = length + taps - 1
         products = points // 2 + 1 + 2 * ((points - 1) // 2)
-        once = 2 * taps + 40 if training else 3
+        once = 2 * taps + 40 if training else 5
         mixing, analysis, synthesis = (6, 4, 3) if training else (1, 1, 1)
         a_block = (
             mixing * channels * filters

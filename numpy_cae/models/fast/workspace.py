@@ -86,7 +86,7 @@ class Workspace:
         windows = [share(batch, member, team.size) for member in range(team.size)]
         convolutions = [
             _convolutions(
-                layers, each.stop - each.start, batch, frames, dtype, halved, training
+                layers, each.stop - each.start, batch, team.size, frames, dtype, halved, training
             )
             for each in windows
         ]
@@ -170,6 +170,7 @@ def _convolutions(
     layers: Sequence[ConvLayer],
     windows: int,
     batch: int,
+    members: int,
     frames: int,
     dtype: np.dtype,
     halved: tuple[bool, ...],
@@ -177,7 +178,9 @@ def _convolutions(
 ) -> list[TiedConvolution]:
     """A member's, for its windows out of a batch; the length of blocks is the same for all."""
     made = []
+    # Every member reads all of ŵ for its own windows: without training's other work that decides.
+    together = batch if training else -(-batch // members)
     for k, layer in enumerate(layers):
-        longest = cheapest_length(*layer.w.shape, batch, frames >> k, training)
+        longest = cheapest_length(*layer.w.shape, together, frames >> k, training)
         made.append(TiedConvolution(layer.w.shape, windows, frames >> k, longest, dtype, halved[k]))
     return made
