@@ -28,16 +28,30 @@ def from_euler(axes: str, angles: np.ndarray, degrees: bool = True) -> np.ndarra
     -------
     (..., 4) array of float64
     """
-    half = angles * (np.pi / 360 if degrees else 0.5)
+    # An axis at a time, its numbers side by side in memory.
+    half = np.ascontiguousarray(np.moveaxis(angles, -1, 0)) * (np.pi / 360 if degrees else 0.5)
     sines, cosines = np.sin(half), np.cos(half)
-    turned = None
-    order = range(len(axes)) if axes.isupper() else reversed(range(len(axes)))
-    for place in order:
-        one = np.zeros((*angles.shape[:-1], 4))
-        one[..., "xyz".index(axes[place].lower())] = sines[..., place]
-        one[..., 3] = cosines[..., place]
-        turned = one if turned is None else product(turned, one)
-    return turned
+    first, *others = range(len(axes)) if axes.isupper() else reversed(range(len(axes)))
+    nothing = np.zeros(half.shape[1:])
+    turned = [nothing, nothing, nothing, cosines[first]]
+    turned["xyz".index(axes[first].lower())] = sines[first]
+    for place in others:
+        axis = "xyz".index(axes[place].lower())
+        turned = _turned_about(axis, turned, sines[place], cosines[place])
+    return np.stack(turned, axis=-1)
+
+
+def _turned_about(
+    axis: int, turned: list[np.ndarray], sine: np.ndarray, cosine: np.ndarray
+) -> list[np.ndarray]:
+    """x, y, z and w of `product` with (sin e, cos), of whose three first numbers two are zero."""
+    following, last = (axis + 1) % 3, (axis + 2) % 3
+    result = list(turned)
+    result[axis] = turned[axis] * cosine + turned[3] * sine
+    result[following] = turned[following] * cosine + turned[last] * sine
+    result[last] = turned[last] * cosine - turned[following] * sine
+    result[3] = turned[3] * cosine - turned[axis] * sine
+    return result
 
 
 def product(first: np.ndarray, second: np.ndarray) -> np.ndarray:

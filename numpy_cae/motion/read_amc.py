@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,35 @@ def read_amc(
     ValueError
         If `rate` or `unit` is not above 0.
     """
+    acclaim, degrees, rate, values = read_amc_channels(path, skeleton_path, rate, unit, wanted)
+    rotations, translations = _pose(acclaim, values, degrees)
+    source = ":units of the skeleton" if unit is None else "as given"
+    tall = stature(acclaim.skeleton)
+    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {tall:.1f} m tall)"
+    return Motion(acclaim.skeleton, rate, rotations, translations, acclaim.unit, note)
+
+
+def read_amc_channels(
+    path: str | Path,
+    skeleton_path: str | Path | None = None,
+    rate: float | None = None,
+    unit: float | None = None,
+    wanted: float | None = None,
+) -> tuple[AcclaimSkeleton, bool, float, np.ndarray]:
+    """What an AMC file says, as it says it: the numbers that `read_amc` makes a motion of.
+
+    Parameters and errors are those of `read_amc`.
+
+    Returns
+    -------
+    acclaim : AcclaimSkeleton
+    degrees : bool
+        Whether angles are degrees, not radians.
+    rate : float
+        Frames a second.
+    values : (frames, channels) array of float64
+        In the order of the skeleton's joints and their channels.
+    """
     if rate is not None and not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, expected frames a second above 0")
     motion_file = TextFile.read(path)
@@ -73,18 +103,7 @@ def read_amc(
         rate = said_rate or CMU_RATE
     step = 1 if wanted is None else max(1, whole_step(rate, wanted))
     values = _read_frames(motion_file, acclaim, start, step)
-    rotations, translations = _pose(acclaim, values, degrees)
-    source = ":units of the skeleton" if unit is None else "as given"
-    tall = stature(acclaim.skeleton)
-    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {tall:.1f} m tall)"
-    return Motion(
-        acclaim.skeleton,
-        float(wanted if step > 1 else rate),
-        rotations,
-        translations,
-        acclaim.unit,
-        note,
-    )
+    return acclaim, degrees, float(wanted if step > 1 else rate), values
 
 
 def find_skeleton(path: str | Path) -> Path:
@@ -113,7 +132,7 @@ def find_skeleton(path: str | Path) -> Path:
 
 
 def _statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
-    for line, text in enumerate(file.lines[after:], start=after + 1):
+    for line, text in enumerate(islice(file.lines, after, None), start=after + 1):
         words = (text.partition("#")[0] if "#" in text else text).split()
         if words:
             yield line, words
@@ -173,10 +192,11 @@ def _regular_frames(
         return None
     columns = {}
     for place, bone in enumerate(bones, start=1):
-        rows, begin = lines[place :: height * step], f"{bone} "
-        if not all(text.startswith(begin) for text in rows):
+        rows, begin = lines[place :: height * step], f"\n{bone} "
+        text = "\n".join(["", *rows])
+        if text.count(begin) != len(rows):
             return None
-        columns[bone] = parsed((text[len(begin) :] for text in rows), len(rows), counts[bone])
+        columns[bone] = parsed(text.replace(begin, "\n")[1:], counts[bone])
         if columns[bone] is None:
             return None
     return np.concatenate([columns[name] for name in counts], axis=1)
@@ -242,21 +262,23 @@ def _pose(
     frames, joints = len(values), len(acclaim.skeleton.names)
     rotations = np.empty((frames, joints, 4))
     translations = np.tile(acclaim.skeleton.offsets, (frames, 1, 1))
+    values = np.ascontiguousarray(values.T)  # a channel's numbers side by side
     column = 0
     for joint, (channels, axes) in enumerate(zip(acclaim.channels, acclaim.axes, strict=True)):
         order, columns = "", []
         for channel in channels:
             if channel.startswith("t"):
                 # The root's translation adds to its preset position, which is its offset.
-                translations[:, joint, "xyz".index(channel[1])] += acclaim.unit * values[:, column]
+                translations[:, joint, "xyz".index(channel[1])] += acclaim.unit * values[column]
             else:
                 order += channel[1]
                 columns.append(column)
             column += 1
         if order:
             # Small letters turn about fixed axes, the first of them first.
-            turned = from_euler(order, values[:, columns], degrees)
-            turned = product(product(axes.as_quat(), turned), axes.inv().as_quat())
+            turned = from_euler(order, values[columns].T, degrees)
+            # C · R · C⁻¹ turns as far as R, about C's axis of it.
+            turned[:, :3] = axes.apply(turned[:, :3])
         else:
             turned = IDENTITY
         rotations[:, joint] = (

@@ -50,16 +50,11 @@ def read_bvh(path: str | Path, unit: float | None = None, wanted: float | None =
     """
     if unit is not None:
         unit = require_unit(unit)
-    file = TextFile.read(path)
-    joints, motion_line = read_hierarchy(file)
-    rate, values = _read_motion(file, motion_line, joints, wanted)
+    joints, rate, values = read_bvh_channels(path, wanted)
     rotations, translations = _pose(joints, values)
-    skeleton = _skeleton(joints, 1.0)
 
     if unit is None:
-        # Lengths as they are in the motion: where there are position channels offsets may lie.
-        lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
-        height = stature(skeleton, lengths)
+        height = stature(_skeleton(joints, 1.0), _lengths(joints, translations))
         unit, note = guess_unit(height)
         log.log(
             logging.INFO if is_plausible(unit * height) else logging.WARNING,
@@ -69,7 +64,31 @@ def read_bvh(path: str | Path, unit: float | None = None, wanted: float | None =
         )
     else:
         note = f"{unit_name(unit)}, as given"
-    return Motion(_skeleton(joints, unit), rate, rotations, translations * unit, unit, note)
+    translations *= unit
+    return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
+
+
+def read_bvh_channels(
+    path: str | Path, wanted: float | None = None
+) -> tuple[list[BvhJoint], float, np.ndarray]:
+    """What a BVH file says, as it says it: the numbers that `read_bvh` makes a motion of.
+
+    Returns
+    -------
+    joints : list of BvhJoint
+    rate : float
+        Frames a second.
+    values : (frames, channels) array of float64
+        In the unit of the file and in degrees.
+
+    Raises
+    ------
+    MotionFileError
+        As `read_bvh` does.
+    """
+    file = TextFile.read(path)
+    joints, motion_line = read_hierarchy(file)
+    return joints, *_read_motion(file, motion_line, joints, wanted)
 
 
 def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
@@ -85,25 +104,34 @@ def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
     )
 
 
+def _lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
+    """Of the bones as they are in the motion: where there are position channels offsets may lie."""
+    lengths = np.linalg.norm(translations[0], axis=-1)
+    for index, joint in enumerate(joints):
+        if any(channel.endswith("position") for channel in joint.channels or []):
+            lengths[index] = np.median(np.linalg.norm(translations[:, index], axis=-1))
+    return lengths
+
+
 def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Quaternions (F, J, 4) and translations (F, J, 3) from the table of channels (F, C)."""
     frames = len(values)
+    values = np.ascontiguousarray(values.T)  # a channel's numbers side by side
     rotations = np.empty((frames, len(joints), 4))
-    translations = np.empty((frames, len(joints), 3))
+    translations = np.tile([joint.offset for joint in joints], (frames, 1, 1))
     column = 0
     for index, joint in enumerate(joints):
-        translations[:, index] = joint.offset
         axes, columns = "", []
         for channel in joint.channels or []:
             if channel.endswith("position"):
-                translations[:, index, "XYZ".index(channel[0])] = values[:, column]
+                translations[:, index, "XYZ".index(channel[0])] = values[column]
             else:
                 axes += channel[0]
                 columns.append(column)
             column += 1
         if axes:
             # Capital letters turn about the joint's own axes: R = R_first · R_second · R_third.
-            rotations[:, index] = from_euler(axes, values[:, columns])
+            rotations[:, index] = from_euler(axes, values[columns].T)
         else:
             rotations[:, index] = IDENTITY
     return rotations, translations

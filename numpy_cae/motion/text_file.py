@@ -6,13 +6,13 @@ counting lines as an editor does, and numbers that are numbers.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.motion.decimals import decimals
 from numpy_cae.motion.error import MotionFileError
 
 LARGEST = 1e12
@@ -52,7 +52,7 @@ class TextFile:
             raise MotionFileError(path, None, "is a folder, expected a file") from None
         except OSError as error:
             raise MotionFileError(path, None, f"cannot be read: {error.strerror}") from None
-        if not data.strip():
+        if not data or data.isspace():
             raise MotionFileError(path, None, "the file is empty")
         if b"\0" in data:
             raise MotionFileError(path, None, "is a binary file, expected plain text (UTF-8)")
@@ -61,8 +61,10 @@ class TextFile:
         except UnicodeDecodeError:
             # Only names can hold such letters, and Latin-1 gives every byte a letter.
             text = data.decode("latin-1")
+        if "\r" in text:
+            text = text.replace("\r\n", "\n").replace("\r", "\n")
         # splitlines() would also split at letters that are no line end to an editor.
-        lines = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
+        lines = text.removesuffix("\n").split("\n")
         return cls(path, lines)
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
@@ -119,10 +121,11 @@ class TextFile:
             for number in range(first, len(self.lines))
             if self.lines[number] and not self.lines[number].isspace()
         ]
-        values = parsed((self.lines[number] for number in rows[::step]), len(rows[::step]), width)
+        wanted = rows[::step]
+        values = parsed("\n".join([self.lines[number] for number in wanted]), width)
         if values is None:
-            values = np.empty((len(rows[::step]), width))
-            for row, number in enumerate(rows[::step]):
+            values = np.empty((len(wanted), width))
+            for row, number in enumerate(wanted):
                 words = self.lines[number].split()
                 if len(words) != width:
                     raise self.error(
@@ -152,16 +155,11 @@ class TextFile:
         return self.numbers(line, words)
 
 
-def parsed(lines: Iterable[str], rows: int, width: int) -> np.ndarray | None:
-    """The lines as (rows, width) float64 in one go, None where they are anything else."""
-    if rows == 0:
-        return None
-    try:
-        values = np.loadtxt(lines, comments=None, ndmin=2)
-    except ValueError:
-        return None
+def parsed(text: str, width: int) -> np.ndarray | None:
+    """The text as (lines, width) float64 in one go, None where it is anything else."""
+    values = decimals(text, width)
     # NaN is not below anything either.
-    good = values.shape == (rows, width) and np.abs(values).max() < LARGEST
+    good = values is not None and max(values.max(), -values.min()) < LARGEST
     return values if good else None
 
 

@@ -16,7 +16,7 @@ def test_a_table_and_json(tmp_path, capsys):
     assert main(["bench", "--reading", *files]) == 0
     said = capsys.readouterr().out
     assert said.startswith(HEADER)
-    assert "| a.amc | a line at a time |" in said
+    assert "| a.amc | a line at a time | values as lists |" in said
     assert main(["bench", "--reading", *files, "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)
     assert {row["file"] for row in rows} == {"a.bvh", "a.amc"}
