@@ -88,6 +88,22 @@ def loss_and_gradients(
     ----------
     holden2015, section 6, equation 3.
     """
+    loss, up, down = loss_both_ways(layers, x, corrupted, alpha, first)
+    gradients = [
+        (dw_up + dw_down, db_up + db_down)
+        for (dw_up, db_up), (dw_down, db_down) in zip(up, down, strict=True)
+    ]
+    return loss, gradients
+
+
+def loss_both_ways(
+    layers: Sequence[ConvLayer],
+    x: np.ndarray,
+    corrupted: np.ndarray,
+    alpha: float,
+    first: Sequence[np.ndarray] | None,
+) -> tuple[float, Gradients, Gradients]:
+    """Equation 3, and what (dw, db) of each layer, lowest first, are on the way up and down."""
     masks = [None] * len(layers) if first is None else list(first)
 
     y, encode_backs = corrupted, []
@@ -112,8 +128,4 @@ def loss_and_gradients(
     for back in reversed(encode_backs):
         d, dw, db = back(d)
         up.append((dw, db))
-    gradients = [
-        (dw_up + dw_down, db_up + db_down)
-        for (dw_up, db_up), (dw_down, db_down) in zip(reversed(up), down, strict=True)
-    ]
-    return float(loss), gradients
+    return float(loss), up[::-1], down

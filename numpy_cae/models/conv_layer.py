@@ -52,6 +52,11 @@ class ConvLayer:
         w = rng.uniform(-width, width, size=(taps, channels, filters)).astype(dtype)
         return cls(w, np.zeros(filters, dtype=dtype), bound)
 
+    @property
+    def parameters(self) -> dict[str, np.ndarray]:
+        """What is learned, by name."""
+        return {"w": self.w, "b": self.b}
+
     def encode(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
         """Φ_k(X) = tanh(Ψ(X * W_k + b_k)), equation 1.
 

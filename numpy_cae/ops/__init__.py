@@ -10,11 +10,12 @@ from numpy_cae.ops.convolution import conv1d, transpose_filters
 from numpy_cae.ops.gru import gru, gru_step
 from numpy_cae.ops.linear import linear
 from numpy_cae.ops.losses import mean_absolute, mean_squared_error
-from numpy_cae.ops.pooling import max_pool, unpool_even, unpool_random
+from numpy_cae.ops.pooling import average_pool, max_pool, unpool_even, unpool_random
 from numpy_cae.ops.wasserstein import sliced_wasserstein
 
 __all__ = [
     "arctanh",
+    "average_pool",
     "conv1d",
     "gru",
     "gru_step",

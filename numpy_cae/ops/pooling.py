@@ -3,6 +3,9 @@
 The maximum forgets which of two frames it came from and what the other one was. The paper
 guesses: at random while a layer is trained (noisy, but a true inverse of *some* pair), evenly
 while fine tuning and in use (never a true inverse, but smooth).
+
+The mean of the pair is what the paper might have pooled with and did not; unpooling evenly is its
+exact adjoint.
 """
 
 from __future__ import annotations
@@ -43,9 +46,7 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     ----------
     holden2015, section 5, the Ψ of equation 1.
     """
-    require_shape("x", x, ("batch", "frames", "channels"))
-    if x.shape[1] % 2 == 1:
-        raise ValueError(f"x has shape {x.shape}, expected an even number of frames to pool")
+    _require_pairs(x)
     earlier, later = x[:, 0::2], x[:, 1::2]
     earlier_won = earlier >= later
     y = np.maximum(earlier, later)
@@ -56,6 +57,42 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         dx[:, 0::2] = dy * earlier_won
         dx[:, 1::2] = dy * ~earlier_won
         return dx
+
+    return y, pullback
+
+
+def average_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y[t] = (x[2t] + x[2t + 1]) / 2, each channel for itself.
+
+    Both frames have the same influence, half each, so the pullback is `unpool_even`:
+
+        dL/dx[2t] = dL/dx[2t + 1] = dy[t] / 2
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+        T is even.
+
+    Returns
+    -------
+    y : (B, T/2, C) array
+    pullback : dy -> dx
+
+    Raises
+    ------
+    ValueError
+        If x does not have three axes or T is odd.
+
+    References
+    ----------
+    Not in holden2015, whose Ψ is `max_pool`: what the ablation puts in its place.
+    """
+    _require_pairs(x)
+    y = (x[:, 0::2] + x[:, 1::2]) / 2
+
+    def pullback(dy: np.ndarray) -> np.ndarray:
+        require_shape("dy", dy, y.shape)
+        return np.repeat(dy / 2, 2, axis=1)
 
     return y, pullback
 
@@ -133,3 +170,9 @@ def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullbac
         return dx[:, 0::2] * first + dx[:, 1::2] * ~first
 
     return x, pullback
+
+
+def _require_pairs(x: np.ndarray) -> None:
+    require_shape("x", x, ("batch", "frames", "channels"))
+    if x.shape[1] % 2 == 1:
+        raise ValueError(f"x has shape {x.shape}, expected an even number of frames to pool")

@@ -17,7 +17,7 @@ from numpy_cae.training.checkpoint import Checkpoint, State, run_of
 from numpy_cae.training.corruption import corrupt
 from numpy_cae.training.divergence import DivergedError, first_layer_gone, gone, shown
 from numpy_cae.training.progress import Progress
-from numpy_cae.training.schedule import Schedule, Stage
+from numpy_cae.training.schedule import EVEN, Schedule, Stage
 from numpy_cae.training.sgd import decayed_rate, descend, descend_with_momentum
 
 ADVICE = "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
@@ -107,7 +107,7 @@ class _Run:
         return {
             f"{letter}{number}": array
             for number, layer in enumerate(self.model.layers, start=1)
-            for letter, array in (("w", layer.w), ("b", layer.b))
+            for letter, array in layer.parameters.items()
         }
 
     def state(self, stage: int, epoch: int = 0, step: int = 0, total: float = 0.0) -> State:
@@ -233,16 +233,30 @@ def _step(
     """Corrupt, compare, descend: one step on one batch, for one layer or (None) for all."""
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
     numbers = range(len(model.layers)) if layer is None else [layer]
-    first = None if layer is None else [_drawn_mask(x, model.layers[layer].b.size, rng)]
+    first = _drawn_masks(model, x, stage, layer, rng)
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     for number, gradient in zip(numbers, gradients, strict=True):
-        parameters = model.layers[number].w, model.layers[number].b
+        parameters = model.layers[number].parameters
         if stage.momentum:
-            own = [velocities[f"{letter}{number + 1}"] for letter in "wb"]
-            descend_with_momentum(parameters, own, gradient, rate, stage.momentum)
+            own = [velocities[f"{letter}{number + 1}"] for letter in parameters]
+            descend_with_momentum(parameters.values(), own, gradient, rate, stage.momentum)
         else:
-            descend(parameters, gradient, rate)
+            descend(parameters.values(), gradient, rate)
     return loss
+
+
+def _drawn_masks(
+    model: ConvAutoencoder,
+    x: np.ndarray,
+    stage: Stage,
+    layer: int | None,
+    rng: np.random.Generator,
+) -> list[np.ndarray] | None:
+    """A mask for each layer in training, lowest first; None for unpooling evenly."""
+    if stage.unpooling == EVEN or (stage.unpooling is None and layer is None):
+        return None
+    layers = model.layers if layer is None else [model.layers[layer]]
+    return [_drawn_mask(x[:, :: 2**k], each.b.size, rng) for k, each in enumerate(layers)]
 
 
 def _drawn_mask(x: np.ndarray, filters: int, rng: np.random.Generator) -> np.ndarray:

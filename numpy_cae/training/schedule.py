@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
+
+EVEN = "even"
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class Stage:
         Whether the corrupted input is divided by 1 - p: see `training.corruption`.
     momentum : float
         μ of `training.descend_with_momentum`, at least 0 and below 1; the paper's descent has none.
+    unpooling : "random", "even" or None
+        None is the paper's: at random while a layer is trained by itself, evenly for all together.
     """
 
     epochs: int = 25
@@ -38,6 +43,7 @@ class Stage:
     zeroed: float | tuple[float, float] = 0.1
     rescaled: bool = False
     momentum: float = 0.0
+    unpooling: Literal["random", "even"] | None = None
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def _transpose_filters(case: Case) -> dict[str, object]:
     return {"w": spread(case.rng(), (case["taps"], case["channels"], case["filters"]))}
 
 
-def _max_pool(case: Case) -> dict[str, object]:
+def _pool(case: Case) -> dict[str, object]:
     batch, frames, channels = _window(case)
     return {"x": spread(case.rng(), (batch, 2 * frames, channels))}
 
@@ -160,7 +160,8 @@ OPERATIONS: dict[str, Operation] = {
             definitions.transpose_filters,
             linear_in=("w",),
         ),
-        Operation("max_pool", WINDOW, _max_pool, ("x",), definitions.max_pool),
+        Operation("max_pool", WINDOW, _pool, ("x",), definitions.max_pool),
+        Operation("average_pool", WINDOW, _pool, ("x",), definitions.average_pool, ("x",)),
         Operation("unpool_even", WINDOW, _unpool_even, ("y",), definitions.unpool_even, ("y",)),
         Operation(
             "unpool_random", WINDOW, _unpool_random, ("y",), definitions.unpool_random, ("y",)

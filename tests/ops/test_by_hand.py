@@ -32,7 +32,7 @@ def test_transpose_filters():
     assert w_tilde.tolist() == [[[5], [6]], [[3], [4]], [[1], [2]]]
 
 
-def test_max_pool_and_its_two_inverses():
+def test_pooling_and_its_two_inverses():
     x = np.array([1.0, 3.0, 5.0, 2.0, 4.0, 4.0]).reshape(1, 6, 1)
     y, pullback = ops.max_pool(x)
     assert y.ravel().tolist() == [3, 5, 4]
@@ -44,6 +44,9 @@ def test_max_pool_and_its_two_inverses():
         3,
         0,
     ]
+    mean, pullback = ops.average_pool(x)
+    assert mean.ravel().tolist() == [2, 3.5, 4]
+    assert pullback(2 * mean).ravel().tolist() == [2, 2, 3.5, 3.5, 4, 4]
     assert ops.unpool_even(y)[0].ravel().tolist() == [1.5, 1.5, 2.5, 2.5, 2, 2]
     first = np.array([True, False, True]).reshape(y.shape)
     assert ops.unpool_random(y, first)[0].ravel().tolist() == [3, 0, 0, 5, 4, 0]

@@ -1,4 +1,4 @@
-"""Wrong max pooling. The right one is `numpy_cae.ops.pooling.max_pool`."""
+"""Wrong pooling, by maximum and by mean. The right ones are in `numpy_cae.ops.pooling`."""
 
 from __future__ import annotations
 
@@ -97,3 +97,37 @@ def pool_writes_into_its_input(x):
     won = earlier >= later
     np.maximum(earlier, later, out=earlier)
     return earlier.copy(), lambda dy: interleaved(dy * won, dy * ~won)
+
+
+@bug("average_pool", caught_by="gradient for x")
+def average_pullback_without_half(x):
+    """The pullback gives both frames the whole gradient, not half of it each."""
+    return sum(pairs(x)) / 2, lambda dy: np.repeat(dy, 2, axis=1)
+
+
+@bug("average_pool", caught_by="gradient for x")
+def average_gradient_to_larger(x):
+    """The gradient goes to the larger frame, as if the mean were the maximum."""
+    earlier, later = pairs(x)
+    won = earlier >= later
+    return (earlier + later) / 2, lambda dy: interleaved(dy * won, dy * ~won)
+
+
+@bug("average_pool", caught_by="value")
+def average_is_a_sum(x):
+    """It adds the pair and forgets to halve, forward and backward."""
+    return sum(pairs(x)), lambda dy: np.repeat(dy, 2, axis=1)
+
+
+@bug("average_pool", caught_by="adjoint in x")
+def average_pullback_tiled(x):
+    """np.tile takes the place of np.repeat in the pullback: the window twice, not each frame."""
+    return sum(pairs(x)) / 2, lambda dy: np.tile(dy / 2, (1, 2, 1))
+
+
+@bug("average_pool", caught_by="equal frames")
+def average_by_root_mean_square(x):
+    """It takes the root mean square of the pair, so that two frames of -1 become 1."""
+    earlier, later = pairs(x)
+    y = np.sqrt((earlier**2 + later**2) / 2)
+    return y, lambda dy: interleaved(dy * earlier / (2 * y), dy * later / (2 * y))
