@@ -62,7 +62,7 @@ class Reading:
 HEADER = "| file | reader | brings | MB/s | × fastest other |\n|---|---|---|--:|--:|"
 
 
-def readings(paths: Sequence[Path], rounds: int = 5) -> list[Reading]:
+def readings(paths: Sequence[Path], rounds: int) -> list[Reading]:
     """Every reader that is installed, on every file; a reader that refuses a file is left out."""
     return [each for path in paths for each in _of(path, rounds)]
 

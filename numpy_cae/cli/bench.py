@@ -109,7 +109,7 @@ def run(args: argparse.Namespace) -> int:
 def _reading(args: argparse.Namespace) -> None:
     for path in args.reading:
         load_motion(path)  # what is wrong with a file is said of it, not of a reader
-    rows = reading.readings(args.reading)
+    rows = reading.readings(args.reading, args.rounds)
     if args.json:
         print(json.dumps([asdict(row) for row in rows], indent=1))
     else:

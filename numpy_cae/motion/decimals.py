@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-BLOCK = 1 << 17
+BLOCK = 1 << 18
 """Letters at a time, so that what is made of them stays close to the processor."""
 DIGITS = 8
 """At most before the point, and as many behind it, without asking `float`."""
@@ -52,17 +52,21 @@ def decimals(text: str, width: int) -> np.ndarray | None:
         None where a line has fewer words or more, where one is no number, and where a letter is
         not of ASCII or is blank without being a space, a tab or a newline.
     """
-    if not text.isascii():
+    lines = text.count("\n") + 1
+    # A digit and a blank for each number at least: no room is made for more than can be there.
+    if not text.isascii() or len(text) + 1 < 2 * width * lines:
         return None
-    blocks, start = [], 0
+    values = np.empty((lines, width))
+    start = row = 0
     while start <= len(text):
         end = text.find("\n", start + BLOCK)
         end = len(text) if end < 0 else end
-        blocks.append(_numbers(b" " * (DIGITS + 1) + text[start:end].encode() + b"\n", width))
-        if blocks[-1] is None:
+        block = _numbers(b" " * (DIGITS + 1) + text[start:end].encode() + b"\n", width)
+        if block is None:
             return None
-        start = end + 1
-    return np.concatenate(blocks)
+        values[row : row + len(block)] = block
+        start, row = end + 1, row + len(block)
+    return values
 
 
 def a_word_at_a_time(text: str, width: int) -> np.ndarray | None:
@@ -95,8 +99,9 @@ def _numbers(text: bytes, width: int) -> np.ndarray | None:
     eight = np.ndarray(len(letters), np.dtype("<u8"), text, strides=(1,)).copy()
     places = np.minimum(behind, DIGITS)
     digits = _joined(eight[points] & _KEPT[np.minimum(before, DIGITS)])
-    digits = digits * _TENS[places] + _joined(eight[ends] & _KEPT[places])
-    values = digits / _EXACT_TENS[places]
+    digits *= _TENS[places]
+    digits += _joined(eight[ends] & _KEPT[places])
+    values = digits.astype(float) / _EXACT_TENS[places]
     values = np.where(negative, -values, values)
 
     odd = (before > DIGITS) | (behind > DIGITS) | (before + behind == 0) | (digits >= 1 << 53)
@@ -105,13 +110,14 @@ def _numbers(text: bytes, width: int) -> np.ndarray | None:
         others = ~is_digit
         others[marks] = others[starts[signed]] = False
         odd[np.searchsorted(ends, np.flatnonzero(others))] = True
-    for number in np.flatnonzero(odd):
-        word = letters[starts[number] : ends[number]].tobytes()
+    if odd.any():
+        bounds = np.stack([starts[odd], ends[odd]], axis=1) + DIGITS
+        words = [text[start:end] for start, end in bounds.tolist()]
         try:
-            values[number] = float(word)
+            values[odd] = [float(word) for word in words]
         except ValueError:
             return None
-        if b"_" in word:
+        if any(b"_" in word for word in words):
             return None
     return values.reshape(-1, width)
 

@@ -7,6 +7,7 @@ counting lines as an editor does, and numbers that are numbers.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 
@@ -115,23 +116,23 @@ class TextFile:
         lines : int
             That are not blank, parsed or not.
         """
-        # Not the lines below, sliced: that would be a copy of the whole file's list.
         rows = [
             number
-            for number in range(first, len(self.lines))
-            if self.lines[number] and not self.lines[number].isspace()
+            for number, line in enumerate(islice(self.lines, first, None), start=first)
+            if line and not line.isspace()
         ]
         wanted = rows[::step]
         values = parsed("\n".join([self.lines[number] for number in wanted]), width)
         if values is None:
-            values = np.empty((len(wanted), width))
-            for row, number in enumerate(wanted):
+            found = []
+            for number in wanted:
                 words = self.lines[number].split()
                 if len(words) != width:
                     raise self.error(
                         number + 1, f"{len(words)} values, expected {width}: {expected}"
                     )
-                values[row] = self.numbers(number + 1, words)
+                found.append(np.array(self.numbers(number + 1, words)))
+            values = np.array(found).reshape(-1, width)
         return values, len(rows)
 
     def require_meaning(self, frames: int, joints: int) -> None:
