@@ -78,13 +78,13 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
             return blocks.joints, line
         blocks.take(line, statement)
     still_open = f" while {blocks.opened()} is still open" if blocks.stack else ""
-    raise file.error(len(file.lines), f"the file ends{still_open} without MOTION: is it cut off?")
+    raise file.error(file.count, f"the file ends{still_open} without MOTION: is it cut off?")
 
 
 def _statements(file: TextFile) -> Iterator[tuple[int, str]]:
     """(line number, statement) for each, braces being statements wherever on a line they stand."""
     started = False
-    for line, text in enumerate(file.lines, start=1):
+    for line, text in file.numbered():
         for piece in re.split(r"([{}])", text):
             statement = piece.strip()
             if not statement:

@@ -36,15 +36,17 @@ _LANES = {
 """Where the left one of each two neighbours of so many bits stands."""
 
 
-def decimals(text: str, width: int) -> np.ndarray | None:
+def decimals(text: bytes, width: int, start: int = 0) -> np.ndarray | None:
     """The numbers of a text, as many in each line.
 
     Parameters
     ----------
-    text : str
-        Lines with a newline between each two.
+    text : bytes
+        Lines with a newline between each two; behind the last one may be blanks.
     width : int
         Numbers in a line, between spaces and tabs.
+    start : int
+        Where in the text they begin.
 
     Returns
     -------
@@ -52,16 +54,19 @@ def decimals(text: str, width: int) -> np.ndarray | None:
         None where a line has fewer words or more, where one is no number, and where a letter is
         not of ASCII or is blank without being a space, a tab or a newline.
     """
-    lines = text.count("\n") + 1
+    stop = len(text)
+    while stop > start and text[stop - 1] in b" \t\n":
+        stop -= 1
+    lines = text.count(b"\n", start, stop) + 1
     # A digit and a blank for each number at least: no room is made for more than can be there.
-    if not text.isascii() or len(text) + 1 < 2 * width * lines:
+    if stop - start + 1 < 2 * width * lines:
         return None
     values = np.empty((lines, width))
-    start = row = 0
-    while start <= len(text):
-        end = text.find("\n", start + BLOCK)
-        end = len(text) if end < 0 else end
-        block = _numbers(b" " * (DIGITS + 1) + text[start:end].encode() + b"\n", width)
+    row = 0
+    while start < stop:
+        end = text.find(b"\n", start + BLOCK, stop)
+        end = stop if end < 0 else end
+        block = _numbers(b" " * (DIGITS + 1) + text[start:end] + b"\n", width)
         if block is None:
             return None
         values[row : row + len(block)] = block
@@ -71,7 +76,7 @@ def decimals(text: str, width: int) -> np.ndarray | None:
 
 def a_word_at_a_time(text: str, width: int) -> np.ndarray | None:
     """The readable twin of `decimals`, to which tests hold it equal."""
-    rows = [line.split() for line in text.split("\n")]
+    rows = [line.split() for line in text.rstrip().split("\n")]
     # Python reads 1_000 as a number; a motion file that says so is damaged.
     if any(len(words) != width for words in rows) or "_" in text:
         return None

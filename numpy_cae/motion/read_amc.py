@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -132,7 +131,7 @@ def find_skeleton(path: str | Path) -> Path:
 
 
 def _statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
-    for line, text in enumerate(islice(file.lines, after, None), start=after + 1):
+    for line, text in file.numbered(after):
         words = (text.partition("#")[0] if "#" in text else text).split()
         if words:
             yield line, words
@@ -154,7 +153,7 @@ def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float | None, int
                     line, f":SAMPLES-PER-SECOND, expected one number above 0, {SLOWEST:g} or more"
                 )
             rate = numbers[0]
-    raise file.error(len(file.lines), "the file ends before the first frame")
+    raise file.error(file.count, "the file ends before the first frame")
 
 
 def _read_frames(file: TextFile, acclaim: AcclaimSkeleton, start: int, step: int) -> np.ndarray:
@@ -196,7 +195,7 @@ def _regular_frames(
         text = "\n".join(["", *rows])
         if text.count(begin) != len(rows):
             return None
-        columns[bone] = parsed(text.replace(begin, "\n")[1:], counts[bone])
+        columns[bone] = parsed(text.replace(begin, "\n").encode(), counts[bone], start=1)
         if columns[bone] is None:
             return None
     return np.concatenate([columns[name] for name in counts], axis=1)

@@ -115,7 +115,7 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     for section in (":bonedata", ":hierarchy"):
         if section not in seen:
             raise file.error(
-                len(file.lines), f"the file ends without {section}: is it an .asf file, cut off?"
+                file.count, f"the file ends without {section}: is it an .asf file, cut off?"
             )
     return _assemble(file, parts, INCH / parts.length if unit is None else require_unit(unit))
 
@@ -123,7 +123,7 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
 def _statements(file: TextFile) -> Iterator[tuple[int, list[str]]]:
     """(line number, words); commas and brackets count as blanks, # begins a comment."""
     blanks = str.maketrans(",()", "   ")
-    for line, text in enumerate(file.lines, start=1):
+    for line, text in file.numbered():
         words = text.partition("#")[0].translate(blanks).split()
         if words:
             yield line, words

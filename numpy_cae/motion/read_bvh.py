@@ -169,11 +169,11 @@ def _read_motion(
 
 def _header(file: TextFile, after: int, pattern: str, wanted: str) -> tuple[int, str]:
     """The next line that is not blank, its number and what the pattern finds in it."""
-    filled = (number for number in range(after, len(file.lines)) if file.lines[number].strip())
-    line = next(filled, None)
-    if line is None:
-        raise file.error(len(file.lines), f"the file ends below MOTION, expected {wanted}")
-    text, line = file.lines[line], line + 1
+    line, text = next(
+        ((line, text) for line, text in file.numbered(after) if text.strip()), (file.count, None)
+    )
+    if text is None:
+        raise file.error(line, f"the file ends below MOTION, expected {wanted}")
     match = re.fullmatch(pattern, text.strip(), re.IGNORECASE)
     if match is None:
         raise file.error(line, f"expected {wanted}, found {shortened(text.strip())}")

@@ -90,7 +90,7 @@ def is_expmap_text(path: str | Path) -> bool:
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     """The layout, and the numbers (frames, width)."""
     rig, rows = None, []
-    for line, text in enumerate(file.lines, start=1):
+    for line, text in file.numbered():
         if not text.strip():
             continue
         words = [word.strip() for word in text.split(",")]

@@ -6,8 +6,10 @@ counting lines as an editor does, and numbers that are numbers.
 
 from __future__ import annotations
 
+from codecs import BOM_UTF8
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
@@ -29,11 +31,12 @@ class TextFile:
     Parameters
     ----------
     path : pathlib.Path
-    lines : list of str
+    data : bytes
+        UTF-8, a newline between each two lines and at most one behind the last.
     """
 
     path: Path
-    lines: list[str]
+    data: bytes
 
     @classmethod
     def read(cls, path: str | Path) -> TextFile:
@@ -57,16 +60,45 @@ class TextFile:
             raise MotionFileError(path, None, "the file is empty")
         if b"\0" in data:
             raise MotionFileError(path, None, "is a binary file, expected plain text (UTF-8)")
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            # Only names can hold such letters, and Latin-1 gives every byte a letter.
-            text = data.decode("latin-1")
-        if "\r" in text:
-            text = text.replace("\r\n", "\n").replace("\r", "\n")
+        if not data.isascii():
+            data = data.removeprefix(BOM_UTF8)
+            try:
+                data.decode()
+            except UnicodeDecodeError:
+                # Only names can hold such letters, and Latin-1 gives every byte a letter.
+                data = data.decode("latin-1").encode()
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        return cls(path, data)
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """All of them at once."""
         # splitlines() would also split at letters that are no line end to an editor.
-        lines = text.removesuffix("\n").split("\n")
-        return cls(path, lines)
+        return self.data.decode().removesuffix("\n").split("\n")
+
+    @property
+    def count(self) -> int:
+        """How many lines there are."""
+        return self.data.count(b"\n") + (not self.data.endswith(b"\n"))
+
+    def numbered(self, after: int = 0) -> Iterator[tuple[int, str]]:
+        """The lines below a line one by one, each with its number: the beginning of a large file
+        costs no more than that of a small one."""
+        start = self._start(after)
+        while start < len(self.data):
+            after += 1
+            end = self.data.find(b"\n", start)
+            end = len(self.data) if end < 0 else end
+            yield after, self.data[start:end].decode()
+            start = end + 1
+
+    def _start(self, after: int) -> int:
+        """Where in the data the line after this one begins."""
+        start = 0
+        for _ in range(after):
+            start = self.data.find(b"\n", start) + 1 or len(self.data)
+        return start
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
         """The error to raise for what stands on a line of this file."""
@@ -116,24 +148,34 @@ class TextFile:
         lines : int
             That are not blank, parsed or not.
         """
-        rows = [
-            number
-            for number, line in enumerate(islice(self.lines, first, None), start=first)
-            if line and not line.isspace()
-        ]
-        wanted = rows[::step]
-        values = parsed("\n".join([self.lines[number] for number in wanted]), width)
-        if values is None:
-            found = []
-            for number in wanted:
-                words = self.lines[number].split()
-                if len(words) != width:
-                    raise self.error(
-                        number + 1, f"{len(words)} values, expected {width}: {expected}"
-                    )
-                found.append(np.array(self.numbers(number + 1, words)))
-            values = np.array(found).reshape(-1, width)
-        return values, len(rows)
+        quick = self._quick_table(self._start(first), width, step)
+        if quick is not None:
+            return quick
+        rows = [(number, words) for number, line in self.numbered(first) if (words := line.split())]
+        found = []
+        for number, words in rows[::step]:
+            if len(words) != width:
+                raise self.error(number, f"{len(words)} values, expected {width}: {expected}")
+            found.append(np.array(self.numbers(number, words)))
+        return np.array(found).reshape(-1, width), len(rows)
+
+    def _quick_table(self, start: int, width: int, step: int) -> tuple[np.ndarray, int] | None:
+        """The same, None where not every line is as it should be."""
+        if step == 1:
+            # With no blank line above the end there is nothing to pick.
+            values = parsed(self.data, width, start)
+            if values is not None:
+                return values, len(values)
+        lines = []
+        while start < len(self.data):
+            end = self.data.find(b"\n", start)
+            end = len(self.data) if end < 0 else end
+            line = self.data[start:end]
+            if line and not line.isspace():
+                lines.append(line)
+            start = end + 1
+        values = parsed(b"\n".join(lines[::step]), width)
+        return None if values is None else (values, len(lines))
 
     def require_meaning(self, frames: int, joints: int) -> None:
         """Refuse more poses than a file of this size can mean.
@@ -141,8 +183,7 @@ class TextFile:
         A joint that never turns costs nothing in a file and a quaternion a frame in memory: a small
         file with many of them and many short lines would fill it.
         """
-        letters = sum(map(len, self.lines)) + len(self.lines)
-        if frames * joints > 4 * letters + 100_000:
+        if frames * joints > 4 * len(self.data) + 100_000:
             raise self.error(
                 None,
                 f"{frames} frames of {joints} joints, of which almost none has values: expected a "
@@ -156,9 +197,9 @@ class TextFile:
         return self.numbers(line, words)
 
 
-def parsed(text: str, width: int) -> np.ndarray | None:
-    """The text as (lines, width) float64 in one go, None where it is anything else."""
-    values = decimals(text, width)
+def parsed(data: bytes, width: int, start: int = 0) -> np.ndarray | None:
+    """Lines as (lines, width) float64 in one go, None where they are anything else."""
+    values = decimals(data, width, start)
     # NaN is not below anything either.
     good = values is not None and max(values.max(), -values.min()) < LARGEST
     return values if good else None
