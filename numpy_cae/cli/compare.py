@@ -1,4 +1,4 @@
-"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: how unlike motions are, equation 4."""
+"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: how unlike motions are."""
 
 from __future__ import annotations
 
@@ -10,11 +10,20 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.manifold import distance_matrix, hidden_units, load_manifold, signature
+from numpy_cae.manifold import (
+    MotionManifold,
+    distance_matrix,
+    geodesic_matrix,
+    hidden_units,
+    load_manifold,
+    signature,
+)
 from numpy_cae.motion import find_motion_files, load_body
 from numpy_cae.motion.whole_file import whole_file
 from numpy_cae.viz import save_figure
 from numpy_cae.viz.matrix import matrix_figure
+
+EQUATION_4, GEODESIC = "G", "geodesic"
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -23,16 +32,26 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "compare",
         help="measure how unlike motions are",
         description="Compare every motion with every other by G, equation 4 of holden2015: what "
-        "happens counts, when it happens does not. Prints the nearest of each.",
+        "happens counts, when it happens does not; or by the length of the shortest way along the "
+        "manifold (a twentieth of a second a pair). Prints the nearest of each.",
         epilog="example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png",
     )
     parser.add_argument(
         "motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="a folder, or files"
     )
     parser.add_argument("-m", "--model", type=Path, required=True, help="from `numpy-cae train`")
-    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the matrix of G")
+    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the matrix")
     parser.add_argument(
-        "--picture", type=Path, metavar="PNG", help="draw √G, motions that are alike side by side"
+        "--distance",
+        choices=(EQUATION_4, GEODESIC),
+        default=EQUATION_4,
+        help=f"default: {EQUATION_4}, equation 4",
+    )
+    parser.add_argument(
+        "--picture",
+        type=Path,
+        metavar="PNG",
+        help="draw it (√G), motions that are alike side by side",
     )
     kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
@@ -45,19 +64,28 @@ def run(args: argparse.Namespace) -> int:
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
     mapping = kinds.chosen_mapping(args)
-    signatures = []
-    for path in files.values():
-        positions, _ = load_body(path, mapping, args.unit)
-        signatures.append(signature(hidden_units(manifold, manifold.features(positions)[0])))
-    names, distances = list(files), distance_matrix(signatures)
-    _print_nearest(names, distances)
+    clips = [
+        manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files.values()
+    ]
+    names, distances = list(files), _distances(manifold, clips, args.distance)
+    _print_nearest(names, distances, args.distance)
     if args.output:
         _write_csv(names, distances, args.output)
-        print(f"{args.output}: G of {len(names)} motions")
+        print(f"{args.output}: {args.distance} of {len(names)} motions")
     if args.picture:
-        save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
-        print(f"{args.picture}: √G of {len(names)} motions, clustered")
+        # G is a sum of squares, and a length is none.
+        shown, said = (np.sqrt(distances), "√G")
+        if args.distance == GEODESIC:
+            shown, said = distances, GEODESIC
+        save_figure(matrix_figure(shown, names, said), args.picture)
+        print(f"{args.picture}: {said} of {len(names)} motions, clustered")
     return 0
+
+
+def _distances(manifold: MotionManifold, clips: list[np.ndarray], by: str) -> np.ndarray:
+    if by == GEODESIC:
+        return geodesic_matrix(manifold, clips)
+    return distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips])
 
 
 def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
@@ -76,11 +104,11 @@ def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
     return short if len(short) == count else whole
 
 
-def _print_nearest(names: list[str], distances: np.ndarray) -> None:
+def _print_nearest(names: list[str], distances: np.ndarray, by: str) -> None:
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     for name, row in zip(names, others, strict=True):
         nearest = int(np.argmin(row))
-        print(f"{name}: nearest is {names[nearest]}, G = {row[nearest]:.3f}")
+        print(f"{name}: nearest is {names[nearest]}, {by} = {row[nearest]:.3f}")
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

@@ -176,7 +176,7 @@ def comparison(manifold: MotionManifold, material: Material, seed: int = 0) -> C
     shape = (len(testing), len(training))
     between[_DRAWN] = np.random.default_rng(seed).random(shape)
     precision, average = {}, {}
-    for label, (alike, hidden) in _labels(used.testing, used.training).items():
+    for label, (alike, hidden) in labels_of_pairs(used.testing, used.training).items():
         asked = np.any(alike & ~hidden, axis=1)
         if not asked.any():
             continue
@@ -187,7 +187,7 @@ def comparison(manifold: MotionManifold, material: Material, seed: int = 0) -> C
     return Comparison(precision, average, ways[0].between(testing), names, len(training), seed)
 
 
-def _labels(
+def labels_of_pairs(
     queries: Sequence[LabelledTake], gallery: Sequence[LabelledTake]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """For each label which takes are alike, and which are hidden from the query, both (Q, N)."""

@@ -87,7 +87,7 @@ def all_distances(
         ),
         Distance(
             "hidden units of windows",
-            lambda features: _flat(network.encode(_windows(manifold, features, flat=False))),
+            lambda features: _flat(network.encode(raw_windows(manifold, features))),
         ),
         euclidean(manifold),
         raw_extremes(manifold),
@@ -125,10 +125,14 @@ def _of_pca(manifold: MotionManifold, training: Sequence[np.ndarray]) -> list[Di
     ]
 
 
-def _windows(manifold: MotionManifold, features: np.ndarray, flat: bool = True) -> np.ndarray:
+def raw_windows(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
+    """A clip's features (F, 63) as the network was given them: (N, T, 63), normalised."""
     length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
-    windows = manifold.normalise(cut_windows(features, length, overlap)[0])
-    return _flat(windows) if flat else windows
+    return manifold.normalise(cut_windows(features, length, overlap)[0])
+
+
+def _windows(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
+    return _flat(raw_windows(manifold, features))
 
 
 def _flat(windows: np.ndarray) -> np.ndarray:

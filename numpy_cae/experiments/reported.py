@@ -11,6 +11,7 @@ from numpy_cae.experiments.constrained_projection import constrained_projection
 from numpy_cae.experiments.excited import excited
 from numpy_cae.experiments.filters import filters
 from numpy_cae.experiments.finding import Finding
+from numpy_cae.experiments.geodesics import geodesics
 from numpy_cae.experiments.interpolation import interpolation
 from numpy_cae.experiments.kinect import kinect
 from numpy_cae.experiments.known_holes import known_holes
@@ -57,6 +58,7 @@ REPORTED: dict[str, Experiment] = {
         interpolation,
         nearest,
         comparison,
+        geodesics,
         shift,
         sampling,
         filters,

@@ -4,7 +4,8 @@ from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signatu
 from numpy_cae.manifold.constrained import Pins, project_constrained
 from numpy_cae.manifold.fill import fill_joint, fill_keyframes
 from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyframes
-from numpy_cae.manifold.geodesic import Geodesic, geodesic
+from numpy_cae.manifold.geodesic import Geodesic, geodesic, geodesic_lengths
+from numpy_cae.manifold.geodesic_distance import geodesic_matrix
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold
 from numpy_cae.manifold.model_arrays import ModelFileError
@@ -31,6 +32,8 @@ __all__ = [
     "fill_motion_joint",
     "fill_motion_keyframes",
     "geodesic",
+    "geodesic_lengths",
+    "geodesic_matrix",
     "hidden_units",
     "interpolate",
     "learn_manifold",

@@ -50,6 +50,17 @@ def test_a_folder_becomes_a_matrix_and_a_picture(folder, model, tmp_path, capsys
     assert sorted(path.name for path in tmp_path.iterdir()) == ["matrix.csv", "matrix.png"]
 
 
+def test_by_geodesic_distance(folder, model, tmp_path, capsys):
+    table, picture = tmp_path / "matrix.csv", tmp_path / "matrix.png"
+    words = ["compare", folder, "-m", model, "-o", table, "--picture", picture]
+    assert run(*words, "--distance", "geodesic") == 0
+    assert "geodesic = " in capsys.readouterr().out
+    matrix = np.loadtxt(table, delimiter=",", skiprows=1, usecols=(1, 2, 3))
+    np.testing.assert_array_equal(matrix, matrix.T)
+    assert (matrix[~np.eye(3, dtype=bool)] > 0).all()
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 def test_two_files_of_one_name_are_told_apart(folder, model, capsys):
     one, other = folder / "a.bvh", folder / "more" / "a.bvh"
     assert run("compare", one, other, "-m", model) == 0

@@ -41,11 +41,12 @@ def said(capsys, *argv) -> str:
     return error.strip().splitlines()[-1]
 
 
-@pytest.mark.parametrize("share", ["0.3", "transition"])
-def test_the_result_is_in_the_rig_rate_and_unit_of_the_first(folder, model, tmp_path, share):
+@pytest.mark.parametrize(("share", "along"), [("0.3", "line"), ("transition", "geodesic")])
+def test_the_result_is_in_the_rig_rate_and_unit_of_the_first(folder, model, tmp_path, share, along):
     out, gif = tmp_path / "out.bvh", tmp_path / "out.gif"
     first, second = folder / "press_ups.bvh", folder / "walk.bvh"
-    done("interpolate", first, second, "-m", model, "-o", out, "--share", share, "--gif", gif)
+    words = ["interpolate", first, second, "-m", model, "-o", out, "--share", share, "--gif", gif]
+    done(*words, "--along", along)
     made, rig = load_motion(out), load_motion(first)
     assert made.skeleton.names == rig.skeleton.names
     assert (made.rate, made.unit) == (pytest.approx(rig.rate), rig.unit)

@@ -5,6 +5,7 @@ import pytest
 
 from numpy_cae.experiments.comparison import comparison
 from numpy_cae.experiments.distances import EQUATION_4, EUCLIDEAN
+from numpy_cae.experiments.geodesics import CURVED, FREE, LATENT, SHORTEST, geodesics
 from numpy_cae.experiments.material import Material
 
 
@@ -48,3 +49,22 @@ def test_the_text_has_a_row_for_every_distance_and_findings_follow_the_numbers(m
 def test_nothing_held_out_nothing_compared(small_manifold, labelled):
     with pytest.raises(ValueError, match="labelled takes"):
         comparison(small_manifold, Material(labelled.training, []))
+
+
+def test_geodesics_beside_lines(small_manifold, labelled, tmp_path, monkeypatch):
+    monkeypatch.setattr("numpy_cae.experiments.geodesics.FRAMES", 32)
+    result = geodesics(small_manifold, labelled)
+    assert np.all(result.lengths[SHORTEST] > 1 - 1e-6)
+    assert np.median(result.lengths[SHORTEST]) < np.median(result.lengths[LATENT])
+    errors = [result.halfway[k][FREE] for k in (4, 8, 16)]
+    assert 0 < errors[0] < errors[1] < errors[2]
+    for label, each in result.average.items():
+        assert set(each) == set(result.precision[label])
+        assert all(np.all((0 <= one) & (one <= 1)) for one in each.values())
+    curved, halfway, *finds = result.findings()
+    assert curved.held == bool(np.median(result.lengths[SHORTEST]) >= CURVED)
+    nearest = [min(e, key=e.get) == SHORTEST for e in result.halfway.values()]
+    assert halfway.held == all(nearest)
+    assert len(finds) == 3 and "| geodesic" in result.text()
+    result.save_picture(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 10_000

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR, METHODS, interpolation
+from numpy_cae.experiments.interpolation import (
+    ALONG,
+    ENDS,
+    LINEAR,
+    METHODS,
+    SHORTEST,
+    interpolation,
+)
 from numpy_cae.experiments.lengths import WHOLE, lengths
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM, sampling
@@ -59,11 +66,12 @@ def test_interpolation_of_press_ups_and_walks(learned, tmp_path):
     np.testing.assert_allclose(shown[LINEAR], (one + other) / 2)
     assert all(len(shown[name]) == len(one) for name in METHODS)
     claims = result.findings()
-    assert ["press-ups" in claim.claim for claim in claims] == [True, False]
-    for claim, pairs in zip(claims, result.pairs, strict=True):
-        assert claim.measured.startswith("along the manifold is better than")
-        assert f"{pairs.rows[ALONG].nearest_pose:.2f} against" in claim.measured
-    assert result.text().count("along the manifold") == 2
+    assert ["press-ups" in claim.claim for claim in claims] == [True, False, True, False]
+    for method, pair in ((ALONG, claims[:2]), (SHORTEST, claims[2:])):
+        for claim, pairs in zip(pair, result.pairs, strict=True):
+            assert claim.measured.startswith(f"{method} is better than")
+            assert f"{pairs.rows[method].nearest_pose:.2f} against" in claim.measured
+    assert result.text().count(ALONG) == result.text().count(SHORTEST) == 2
     result.save_picture(tmp_path / "a.png")
     assert looks_like_a_picture(tmp_path / "a.png")
 

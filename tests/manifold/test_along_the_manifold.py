@@ -9,11 +9,15 @@ from numpy_cae.manifold import (
     Pins,
     constraints,
     geodesic,
+    geodesic_lengths,
+    geodesic_matrix,
+    interpolate,
     learn_manifold,
     project_constrained,
     project_observed,
 )
 from numpy_cae.manifold.geodesic import energy
+from numpy_cae.manifold.interpolate import way_between
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
 from numpy_cae.motion.contacts import find_contacts
@@ -94,3 +98,30 @@ def test_a_geodesic_is_no_longer_than_the_straight_path(trained):
     assert found.length < found.straight
     chord = geodesic(manifold, one, other, points=2)
     assert chord.length == chord.straight < found.length
+    both = geodesic_lengths(manifold, np.stack([one, one]), np.stack([other, one]), 5, 30)
+    assert both[0] == pytest.approx(found.length, rel=0.01)
+    assert both[1] == pytest.approx(0, abs=1e-4)
+
+
+def test_the_middle_of_a_geodesic_is_the_middle_of_its_path(trained):
+    manifold, features, _ = trained
+    one, other = features[:40], features[25:65]
+    way = way_between(manifold, one, other, "geodesic")
+    path = geodesic(manifold, manifold.encode(one), manifold.encode(other)).units
+    for share, point in ((0, 0), (0.5, 4), (0.75, 6), (1, 8)):
+        np.testing.assert_allclose(way(share), manifold.decode(path[point], 40), atol=1e-6)
+    np.testing.assert_allclose(way("transition")[0], way(0)[0], atol=0.02)
+    line = interpolate(manifold, one, other, "transition")
+    np.testing.assert_allclose(line, way_between(manifold, one, other)("transition"))
+    with pytest.raises(ValueError, match="'geodesic'"):
+        interpolate(manifold, one, other, 0.5, "sphere")
+
+
+def test_geodesic_distances_are_symmetric_and_those_of_nearest_windows(trained):
+    manifold, features, _ = trained
+    clips = [features[:64], features[3:67], features]
+    apart = geodesic_matrix(manifold, clips)
+    np.testing.assert_array_equal(apart, apart.T)
+    np.testing.assert_allclose(apart, geodesic_matrix(manifold, clips, clips), atol=2e-3)
+    assert apart[0, 2] == pytest.approx(0, abs=1e-3)  # the first window of the whole
+    assert apart[0, 1] > 0.01
