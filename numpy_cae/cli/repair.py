@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
+import sys
+from pathlib import Path
 
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import repair
+from numpy_cae.manifold import MotionManifold, read_pins, repair
+from numpy_cae.motion import Motion
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -25,9 +27,31 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         action="store_true",
         help="keep bone lengths, standing feet and the ground (takes a second for 5 of motion)",
     )
+    parser.add_argument(
+        "--pin",
+        type=Path,
+        metavar="JSON",
+        help="constrain, and bring joints where this file wants them: a list such as "
+        '[{"joint": "left_wrist", "frames": [30, 45], "at": [20, 130, 35]}, {"joint": "hips", '
+        '"frames": [0, 119], "path": [[0, null, 0], [50, null, 200]]}], in the unit and the '
+        "frames of the motion, counted from 0; null leaves a coordinate free",
+    )
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, project, write."""
-    return one_motion.change(args, partial(repair, constrained=args.constrain))
+
+    def repaired(motion: Motion, manifold: MotionManifold, mapping: dict | None) -> Motion:
+        pins = read_pins(args.pin, motion) if args.pin else []
+        result = repair(motion, manifold, mapping, args.constrain, pins)
+        for pin in pins:
+            missed = pin.missed(result, mapping) / motion.unit
+            print(
+                f"{pin.joint}, frames {pin.first} to {pin.last}: within {missed.max():.3g} of its "
+                f"pin, {missed.mean():.3g} on average",
+                file=sys.stderr,
+            )
+        return result
+
+    return one_motion.change(args, repaired)

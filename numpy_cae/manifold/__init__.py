@@ -1,7 +1,7 @@
 """What a trained network is for."""
 
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature
-from numpy_cae.manifold.constrained import Pins, project_constrained
+from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.fill import fill_joint, fill_keyframes
 from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyframes
 from numpy_cae.manifold.geodesic import Geodesic, geodesic, geodesic_lengths
@@ -12,6 +12,7 @@ from numpy_cae.manifold.model_arrays import ModelFileError
 from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.observed import project_observed
+from numpy_cae.manifold.pins import Pin, Pins, read_pins
 from numpy_cae.manifold.repair import repair
 from numpy_cae.manifold.sample import NeighbourPrior, sample
 from numpy_cae.manifold.sequence_file import load_sequences, save_sequences
@@ -24,6 +25,7 @@ __all__ = [
     "ModelFileError",
     "MotionManifold",
     "NeighbourPrior",
+    "Pin",
     "Pins",
     "SequenceManifold",
     "distance_matrix",
@@ -42,6 +44,7 @@ __all__ = [
     "load_sequences",
     "project_constrained",
     "project_observed",
+    "read_pins",
     "repair",
     "sample",
     "save_manifold",

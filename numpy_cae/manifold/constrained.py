@@ -15,8 +15,6 @@ that it undoes nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from numpy_cae.manifold import constraints
@@ -24,6 +22,7 @@ from numpy_cae.manifold.constraints import Pullback
 from numpy_cae.manifold.descent import descend_to
 from numpy_cae.manifold.exact_lengths import exact_lengths
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.manifold.pins import Pins
 from numpy_cae.motion.contacts import find_contacts, floor_height
 from numpy_cae.motion.features import Place, features_to_positions
 
@@ -34,22 +33,6 @@ NEAR = 0.1
 UNDER = 0.01
 """Metres that a joint may be below where the feet of the plain projection stand."""
 STEPS = 200
-
-
-@dataclass(frozen=True)
-class Pins:
-    """Where joints are wanted in the world.
-
-    Parameters
-    ----------
-    targets : (F, 20, 3) array of float
-        Metres; any number where nothing is wanted.
-    weights : (F, 20) array of float
-        0 where nothing is wanted, 1 where it is.
-    """
-
-    targets: np.ndarray
-    weights: np.ndarray
 
 
 def project_constrained(
@@ -97,7 +80,8 @@ def project_constrained(
             (GROUND, constraints.below_ground(exact, ground)),
         ]
         if pins is not None:
-            terms.append((PINS, constraints.out_of_place(exact, start, pins.targets, pins.weights)))
+            asked = (pins.targets, pins.weights, pins.body)
+            terms.append((PINS, constraints.out_of_place(exact, start, *asked)))
         loss, d_exact = _weighted(terms)
         before, d = _weighted([(BONES, constraints.bone_lengths_off(x, manifold.lengths))])
         return loss + before, d + exact_back(d_exact)

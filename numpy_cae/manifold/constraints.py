@@ -128,12 +128,17 @@ def unlike(features: np.ndarray, wanted: np.ndarray, weights: np.ndarray) -> tup
 
 
 def out_of_place(
-    features: np.ndarray, start: Place, targets: np.ndarray, weights: np.ndarray
+    features: np.ndarray,
+    start: Place,
+    targets: np.ndarray,
+    weights: np.ndarray,
+    body: np.ndarray | None = None,
 ) -> tuple[float, Pullback]:
-    """L = Σ w |p - p*|² / Σ w over joints in the world: a hand at a point, hips on a path.
+    """L = Σ w |M p - p*|² / Σ w over joints in the world: a hand at a point, hips on a path.
 
-    Positions are sums of velocities and turns (`features_to_positions`), so a gradient g = dL/dp
-    reaches every earlier frame, in sums that run backwards:
+    M makes the joints of another body of those of the mean skeleton; g = Mᵀ dL/d(Mp). Positions
+    are sums of velocities and turns (`features_to_positions`), so a gradient g reaches every
+    earlier frame, in sums that run backwards:
 
         dq_t = R(-θ_t) Σ_j g_{t,j}
         G_t = Σ_{s>t} Σ_j g_{s,j},           dv_t = R(-θ_t) G_t
@@ -147,15 +152,20 @@ def out_of_place(
         Of the first frame.
     targets : (F, 20, 3) array of float
         p*, metres; what stands where the weight is 0 does not matter.
-    weights : (F, 20) array of float
+    weights : (F, 20) array of float, or (F, 20, 3) where coordinates differ
+    body : (20, 20) array of float, optional
+        M, the identity where None.
     """
     positions = features_to_positions(features, start)
-    gap = np.where(weights[..., None] > 0, positions - targets, 0.0)
-    total = max(float(weights.sum()), 1e-12)
+    reached = positions if body is None else np.einsum("jk,fkx->fjx", body, positions)
+    weights = np.broadcast_to(weights.T, targets.T.shape).T
+    gap = np.where(weights > 0, reached - targets, 0.0)
+    total = max(float(weights.sum()) / 3, 1e-12)
     theta = start.heading + np.concatenate([[0.0], np.cumsum(features[:-1, TURN.start])])
 
     def pullback(dloss: float = 1.0) -> np.ndarray:
-        g = dloss * 2 / total * weights[..., None] * gap
+        g = dloss * 2 / total * weights * gap
+        g = g if body is None else np.einsum("jk,fjx->fkx", body, g)
         flat, angle = g[..., [_X, _Z]], theta[:, None]
         local = positions[..., [_X, _Z]] - _floor(features, start, theta)[:, None]  # R(θ) q
         dq = g.copy()
@@ -169,7 +179,7 @@ def out_of_place(
         d[:-1, TURN.start] = _sum_of_later(d_theta)[:-1]
         return d
 
-    return float(np.sum(weights[..., None] * gap**2) / total), pullback
+    return float(np.sum(weights * gap**2) / total), pullback
 
 
 def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:

@@ -143,16 +143,18 @@ def _shortened(manifold: MotionManifold, straight: np.ndarray, steps: int) -> np
         return value, dy.ravel().astype(np.float64)
 
     bound = network.layers[-1].bound
-    found = minimize(
-        of_units,
-        np.clip(inner, -bound, bound).ravel().astype(np.float64),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=[(-bound, bound)] * inner.size,
-        options={"maxiter": steps, "maxfun": 2 * steps},
-    )
     path = straight.copy()
-    path[:, 1:-1] = found.x.reshape(inner.shape)
+    if steps > 0:
+        # No bounds: SciPy takes a tuple a number, longer than the descent. Beyond them arctanh is
+        # clipped and the energy does not change.
+        found = minimize(
+            of_units,
+            np.clip(inner, -bound, bound).ravel().astype(np.float64),
+            jac=True,
+            method="L-BFGS-B",
+            options={"maxiter": steps, "maxfun": 2 * steps},
+        )
+        path[:, 1:-1] = np.clip(found.x.reshape(inner.shape), -bound, bound)
     return path
 
 

@@ -3,12 +3,15 @@ Data")."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.manifold.pins import Pin, pins_for
 from numpy_cae.motion.body import body_of
 from numpy_cae.motion.features import VELOCITY, Place, steps_along, way_of
 from numpy_cae.motion.motion import Motion
@@ -22,6 +25,7 @@ def repair(
     manifold: MotionManifold,
     mapping: dict[str, str] | None = None,
     constrained: bool = False,
+    pins: Sequence[Pin] = (),
 ) -> Motion:
     """The motion on the manifold that stands for `motion`, on the rig that came in: the mean of its
     projections at all places of the pooling grid (`manifold.blind.project_shifted`).
@@ -39,6 +43,8 @@ def repair(
     mapping : dict of our joint names to the rig's, optional
     constrained : bool
         Keep bone lengths, standing feet and the ground: `project_constrained`.
+    pins : sequence of Pin
+        Where joints are wanted; with any, the projection is constrained.
 
     Returns
     -------
@@ -51,11 +57,12 @@ def repair(
         If joints are missing.
     """
     features, start = manifold.features(body_of(motion, mapping))
-    if constrained:
+    if constrained or pins:
+        wanted = pins_for(pins, motion, manifold, mapping) if pins else None
+        start = wanted.start(start) if wanted else start
         # Its feet stand in the world: another way would let them slide.
-        return in_rig(
-            manifold, project_constrained(manifold, features, start), start, motion, mapping
-        )
+        kept = project_constrained(manifold, features, start, pins=wanted)
+        return in_rig(manifold, kept, start, motion, mapping)
     projected = manifold.project(features, manifold.shifts)
     kept, start = kept_on_way(features, projected, start, manifold.rate)
     return in_rig(manifold, kept, start, motion, mapping)

@@ -54,10 +54,13 @@ def test_places_in_the_world(seed):
     rng, features = drawn(seed)
     targets = rng.normal(size=(5, 20, 3))
     weights = rng.uniform(size=(5, 20)) * (rng.random((5, 20)) < 0.5)
-    start = Place(*rng.normal(size=3))
-    check_gradients(
-        lambda f: constraints.out_of_place(f, start, targets, weights), features, rng=rng
-    )
+    start, body = Place(*rng.normal(size=3)), rng.normal(size=(20, 20))
+    for asked in ((weights,), (rng.uniform(size=(5, 20, 3)), body)):
+        check_gradients(
+            lambda f, asked=asked: constraints.out_of_place(f, start, targets, *asked),
+            features,
+            rng=rng,
+        )
 
 
 @given(seed=SEEDS)
