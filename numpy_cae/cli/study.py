@@ -9,6 +9,7 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_sequential
 from numpy_cae.experiments.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.sequential import sequential
+from numpy_cae.manifold import save_sequences
 from numpy_cae.motion.whole_file import whole_file
 
 ACTIONS = ("walking", "waiting", "walking_dog")
@@ -21,7 +22,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="every result of jang2018, trained for and measured",
         description="Train jang2018's network on each action, with its regulariser and without, "
         "and write study.txt (each claim, our table, whether it held), figure 2 and samples as "
-        "strips and GIFs. Without --data the motions are made by data_synth.",
+        "strips and GIFs, beside the models. Without --data the motions are made by data_synth.",
         epilog="example: numpy-cae study -o study; with motions of your own, a folder an action: "
         "numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
@@ -34,7 +35,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--minutes",
         type=kinds.positive,
-        default=60.0,
+        default=180.0,
         help="to learn from, of each action, without --data; as many to test on",
     )
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
@@ -61,6 +62,8 @@ def run(args: argparse.Namespace) -> int:
     with whole_file(args.output / "study.txt") as beside:
         beside.write_text(text, encoding="utf-8")
     result.save_pictures(args.output)
+    for name, manifold in result.manifolds.items():
+        save_sequences(manifold, args.output / f"{name}.npz")
     print(text, end="")
     return 0
 

@@ -33,7 +33,7 @@ class Action:
 
 
 def synthetic_action(
-    kind: str, minutes: float = 60.0, test_minutes: float = 60.0, seed: int = 0
+    kind: str, minutes: float = 180.0, test_minutes: float = 180.0, seed: int = 0
 ) -> Action:
     """One of jang2018's three actions, made by formula, every take of another person.
 

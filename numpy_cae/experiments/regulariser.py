@@ -14,6 +14,7 @@ import numpy as np
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.sequence_study import (
     DRAWS,
+    TURNS,
     Study,
     between_draws_of_the_prior,
     discrepancy,
@@ -109,17 +110,17 @@ def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 
     """
     rows = []
     for one, other in zip(with_it, without, strict=True):
-        rng = np.random.default_rng(seed)
-        z, plain = (_latents(each, seed, training=False) for each in (one, other))
         seen = _latents(other, seed, training=True)
+        turns = range(seed, seed + TURNS)
+        z, plain = ([_latents(each, turn) for turn in turns] for each in (one, other))
         rows.append(
             Row(
                 one.action.name,
                 _squared_error(one),
                 _squared_error(other),
-                discrepancy(z, rng),
-                discrepancy(plain, rng),
-                discrepancy(_whitened(plain, seen), rng),
+                _discrepancy(z, seed),
+                _discrepancy(plain, seed),
+                _discrepancy([_whitened(each, seen) for each in plain], seed),
             )
         )
     first = with_it[0].manifold
@@ -130,9 +131,15 @@ def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 
     )
 
 
-def _latents(study: Study, seed: int, training: bool) -> np.ndarray:
+def _latents(study: Study, seed: int, training: bool = False) -> np.ndarray:
     clips = study.drawn(DRAWS, seed, training)
     return study.manifold.network.encode(clips).astype(np.float64)
+
+
+def _discrepancy(draws: Sequence[np.ndarray], seed: int) -> float:
+    """The mean over all draws of clips."""
+    rng = np.random.default_rng(seed)
+    return float(np.mean([discrepancy(z, rng) for z in draws]))
 
 
 def _squared_error(study: Study) -> float:

@@ -24,6 +24,8 @@ from numpy_cae.training import SequenceSchedule, unit_directions
 DRAWS = 1000
 """Latent vectors and draws of the prior that a discrepancy is measured with."""
 DIRECTIONS = 128
+TURNS = 10
+"""Times that both are drawn anew where a mean is wanted: one discrepancy varies by a seventh."""
 POINTS = 40
 """Of a curve."""
 
@@ -116,5 +118,5 @@ def between_draws_of_the_prior(latent: int, seed: int = 0) -> float:
     """The same distance between two draws of the prior, each of `DRAWS`: what is left at best."""
     rng = np.random.default_rng(seed)
     return float(
-        np.mean([discrepancy(rng.standard_normal((DRAWS, latent)), rng) for _ in range(10)])
+        np.mean([discrepancy(rng.standard_normal((DRAWS, latent)), rng) for _ in range(TURNS)])
     )

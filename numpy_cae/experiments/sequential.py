@@ -18,6 +18,7 @@ from numpy_cae.experiments.sequence_reconstruction import (
 from numpy_cae.experiments.sequence_samples import SequenceSamples, sequence_samples
 from numpy_cae.experiments.sequence_study import study
 from numpy_cae.experiments.teacher_forcing import TeacherForced, TeacherForcing, teacher_forcing
+from numpy_cae.manifold import SequenceManifold
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.training import SequenceSchedule
 
@@ -32,6 +33,7 @@ class Sequential:
     regulariser: Regulariser
     forcing: TeacherForcing
     figures_3: list[Figure3]
+    manifolds: dict[str, SequenceManifold]
     title: str = "jang2018, measured"
 
     @property
@@ -97,4 +99,5 @@ def sequential(
         regulariser(studies, without, seed),
         teacher_forcing(studies[0], forced),
         [figure_3(each, seed) for each in studies],
+        {each.action.name: each.manifold for each in studies},
     )

@@ -91,10 +91,10 @@ class SequenceSchedule:
 
     epochs: int = 40
     steps: int = 65
-    rate: float = 1.0
+    rate: float = 0.3
     decay: float = 0.93
-    batch: int = 64
-    weight: float = 1.0
+    batch: int = 128
+    weight: float = 2.0
     directions: int = 64
     norm: float = 1.0
-    momentum: float = 0.0
+    momentum: float = 0.9

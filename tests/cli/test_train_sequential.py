@@ -47,14 +47,14 @@ def test_exponential_map_text_is_learned_from(tmp_path):
     assert load_sequences(tmp_path / "seq.npz").settings["motions"] == 2
 
 
-def test_a_study_writes_its_claims_and_pictures(folder, tmp_path, capsys):
+def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys):
     argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
     assert main([str(word) for word in argv]) == 0
     said = capsys.readouterr().out
     assert said == (tmp_path / "study/study.txt").read_text(encoding="utf-8")
     assert "held: " in said and "teacher-forced" in said
-    pictures = {path.name for path in (tmp_path / "study").iterdir()}
-    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif"} <= pictures
+    written = {path.name for path in (tmp_path / "study").iterdir()}
+    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
 
 
 def test_a_study_needs_something_to_test_on(folder, tmp_path, capsys):

@@ -17,6 +17,7 @@ def waves(rng, batch):
 
 def trained(seed=0, each=None, draw=waves, off=0.0, **changes):
     numbers = {"epochs": 3, "steps": 40, "batch": 16, "directions": 8, "weight": 0.05}
+    numbers |= {"rate": 1.0, "momentum": 0.0}
     model = SequentialAutoencoder(3, 12, 2, np.random.default_rng(3))
     model.weights["latent_b"] += off
     schedule = SequenceSchedule(**numbers | changes)
