@@ -17,6 +17,8 @@ from numpy_cae.verify.gradients import as_gradients, check_gradients, value_and_
 from numpy_cae.verify.operation import Operation, Sizes
 
 EXACT = 1e-9
+EXAMPLES = 25
+"""How many cases are drawn, where a property does not say otherwise."""
 BEYOND_FLOAT32 = 1 + 2**-35  # times a short number, one that float32 cannot hold
 GRADIENT_POINTS = VALUE_POINTS = 2
 
@@ -33,6 +35,7 @@ class Property:
     sizes: Sizes = field(repr=False)
     points: int = 1
     hint: str = ""
+    examples: int = EXAMPLES
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:

@@ -27,7 +27,6 @@ from numpy_cae.verify.property import Property, drawn_upstream
 from numpy_cae.verify.witness import Witness
 from numpy_cae.verify.zoo import bugs_of
 
-EXAMPLES = 25
 FAILURES_KEPT = 3
 GENERAL_CASES = 8
 
@@ -64,7 +63,7 @@ def cases(sizes: Sizes) -> st.SearchStrategy[Case]:
 
 
 def try_property(
-    tried: Property, implementation: Callable, examples: int = EXAMPLES, shrink: bool = True
+    tried: Property, implementation: Callable, examples: int | None = None, shrink: bool = True
 ) -> Outcome:
     """Hold an implementation to a property on drawn examples, the same ones every time.
 
@@ -73,7 +72,8 @@ def try_property(
     tried : Property
     implementation : callable
         In the form of the operation in `numpy_cae.ops`.
-    examples : int
+    examples : int, optional
+        By default as many as the property says.
     shrink : bool
         Whether to look for the smallest counterexample rather than take the first.
     """
@@ -81,7 +81,7 @@ def try_property(
     witnesses: list[Witness] = []
 
     @settings(
-        max_examples=examples,
+        max_examples=examples or tried.examples,
         derandomize=True,
         database=None,
         deadline=None,

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import json
+from pathlib import Path
 
 import pytest
 
+from numpy_cae.course import find_lessons, read_notebook
+from numpy_cae.verify.exercises import LESSONS
 from numpy_cae.verify.grading import grade
 
 ENCODE = """
@@ -35,6 +39,7 @@ def read_clips(weights, x):
 
     return z, pullback
 """
+IN_NO_EXERCISE = {"sliced_wasserstein"}  # project 5 of lesson 14
 TAKEN = "def encode_layer(x, w, b):\n    return decode_layer(x, w, b)"
 
 
@@ -88,3 +93,19 @@ def test_a_program_that_is_no_notebook_is_given_nothing(tmp_path):
 @pytest.mark.parametrize("broken", ["def encode_layer(", "\0"])
 def test_what_is_no_python_is_still_said(tmp_path, broken):
     assert "not Python" in str(grade(notebook(tmp_path, broken)))
+
+
+@pytest.mark.parametrize(
+    "path", find_lessons(Path(__file__).parents[2] / "lessons"), ids=lambda path: path.stem
+)
+def test_every_operation_that_a_lesson_imports_is_given(path):
+    imported = {
+        alias.name
+        for cell in read_notebook(path)["cells"]
+        if cell["cell_type"] == "code"
+        for node in ast.walk(ast.parse(cell["source"].removeprefix("%matplotlib inline")))
+        if isinstance(node, ast.ImportFrom) and node.module == "numpy_cae.ops"
+        for alias in node.names
+    }
+    given = {name for exercise in LESSONS[path.name[:2]] for name in exercise.given}
+    assert imported - IN_NO_EXERCISE <= given

@@ -1,4 +1,7 @@
-"""Exercises that are given functions: those stay with the grader and are called from there."""
+"""Exercises that are given functions: those stay with the grader and are called from there.
+
+Operations of the project are the exception, and run where the student calls them.
+"""
 
 import textwrap
 import time
@@ -15,12 +18,12 @@ from numpy_cae.verify.trial import Abandoned
 def student(tmp_path):
     started = []
 
-    def start(source, seconds=60.0):
+    def start(source, seconds=60.0, given=None):
         path = tmp_path / "student.py"
         path.write_text("import numpy as np\n" + textwrap.dedent(source), encoding="utf-8")
         process = Student(path, time.monotonic() + seconds, 2048)
         started.append(process)
-        process.load()
+        process.load(given)
         return process
 
     yield start
@@ -91,3 +94,29 @@ def test_a_lent_function_is_forgotten_and_none_is_there_that_was_not_lent(studen
     process.forget()
     with pytest.raises(IndexError):
         process.function("again")(np.ones(2))
+
+
+def test_given_operations_run_in_the_students_process_without_the_package(student):
+    names = ("gru", "linear", "mean_squared_error", "tanh")
+    process = student(
+        """
+        import sys
+
+        def same(x):
+            return tanh(x)
+
+        def found():
+            return " ".join(name for name in sys.modules if name.startswith("numpy_cae"))
+
+        def reached():
+            return " ".join(sorted(tanh.__globals__))
+        """,
+        given={name: getattr(ops, name) for name in names},
+    )
+    assert process.functions == ["found", "reached", "same"]
+    process._called_back = None  # nothing comes back to the grader
+    y, pullback = process.function("same")(x := np.array([0.5, -1.0]))
+    np.testing.assert_array_equal(y, np.tanh(x))
+    np.testing.assert_array_equal(pullback(x), ops.tanh(x)[1](x))
+    assert process.function("found", numbers_only=False)() == ""
+    assert process.function("reached", numbers_only=False)() == "__builtins__ np"

@@ -17,7 +17,7 @@ from numpy_cae.verify.case import Case
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS, Operation, Sizes
 from numpy_cae.verify.particulars import particular_properties
-from numpy_cae.verify.property import Property, require_equal, shared_properties
+from numpy_cae.verify.property import EXAMPLES, Property, require_equal, shared_properties
 
 Arguments = Callable[[Case], dict[str, object]]
 Check = Callable[[Callable, Case], None]
@@ -33,6 +33,7 @@ class Claim:
     points: int = 1
     hint: str = ""
     sizes: Sizes = field(default_factory=dict)  # in place of the exercise's own
+    examples: int = EXAMPLES
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ def exercise(
             {**sizes, **claim.sizes},
             claim.points,
             claim.hint,
+            claim.examples,
         )
         for claim in claims
     )

@@ -154,7 +154,7 @@ EXERCISES: tuple[Exercise, ...] = (
             "gradient for c": "c stands beside h · U: it gets what s gets",
             "gradient for x": "x stands beside b: it gets what a gets",
         },
-        given=("linear",),
+        given=("linear", "mean_squared_error", "tanh"),
     ),
     operation_exercise(
         "gru",

@@ -47,6 +47,8 @@ TRIED_SIZES = {
 }  # fmt: skip
 """As many channels as filters, so that a forgotten transpose has to be noticed by its numbers."""
 TINY = 1e-6
+FEW = 5
+"""Draws are enough where each is tried on every bug: with its differences that is many calls."""
 
 
 @dataclass(frozen=True)
@@ -304,6 +306,7 @@ EXERCISES: tuple[Exercise, ...] = (
                 _passes_right_ones,
                 2,
                 "rounding is proportional to the numbers: is your tolerance relative?",
+                examples=FEW,
             ),
             *(
                 Claim(
@@ -312,6 +315,7 @@ EXERCISES: tuple[Exercise, ...] = (
                     _refuses(group),
                     2,
                     "is your upstream gradient drawn, and is every input tried?",
+                    examples=FEW,
                 )
                 for group, operations in GROUPS.items()
             ),

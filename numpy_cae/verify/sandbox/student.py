@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae import ops
 from numpy_cae.verify.sandbox import wire
 from numpy_cae.verify.trial import Abandoned
 
@@ -92,9 +93,12 @@ class Student:
             If that fails, whatever the way.
         """
         try:
-            names = sorted(given or {})
-            reply, _ = self._ask({"do": "load", "given": names}, [given[name] for name in names])
-            self._given = len(names)
+            given = given or {}
+            known = [name for name in sorted(given) if given[name] is getattr(ops, name, None)]
+            lent = [name for name in sorted(given) if name not in known]
+            message = {"do": "load", "given": lent, "operations": known}
+            reply, _ = self._ask(message, [given[name] for name in lent])
+            self._given = len(lent)
         except Abandoned as end:
             raise Fault(f"at import: {end}") from None
         if self.refused:

@@ -1,18 +1,21 @@
 """The student's process: load the file, call its functions when asked, send back what comes.
 
-Run as a script, never imported by the grader. It imports NumPy and the wire and nothing else of
-the project, and whatever else the student's file wants to import passes by `Gatekeeper`.
+Run as a script, never imported by the grader. It imports NumPy, the wire, and the operations that
+an exercise is given; whatever the student's file wants to import passes by `Gatekeeper`.
 """
 
 from __future__ import annotations
 
 import builtins
+import dis
 import importlib.abc
 import importlib.util
 import os
 import sys
 import traceback
+from collections.abc import Iterator
 from pathlib import Path
+from types import CodeType, FunctionType
 
 import numpy as np
 import numpy.fft
@@ -20,7 +23,7 @@ import numpy.linalg
 import numpy.random
 import numpy.testing
 
-HERE = str(Path(__file__).parent)
+HERE, PROJECT = str(Path(__file__).parent), str(Path(__file__).parents[3])
 sys.path = [HERE, *(folder for folder in sys.path if folder != HERE)]
 import refusal  # noqa: E402
 import wire  # noqa: E402
@@ -70,12 +73,13 @@ class Servant:
         return {**reply, "refused": self.gatekeeper.refused}, values
 
     def load(self, request: dict, arguments: list) -> tuple[dict, list]:
+        given = dict(zip(request["given"], self.borrowed(arguments), strict=True))
+        given |= _operations(request["operations"])
         sys.meta_path.insert(0, self.gatekeeper)
         sys.path.append(str(self.path.parent))
         spec = importlib.util.spec_from_file_location("student", self.path)
         self.module = importlib.util.module_from_spec(spec)
         sys.modules["student"] = self.module
-        given = dict(zip(request["given"], self.borrowed(arguments), strict=True))
         vars(self.module).update(given)
         spec.loader.exec_module(self.module)
         there = vars(self.module).items()
@@ -158,13 +162,40 @@ def _limit(megabytes: int) -> None:
         pass
 
 
-def _load(path: Path):
-    sys.path.append(str(path.parent))
-    spec = importlib.util.spec_from_file_location("student", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["student"] = module
-    spec.loader.exec_module(module)
-    return module
+def _operations(names: list[str]) -> dict[str, FunctionType]:
+    """Operations of the project, and afterwards nothing else of it in this process.
+
+    They could stay with the grader, as other functions do. But a recurrence calls them at every
+    frame of every finite difference, and each call would go there and back.
+    """
+    if not names:
+        return {}
+    sys.path.insert(0, PROJECT)
+    from numpy_cae import ops
+
+    sys.path.remove(PROJECT)
+    found = {name: _by_itself(getattr(ops, name)) for name in names}
+    for module in [name for name in sys.modules if name.partition(".")[0] == "numpy_cae"]:
+        del sys.modules[module]
+    return found
+
+
+def _by_itself(function: FunctionType) -> FunctionType:
+    """The function without its module: of the globals, those that it uses."""
+    names = set(_names(function.__code__))
+    used = {name: value for name, value in function.__globals__.items() if name in names}
+    for name, value in used.items():
+        if isinstance(value, FunctionType):
+            used[name] = _by_itself(value)
+    used["__builtins__"] = builtins
+    return FunctionType(function.__code__, used, function.__name__, function.__defaults__)
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    yield from (step.argval for step in dis.get_instructions(code) if "GLOBAL" in step.opname)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
 
 
 def _line(path: Path) -> int | None:
