@@ -37,7 +37,7 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     operation_exercise(
         "unpool_even",
-        "each value is read twice on the way up, so its gradient is a sum of two on the way back",
+        "each value stands in two frames, at half its size each time: its gradient is a sum of two",
     ),
     operation_exercise(
         "unpool_random",
