@@ -15,12 +15,17 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import load_manifold
+from numpy_cae.manifold import load_manifold, load_sequences
 from numpy_cae.motion import write_bvh
 from numpy_cae.motion.sole_writer import sole_writer
 
 TINY = (
     "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
+    "--quiet --checkpoint 0"
+).split()
+
+SEQUENTIAL = (
+    "--model sequential --hidden 6 --latent 3 --sequence-epochs 4 --steps 12 --sequence-batch 4 "
     "--quiet --checkpoint 0"
 ).split()
 
@@ -42,9 +47,17 @@ def whole(folder, tmp_path_factory):
     return file
 
 
-def started(folder, out, *more):
+@pytest.fixture(scope="module")
+def whole_sequential(folder, tmp_path_factory):
+    """The same of jang2018's network."""
+    file = tmp_path_factory.mktemp("whole") / "m.npz"
+    assert main(["train", str(folder), "-o", str(file), *SEQUENTIAL]) == 0
+    return file
+
+
+def started(folder, out, options):
     return subprocess.Popen(
-        [sys.executable, "-m", "numpy_cae", "train", str(folder), "-o", str(out), *TINY, *more],
+        [sys.executable, "-m", "numpy_cae", "train", str(folder), "-o", str(out), *options],
         cwd=Path(__file__).parents[2],
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
@@ -54,6 +67,9 @@ def started(folder, out, *more):
 
 
 def weights(path):
+    with np.load(path) as file:
+        if not any(name.startswith("layer") for name in file.files):
+            return list(load_sequences(path).network.weights.values())
     return [array for layer in load_manifold(path).network.layers for array in (layer.w, layer.b)]
 
 
@@ -72,11 +88,11 @@ def wait_for_a_state(process, state):
         time.sleep(0.002)
 
 
-def kill_again_and_again(folder, whole, out, times, rng, longest):
+def kill_again_and_again(folder, whole, out, times, rng, longest, options=TINY):
     """Kill `times` runs at random moments, each going on from what the one before left."""
     state, kept = out.with_name("m.checkpoint.npz"), 0
     for number in range(times):
-        process = started(folder, out, "--resume")
+        process = started(folder, out, [*options, "--resume"])
         if number % 4 == 3:
             time.sleep(rng.uniform(0, 3))
             process.kill()
@@ -89,7 +105,7 @@ def kill_again_and_again(folder, whole, out, times, rng, longest):
         if out.exists():
             assert same(out, whole)
             out.unlink()
-    assert main(["train", str(folder), "-o", str(out), *TINY, "--resume"]) == 0
+    assert main(["train", str(folder), "-o", str(out), *options, "--resume"]) == 0
     assert same(out, whole)
     assert [path.name for path in out.parent.iterdir()] == ["m.npz"]
     return kept
@@ -106,6 +122,20 @@ def test_killed_three_times(folder, whole, tmp_path):
 def test_killed_a_hundred_times(folder, whole, tmp_path):
     kept = kill_again_and_again(
         folder, whole, tmp_path / "m.npz", 100, np.random.default_rng(1), longest=0.5
+    )
+    assert kept > 10
+
+
+@pytest.mark.thorough
+def test_the_sequential_model_killed_a_hundred_times(folder, whole_sequential, tmp_path):
+    kept = kill_again_and_again(
+        folder,
+        whole_sequential,
+        tmp_path / "m.npz",
+        100,
+        np.random.default_rng(2),
+        longest=0.3,
+        options=SEQUENTIAL,
     )
     assert kept > 10
 
