@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
-from dataclasses import asdict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from data_synth import make_takes
 from numpy_cae.bench import growth, paper, reading, sequence, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.motion import load_motion
+
+Measured = TypeVar("Measured")
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -71,7 +75,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="FILE",
         help="read motion files, beside pybvh and bvh where they are installed",
     )
-    parser.add_argument("--json", action="store_true", help="with --reading: print JSON")
+    add_json_argument(parser)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 
@@ -80,51 +84,69 @@ def run(args: argparse.Namespace) -> int:
     """Measure and print."""
     if args.growth:
         kinds.require_place(args.growth)
-    if args.json and not args.reading:
-        raise ValueError("--json is for --reading")
     _warn_of_others()
     if args.paper or args.full:
         epochs = paper.EPOCHS if args.full else 1
-        for batch in args.batch or (1, 16):
-            print(paper.run_paper(batch, epochs, show_progress=not args.quiet).text(), flush=True)
-            print()
+        batches = args.batch or (1, 16)
+        runs = (paper.run_paper(batch, epochs, show_progress=not args.quiet) for batch in batches)
+        _say(args, runs, lambda run: f"{run.text()}\n")
     elif args.reading:
-        _reading(args)
+        for path in args.reading:
+            load_motion(path)  # what is wrong with a file is said of it, not of a reader
+        rows = reading.readings(args.reading, args.rounds)
+        _say(args, rows, reading.Reading.text, reading.HEADER)
     elif args.walks:
-        print(_walks(args.walks))
+        _say(args, [_walked(args.walks)], _Walked.text)
     elif args.growth:
         grown = growth.growth()
-        print("\n".join(each.text() for each in grown))
+        _say(args, grown, growth.Growth.text)
         growth.draw(grown, args.growth)
-        print(f"{args.growth}: the same, drawn")
+        if not args.json:
+            print(f"{args.growth}: the same, drawn")
     else:
         peak = matrix_product_peak()
-        print(table.header(peak), flush=True)
         timed = sequence if args.sequential else table
-        for row in timed.rows(peak, args.batch or timed.BATCHES, args.rounds):
-            print(row.text(), flush=True)
+        rows = timed.rows(peak, args.batch or timed.BATCHES, args.rounds)
+        _say(args, rows, table.Row.text, table.header(peak))
     return 0
 
 
-def _reading(args: argparse.Namespace) -> None:
-    for path in args.reading:
-        load_motion(path)  # what is wrong with a file is said of it, not of a reader
-    rows = reading.readings(args.reading, args.rounds)
+def _say(
+    args: argparse.Namespace,
+    rows: Iterable[Measured],
+    text: Callable[[Measured], str],
+    header: str = "",
+) -> None:
+    """Each row as soon as it is measured, or with --json all of them at the end."""
     if args.json:
-        print(json.dumps([asdict(row) for row in rows], indent=1))
-    else:
-        print("\n".join([reading.HEADER, *(row.text() for row in rows)]))
+        print_json(list(rows))
+        return
+    if header:
+        print(header, flush=True)
+    for row in rows:
+        print(text(row), flush=True)
 
 
-def _walks(minutes: float) -> str:
+@dataclass(frozen=True)
+class _Walked:
     """How fast data_synth makes people walk, in processor time, so on one core."""
+
+    motion_seconds: float
+    processor_seconds: float
+
+    def text(self) -> str:
+        """A sentence."""
+        spent = self.processor_seconds
+        return (
+            f"{self.motion_seconds / 60:.1f} minutes of walking at 30 frames a second made in "
+            f"{spent:.1f} s of one core: {self.motion_seconds / spent:.0f} times real time"
+        )
+
+
+def _walked(minutes: float) -> _Walked:
     start = time.process_time()
     motion = sum(take.motion.seconds for take in make_takes(minutes, kinds=["walk"], rate=30))
-    spent = time.process_time() - start
-    return (
-        f"{motion / 60:.1f} minutes of walking at 30 frames a second made in {spent:.1f} s of one "
-        f"core: {motion / spent:.0f} times real time"
-    )
+    return _Walked(motion, time.process_time() - start)
 
 
 def _warn_of_others() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.manifold import (
     MotionManifold,
     distance_matrix,
@@ -53,6 +54,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="PNG",
         help="draw it (√G), motions that are alike side by side",
     )
+    add_json_argument(parser)
     kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
 
@@ -68,17 +70,25 @@ def run(args: argparse.Namespace) -> int:
         manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files.values()
     ]
     names, distances = list(files), _distances(manifold, clips, args.distance)
-    _print_nearest(names, distances, args.distance)
+    nearest, said = _nearest(names, distances), []
     if args.output:
         _write_csv(names, distances, args.output)
-        print(f"{args.output}: {args.distance} of {len(names)} motions")
+        said.append(f"{args.output}: {args.distance} of {len(names)} motions")
     if args.picture:
         # G is a sum of squares, and a length is none.
-        shown, said = (np.sqrt(distances), "√G")
+        shown, named = (np.sqrt(distances), "√G")
         if args.distance == GEODESIC:
-            shown, said = distances, GEODESIC
-        save_figure(matrix_figure(shown, names, said), args.picture)
-        print(f"{args.picture}: {said} of {len(names)} motions, clustered")
+            shown, named = distances, GEODESIC
+        save_figure(matrix_figure(shown, names, named), args.picture)
+        said.append(f"{args.picture}: {named} of {len(names)} motions, clustered")
+    if args.json:
+        compared = {"distance": args.distance, "motions": names, "matrix": distances}
+        print_json({**compared, "nearest": [other for other, _ in nearest]})
+        return 0
+    for name, (other, length) in zip(names, nearest, strict=True):
+        print(f"{name}: nearest is {other}, {args.distance} = {length:.3f}")
+    for line in said:
+        print(line)
     return 0
 
 
@@ -104,11 +114,10 @@ def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
     return short if len(short) == count else whole
 
 
-def _print_nearest(names: list[str], distances: np.ndarray, by: str) -> None:
+def _nearest(names: list[str], distances: np.ndarray) -> list[tuple[str, float]]:
+    """Of each motion the other that is least unlike it, and how unlike."""
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
-    for name, row in zip(names, others, strict=True):
-        nearest = int(np.argmin(row))
-        print(f"{name}: nearest is {names[nearest]}, {by} = {row[nearest]:.3f}")
+    return [(names[int(np.argmin(row))], float(row.min())) for row in others]
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

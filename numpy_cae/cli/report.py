@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.experiments.material import Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.reported import ALONE, REPORTED
@@ -65,6 +66,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="N",
         help=f"experiments at a time (default: {cores})",
     )
+    add_json_argument(parser)
     kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
 
@@ -103,8 +105,24 @@ def run(args: argparse.Namespace) -> int:
             beside.write_text(text, encoding="utf-8")
     claims = sum(len(section.findings or []) for section in ordered)
     held = sum(section.held for section in ordered)
-    print(f"{args.output / 'report.html'}: {held} of {claims} claims held")
+    if args.json:
+        told = [_told(section) for section in ordered]
+        print_json({"held": held, "claims": claims, "how": how, "experiments": told})
+    else:
+        print(f"{args.output / 'report.html'}: {held} of {claims} claims held")
     return 0
+
+
+def _told(section: Section) -> dict:
+    """A section without its pictures."""
+    return {
+        "name": section.name,
+        "title": section.title,
+        "failure": section.failure or None,
+        "claims": section.findings or [],
+        "text": section.text,
+        "seconds": section.seconds,
+    }
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_sequential
+from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.experiments.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.sequential import sequential
 from numpy_cae.manifold import save_sequences
@@ -40,6 +41,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
     add("--quiet", action="store_true", help="show no progress")
+    add_json_argument(parser)
     kinds.add_motion_arguments(parser)
     train_sequential.add_arguments(parser)
     parser.set_defaults(run=run)
@@ -64,8 +66,21 @@ def run(args: argparse.Namespace) -> int:
     result.save_pictures(args.output)
     for name, manifold in result.manifolds.items():
         save_sequences(manifold, args.output / f"{name}.npz")
-    print(text, end="")
+    if args.json:
+        print_json([_told(each) for each in result.tables])
+    else:
+        print(text, end="")
     return 0
+
+
+def _told(result: object) -> dict:
+    """A table: its claims, and the figures that they were weighed by."""
+    return {
+        "title": result.title,
+        "claims": result.findings(),
+        "rows": getattr(result, "rows", None),
+        "text": result.text(),
+    }
 
 
 def _made(name: str, args: argparse.Namespace) -> Action:

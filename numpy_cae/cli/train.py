@@ -8,6 +8,7 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_sequential
+from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.cli.one_run import add_arguments as add_run_arguments
 from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.takes import read_takes
@@ -67,6 +68,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--strict", action="store_true", help="stop at a file that cannot be used, not go on"
     )
     add_run_arguments(parser)
+    add_json_argument(parser)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.add_argument(
         "--model",
@@ -143,7 +145,10 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
     if not args.output.resolve().parent.is_dir():
         raise ValueError(f"there is no folder {args.output.resolve().parent} to write a model to")
     if args.resume and args.output.exists() and not state_of(args.output).exists():
-        print(f"{args.output}: is whole, there is nothing to go on with")
+        if args.json:
+            print_json({"model": args.output, "settings": None, "test": None})
+        else:
+            print(f"{args.output}: is whole, there is nothing to go on with")
         return 0
     learn = train_sequential.run if args.model == "sequential" else _run
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
@@ -179,12 +184,16 @@ def _run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     ]
     save_manifold(manifold, args.output)
     checkpoint.remove()
-    print(f"{args.output}: learned from {manifold.settings['windows']} windows")
-    if testing:
-        table = half_zeroed(manifold, training, testing)
-        print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
+    table = half_zeroed(manifold, training, testing) if testing else None
     if args.picture:
         figure_1(manifold, typical(manifold, testing)).save_picture(args.picture)
+    if args.json:
+        print_json({"model": args.output, "settings": manifold.settings, "test": table})
+        return 0
+    print(f"{args.output}: learned from {manifold.settings['windows']} windows")
+    if table:
+        print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
+    if args.picture:
         print(f"\n{args.picture}: figure 1 of the typical test take")
     return 0
 

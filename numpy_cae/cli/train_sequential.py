@@ -6,6 +6,7 @@ import argparse
 import sys
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.as_json import print_json
 from numpy_cae.experiments.actions import read_action
 from numpy_cae.experiments.figure_3 import figure_3
 from numpy_cae.experiments.sequence_reconstruction import sequence_reconstruction
@@ -18,7 +19,7 @@ from numpy_cae.training import Checkpoint, SequenceSchedule
 CHOSEN = SequenceSchedule()
 SHARED = {
     "command", "run", "model", "folders", "output", "test", "picture", "mapping", "unit", "seed",
-    "quiet", "resume", "checkpoint",
+    "quiet", "resume", "checkpoint", "json",
 }  # fmt: skip
 """Options that mean the same for both models."""
 
@@ -103,11 +104,16 @@ def run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     manifold.settings["test"] = args.test
     save_sequences(manifold, args.output)
     checkpoint.remove()
-    print(f"{args.output}: learned clips of {args.frames} frames of {len(action.training)} motions")
     trained = Study(action, manifold)
-    if action.testing:
-        print(f"\n{sequence_reconstruction([trained]).text()}")
+    table = sequence_reconstruction([trained]) if action.testing else None
     if args.picture:
         figure_3(trained).save_picture(args.picture)
+    if args.json:
+        print_json({"model": args.output, "settings": manifold.settings, "test": table})
+        return 0
+    print(f"{args.output}: learned clips of {args.frames} frames of {len(action.training)} motions")
+    if table:
+        print(f"\n{table.text()}")
+    if args.picture:
         print(f"\n{args.picture}: samples")
     return 0

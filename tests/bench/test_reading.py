@@ -26,5 +26,3 @@ def test_a_table_and_json(tmp_path, capsys):
 def test_what_cannot_be(tmp_path, capsys):
     assert main(["bench", "--reading", str(tmp_path / "no.bvh")]) == 2
     assert "no such file" in capsys.readouterr().err
-    assert main(["bench", "--json"]) == 2
-    assert "--reading" in capsys.readouterr().err

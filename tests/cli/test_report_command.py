@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -69,8 +71,15 @@ def test_what_the_material_lacks_is_said_and_the_rest_is_written(folder, model, 
     for path in sorted(folder.rglob("*.bvh"))[:3]:
         (lonely / path.name).write_bytes(path.read_bytes())  # without labels.csv
     words = ["--data", lonely, "-m", model, "-o", tmp_path / "out", "--only"]
-    assert run(*words, "interpolation", "lengths", "--processes", 1) == 0
-    assert "could not be run" in capsys.readouterr().err
+    assert run(*words, "interpolation", "lengths", "--processes", 1, "--json") == 0
+    captured = capsys.readouterr()
+    assert "could not be run" in captured.err
+    said = json.loads(captured.out)
+    lacking, measured = said["experiments"]
+    assert lacking["failure"] and not lacking["claims"]
+    assert said["claims"] == len(measured["claims"]) > 0
+    assert said["held"] == sum(claim["held"] for claim in measured["claims"])
+    assert "*_01.bvh" in said["how"]["test takes"]
     assert "Clips of any length" in (tmp_path / "out" / "report.txt").read_text()
 
 

@@ -1,5 +1,7 @@
 """`numpy-cae train --model sequential` and `numpy-cae study` as a person types them."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -49,10 +51,14 @@ def test_exponential_map_text_is_learned_from(tmp_path):
 
 def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys):
     argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
-    assert main([str(word) for word in argv]) == 0
-    said = capsys.readouterr().out
-    assert said == (tmp_path / "study/study.txt").read_text(encoding="utf-8")
+    assert main([*(str(word) for word in argv), "--json"]) == 0
+    tables = json.loads(capsys.readouterr().out)
+    said = (tmp_path / "study/study.txt").read_text(encoding="utf-8")
     assert "held: " in said and "teacher-forced" in said
+    assert all(table["title"] in said and table["text"] in said for table in tables)
+    claims = [claim for table in tables for claim in table["claims"]]
+    assert said.count("held: ") == len(claims)
+    assert all(claim["claim"] in said and claim["measured"] in said for claim in claims)
     written = {path.name for path in (tmp_path / "study").iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
 
