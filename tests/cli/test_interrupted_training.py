@@ -68,7 +68,7 @@ def started(folder, out, options):
 
 def weights(path):
     with np.load(path) as file:
-        if not any(name.startswith("layer") for name in file.files):
+        if "sequential" in str(file["format"]):
             return list(load_sequences(path).network.weights.values())
     return [array for layer in load_manifold(path).network.layers for array in (layer.w, layer.b)]
 
