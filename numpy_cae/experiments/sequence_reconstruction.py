@@ -96,10 +96,14 @@ def sequence_reconstruction(studies: Sequence[Study], seed: int = 0) -> Sequence
 
 
 def _pca(study: Study, x: np.ndarray, seed: int) -> np.ndarray:
+    pca = leading_axes(study, study.manifold.network.latent, seed)
+    rows = x.reshape(len(x), -1).astype(np.float64)
+    return pca.project(rows, len(pca.axes)).reshape(x.shape)
+
+
+def leading_axes(study: Study, size: int, seed: int) -> PCA:
+    """PCA of whole clips, its first axes alone; all `SEEN` would take minutes."""
     seen = study.drawn(SEEN, seed).reshape(SEEN, -1).astype(np.float64)
-    size = study.manifold.network.latent
-    # Only the first axes are wanted; all 2500 would take minutes.
     mean = seen.mean(axis=0)
     _, spread, axes = svds(seen - mean, size, random_state=seed)
-    pca = PCA(mean, axes[::-1], spread[::-1] ** 2 / SEEN)
-    return pca.project(x.reshape(len(x), -1).astype(np.float64), size).reshape(x.shape)
+    return PCA(mean, axes[::-1], spread[::-1] ** 2 / SEEN)
