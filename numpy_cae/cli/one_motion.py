@@ -28,6 +28,7 @@ def change(
     args: argparse.Namespace,
     changed: Callable[[Motion, MotionManifold, Mapping], Motion],
     came_as: Callable[[Motion], Motion] = lambda motion: motion,
+    load: Callable[[Path], MotionManifold] = load_manifold,
 ) -> int:
     """Read, change, write, draw.
 
@@ -38,10 +39,12 @@ def change(
     changed : function of motion, manifold and mapping
     came_as : function of motion
         How the motion that came in is drawn.
+    load : function of a path
+        What reads the model.
     """
     if args.output.suffix.lower() != ".bvh":
         raise ValueError(f"{args.output}: a motion is written as .bvh")
-    manifold = load_manifold(args.model)
+    manifold = load(args.model)
     mapping = kinds.chosen_mapping(args)
     motion = load_motion(args.file, unit=args.unit)
     print(f"{args.file}: {len(motion)} frames, {motion.unit_note}", file=sys.stderr)

@@ -7,7 +7,14 @@ import sys
 from pathlib import Path
 
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import MotionManifold, read_pins, repair
+from numpy_cae.manifold import (
+    MotionManifold,
+    is_sequential,
+    load_sequences,
+    read_pins,
+    repair,
+    repair_sequence,
+)
 from numpy_cae.motion import Motion
 
 
@@ -41,6 +48,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, project, write."""
+    if is_sequential(args.model):
+        if args.constrain or args.pin:
+            raise ValueError(f"{args.model}: a sequential model knows no constraints")
+        return one_motion.change(args, repair_sequence, load=load_sequences)
 
     def repaired(motion: Motion, manifold: MotionManifold, mapping: dict | None) -> Motion:
         pins = read_pins(args.pin, motion) if args.pin else []

@@ -8,7 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.manifold import MotionManifold, NeighbourPrior, load_manifold, sample
+from numpy_cae.manifold import (
+    MotionManifold,
+    NeighbourPrior,
+    is_sequential,
+    load_manifold,
+    load_sequences,
+    sample,
+    sample_sequence,
+)
 from numpy_cae.manifold.in_rig import in_rig, standing_still
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
@@ -34,7 +42,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="draw new motions from a manifold",
         description="Draw new motions from a learned manifold and write them as BVH. The fitted "
         "prior mixes windows of the motions in --data that are alike; the uniform one of "
-        "holden2015, section 3, needs none, and what it gives is hardly motion.",
+        "holden2015, section 3, needs none, and what it gives is hardly motion. From a sequential "
+        "model clips of its own prior are drawn and joined.",
         epilog="example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 "
         "--seconds 8 --like take.bvh",
     )
@@ -69,6 +78,8 @@ def run(args: argparse.Namespace) -> int:
     """Read what the prior needs, draw, write."""
     if args.output.suffix.lower() != ".bvh":
         raise ValueError(f"{args.output}: a new motion is written as .bvh")
+    if is_sequential(args.model):
+        return _sample_sequences(args)
     manifold = load_manifold(args.model)
     prior = _prior(args, manifold)
     like = None
@@ -80,12 +91,26 @@ def run(args: argparse.Namespace) -> int:
         _motion(args, manifold, sample(manifold, frames, rng, prior), like)
         for _ in range(args.number)
     ]
+    return _write(args, made, kinds.chosen_mapping(args) if like else None)
+
+
+def _sample_sequences(args: argparse.Namespace) -> int:
+    """From jang2018's prior, the standard normal; clips blended where it takes more than one."""
+    if args.data or args.like:
+        unused = "--data" if args.data else "--like"
+        raise ValueError(f"{args.model}: a sequential model has a prior and bones of its own, "
+                         f"leave out {unused}")  # fmt: skip
+    manifold, rng = load_sequences(args.model), np.random.default_rng(args.seed)
+    frames = max(1, round(args.seconds * manifold.rate))
+    return _write(args, [sample_sequence(manifold, frames, rng) for _ in range(args.number)], None)
+
+
+def _write(args: argparse.Namespace, made: list[Motion], mapping: dict[str, str] | None) -> int:
     for path, motion in zip(_paths(args.output, args.number), made, strict=True):
         write_bvh(motion, path)
         print(f"{path}: {len(motion)} frames at {motion.rate:g} a second")
     if args.gif:
-        mapping = kinds.chosen_mapping(args) if like else None
-        shown = [body_of(motion, mapping)[:frames] for motion in made[:5]]
+        shown = [body_of(motion, mapping) for motion in made[:5]]
         save_gif([Actor(body, PARENTS, "", PROJECTED) for body in shown], args.gif, 30.0)
         print(f"{args.gif}: what was drawn")
     return 0

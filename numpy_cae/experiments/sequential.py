@@ -11,12 +11,14 @@ from numpy_cae.experiments.figure_2 import Figure2, figure_2
 from numpy_cae.experiments.figure_3 import COLOURS, FITTED, Figure3, figure_3
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.regulariser import Regulariser, regulariser
+from numpy_cae.experiments.sequence_long import SequenceLong, long_enough, sequence_long
 from numpy_cae.experiments.sequence_reconstruction import (
     SequenceReconstruction,
     sequence_reconstruction,
 )
 from numpy_cae.experiments.sequence_samples import SequenceSamples, sequence_samples
 from numpy_cae.experiments.sequence_study import study
+from numpy_cae.experiments.sequence_uses import SequenceUses, sequence_uses
 from numpy_cae.experiments.teacher_forcing import TeacherForced, TeacherForcing, teacher_forcing
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
@@ -34,6 +36,8 @@ class Sequential:
     forcing: TeacherForcing
     figures_3: list[Figure3]
     manifolds: dict[str, SequenceManifold]
+    uses: list[SequenceUses]
+    long: list[SequenceLong]
     title: str = "jang2018, measured"
 
     @property
@@ -45,6 +49,8 @@ class Sequential:
             self.samples,
             self.regulariser,
             self.forcing,
+            *self.uses,
+            *self.long,
         )
 
     def text(self) -> str:
@@ -60,13 +66,17 @@ class Sequential:
         self.figure_2.save_picture(path)
 
     def save_pictures(self, folder: str | Path) -> None:
-        """Figure 2, and of each action samples as strips and moving."""
+        """Figure 2, and of each action samples, uses and a whole take as strips and moving."""
         folder = Path(folder)
         self.save_picture(folder / "figure_2.png")
         for figure in self.figures_3:
             for source in COLOURS:
                 figure.save_picture(folder / f"{figure.action}_{source}.png", source)
             figure.save_gif(folder / f"{figure.action}_{FITTED}.gif")
+        for name, results in (("uses", self.uses), ("long", self.long)):
+            for result in results:
+                result.save_picture(folder / f"{result.action}_{name}.png")
+                result.save_gif(folder / f"{result.action}_{name}.gif")
 
 
 def sequential(
@@ -100,4 +110,6 @@ def sequential(
         teacher_forcing(studies[0], forced),
         [figure_3(each, seed) for each in studies],
         {each.action.name: each.manifold for each in studies},
+        [sequence_uses(each, seed) for each in studies],
+        [sequence_long(each) for each in studies if long_enough(each)],
     )

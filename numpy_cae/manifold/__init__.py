@@ -8,16 +8,18 @@ from numpy_cae.manifold.geodesic import Geodesic, geodesic, geodesic_lengths
 from numpy_cae.manifold.geodesic_distance import geodesic_matrix
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold
+from numpy_cae.manifold.long_sequences import project_sequence, sample_sequence
 from numpy_cae.manifold.model_arrays import ModelFileError
 from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.observed import project_observed
+from numpy_cae.manifold.observed import poses_of, project_observed
 from numpy_cae.manifold.pins import Pin, Pins, read_pins
 from numpy_cae.manifold.repair import repair
 from numpy_cae.manifold.sample import NeighbourPrior, sample
-from numpy_cae.manifold.sequence_file import load_sequences, save_sequences
+from numpy_cae.manifold.sequence_file import is_sequential, load_sequences, save_sequences
 from numpy_cae.manifold.sequence_learning import learn_sequences
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
+from numpy_cae.manifold.sequence_repair import repair_sequence
 
 __all__ = [
     "G",
@@ -38,15 +40,20 @@ __all__ = [
     "geodesic_matrix",
     "hidden_units",
     "interpolate",
+    "is_sequential",
     "learn_manifold",
     "learn_sequences",
     "load_manifold",
     "load_sequences",
+    "poses_of",
     "project_constrained",
     "project_observed",
+    "project_sequence",
     "read_pins",
     "repair",
+    "repair_sequence",
     "sample",
+    "sample_sequence",
     "save_manifold",
     "save_sequences",
     "signature",

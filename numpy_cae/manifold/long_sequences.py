@@ -22,7 +22,7 @@ from numpy_cae.motion.angle_table import TRANSLATION
 from numpy_cae.motion.angles import motion_of, on_floor
 from numpy_cae.motion.features import POSITIONS, positions_to_features
 
-CANDIDATES = 64
+CANDIDATES = 32
 """Clips that are drawn for each that follows in a sample."""
 
 
@@ -86,15 +86,15 @@ def sample_sequence(manifold: SequenceManifold, frames: int, rng: np.random.Gene
     length = _frames(manifold)
     half = length // 2
     drawn = [_draw(manifold, 1, rng)[0]]
-    while half * (len(drawn) + 1) < frames:
-        ahead = _seen_from_body(drawn[-1])[half : 2 * half]
+    # Half a clip more than is wanted: the last frame of a clip, the first written, is its worst.
+    while half * len(drawn) < frames:
+        ahead = _poses(_part(drawn[-1], slice(half, 2 * half)))
         others = _draw(manifold, CANDIDATES, rng)
-        misses = [np.mean((_seen_from_body(other)[:half] - ahead) ** 2) for other in others]
+        misses = [np.mean((_poses(_part(other, slice(half))) - ahead) ** 2) for other in others]
         drawn.append(_joined(drawn[-1], others[int(np.argmin(misses))], half))
     begin = half * np.arange(len(drawn))
     whole = _blended(manifold, drawn, begin)
-    cut = Motion(whole.skeleton, whole.rate, whole.rotations[:frames], whole.translations[:frames])
-    return on_floor(cut)
+    return on_floor(_part(whole, slice(frames)))
 
 
 def starts(frames: int, length: int) -> np.ndarray:
@@ -116,7 +116,13 @@ def _draw(manifold: SequenceManifold, count: int, rng: np.random.Generator) -> l
     return [_motion(manifold, manifold.denormalise(clip)) for clip in clips]
 
 
-def _seen_from_body(motion: Motion) -> np.ndarray:
+def _part(motion: Motion, frames: slice) -> Motion:
+    return Motion(
+        motion.skeleton, motion.rate, motion.rotations[frames], motion.translations[frames]
+    )
+
+
+def _poses(motion: Motion) -> np.ndarray:
     """The pose features of every frame: where it is and where it faces do not matter."""
 
     return positions_to_features(body_positions(motion), ANGLE_RATE)[0][:, POSITIONS]

@@ -85,6 +85,15 @@ def load_arrays(
         raise ModelFileError(f"{path}: {problem[:500]}") from None
 
 
+def form_of(path: str | Path) -> str:
+    """What the array `format` of a model file says; "" where it is no file of ours."""
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open("format.npy") as file:
+            return str(np.lib.format.read_array(file, allow_pickle=False))
+    except (OSError, *_UNREADABLE):
+        return ""
+
+
 def _arrays(path: Path) -> dict[str, np.ndarray]:
     """Every array of the file. `np.load` believes a header that says how large an array is; here it
     is held against the bytes that are there, and those against the size of the file, first.

@@ -9,6 +9,7 @@ import numpy as np
 
 from numpy_cae.manifold.model_arrays import (
     checked,
+    form_of,
     load_arrays,
     positive,
     save_arrays,
@@ -46,6 +47,11 @@ def load_sequences(path: str | Path) -> SequenceManifold:
         fit together.
     """
     return load_arrays(path, FORMAT, _assembled)
+
+
+def is_sequential(path: str | Path) -> bool:
+    """Whether a model file is one of these."""
+    return form_of(path) == FORMAT
 
 
 def _assembled(arrays: dict[str, np.ndarray]) -> SequenceManifold:

@@ -10,6 +10,7 @@ from numpy_cae.experiments.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.figure_2 import Figure2, figure_2
 from numpy_cae.experiments.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
 from numpy_cae.experiments.regulariser import _whitened, regulariser
+from numpy_cae.experiments.sequence_long import BLENDED, GLUED, sequence_long
 from numpy_cae.experiments.sequence_reconstruction import (
     HELD,
     LINEAR,
@@ -24,6 +25,7 @@ from numpy_cae.experiments.sequence_study import (
     discrepancy,
     study,
 )
+from numpy_cae.experiments.sequence_uses import sequence_uses
 from numpy_cae.experiments.teacher_forcing import TeacherForced, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
@@ -139,6 +141,33 @@ def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(st
     forced = study(studies[0].action, SHORT, network=TeacherForced, **SIZES)
     table = teacher_forcing(studies[0], forced)
     assert table.findings()[0].held == (table.self_fed < table.teacher_forced)
+
+
+def test_denoising_interpolation_and_analogy(studies, tmp_path, monkeypatch):
+    for name, fewer in (("uses.ANALOGIES", 2), ("uses.PAIRS", 10), ("reconstruction.SEEN", 300)):
+        monkeypatch.setattr(f"numpy_cae.experiments.sequence_{name}", fewer)
+    uses = sequence_uses(studies[0])
+    for sigma, errors in uses.denoised.items():
+        assert errors["doing nothing"] == pytest.approx(sigma**2, rel=0.1)
+        assert errors["low-pass"] < errors["doing nothing"]
+    assert uses.between["real training clips"] == 1
+    assert min(uses.between.values()) > 0
+    assert 0.1 < uses.chance < 0.3 and set(uses.analogies) >= {"c itself"}
+    denoises, between, analogy = uses.findings()
+    assert not denoises.held  # four steps of training
+    assert between.held == (uses.between["the network"] < uses.between["straight line of clips"])
+    assert "walking" in analogy.claim and "tired" in uses.text()
+    uses.save_picture(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_whole_takes_have_no_seam_where_clips_are_blended():
+    takes = [angles_of(make_take("walking", seed, 7.0, 25.0).motion) for seed in range(2)]
+    result = sequence_long(study(Action("walking", takes[:1], takes[1:]), SHORT, **SIZES))
+    glued, blended = (result.rows[name] for name in (GLUED, BLENDED))
+    assert glued.seam > 3 > blended.seam
+    assert result.findings()[0].held == (blended.seam <= 1.1)
+    assert "glued" in result.text()
 
 
 def test_actions_are_split_by_people_or_by_pattern(data_folder):

@@ -1,0 +1,92 @@
+"""Clips blended to motions of any length: read, written, sampled, from the command line too."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import main
+from numpy_cae.manifold import (
+    learn_sequences,
+    project_sequence,
+    repair_sequence,
+    sample_sequence,
+    save_sequences,
+)
+from numpy_cae.manifold.long_sequences import starts
+from numpy_cae.motion import angles_of, body_positions, load_motion, write_bvh
+from numpy_cae.training import SequenceSchedule
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    takes = [angles_of(make_take("walking", seed, 4.0, 25.0).motion) for seed in range(2)]
+    short = SequenceSchedule(epochs=1, steps=4, batch=8, directions=4)
+    return learn_sequences(takes, short, hidden=8, latent=4, show_progress=False)
+
+
+class Perfect:
+    """A network that reproduces what it reads."""
+
+    def __init__(self, network):
+        self.weights = network.weights
+
+    def denoise(self, x):
+        return x
+
+
+def walked(seconds, rate=25.0):
+    return make_take("walking", 5, seconds, rate).motion
+
+
+@pytest.mark.parametrize("frames", [1, 7, 49, 50, 51, 99, 100, 140])
+def test_clips_cover_every_frame_and_a_perfect_network_changes_nothing(manifold, frames):
+    begin = starts(frames, min(frames, 50))
+    assert begin[0] == 0 and begin[-1] + min(frames, 50) == frames
+    assert (np.diff(begin) <= 25).all()
+    whole = angles_of(walked(6.0))
+    cut = replace(whole, numbers=whole.numbers[:frames])
+    perfect = replace(manifold, network=Perfect(manifold.network), offsets=cut.offsets)
+    made = body_positions(project_sequence(perfect, cut))
+    asked = body_positions(walked(6.0))[:frames]
+    # Bones are means over the take, and the numbers float32.
+    assert np.abs(made - asked).max() < 0.03
+
+
+def test_the_rig_rate_unit_and_length_stay(manifold):
+    motion = replace(walked(3.1, 120.0), unit=0.01)
+    made = repair_sequence(motion, manifold)
+    assert (len(made), made.rate, made.unit) == (len(motion), motion.rate, motion.unit)
+    assert made.skeleton.names == motion.skeleton.names
+
+
+@pytest.mark.parametrize("frames", [1, 50, 51, 130])
+def test_samples_of_any_length(manifold, frames, monkeypatch):
+    monkeypatch.setattr("numpy_cae.manifold.long_sequences.CANDIDATES", 3)
+    made = sample_sequence(manifold, frames, np.random.default_rng(0))
+    positions = body_positions(made)
+    assert positions.shape == (frames, 20, 3) and np.isfinite(positions).all()
+    again = sample_sequence(manifold, frames, np.random.default_rng(0))
+    np.testing.assert_array_equal(again.rotations, made.rotations)
+    with pytest.raises(ValueError, match="frames is 0"):
+        sample_sequence(manifold, 0, np.random.default_rng(0))
+
+
+def test_from_the_command_line(manifold, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("numpy_cae.manifold.long_sequences.CANDIDATES", 3)
+    model, file, out = tmp_path / "m.npz", tmp_path / "a.bvh", tmp_path / "o.bvh"
+    save_sequences(manifold, model)
+    write_bvh(walked(3.0, 60.0), file)
+    assert main(["repair", str(file), "-m", str(model), "-o", str(out)]) == 0
+    assert len(load_motion(out)) == 180
+    assert main(["sample", "-m", str(model), "-o", str(out), "--seconds", "3"]) == 0
+    assert len(load_motion(out)) == 75
+    for words, said in (
+        (["repair", str(file), "-m", str(model), "-o", str(out), "--constrain"], "no constraints"),
+        (["sample", "-m", str(model), "-o", str(out), "--data", str(tmp_path)], "--data"),
+        (["compare", str(file), str(file), "-m", str(model)], "sequential manifold"),
+    ):
+        capsys.readouterr()
+        assert main(words) == 2
+        assert said in capsys.readouterr().err
