@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.baselines import PCA
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import fill_motion_joint, fill_motion_keyframes
-from numpy_cae.motion import Motion
+from numpy_cae.manifold import MotionManifold, fill_motion_joint, fill_motion_keyframes, poses_of
+from numpy_cae.motion import Motion, find_motion_files, load_body
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -38,16 +40,47 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="N",
         help="keep every N-th frame of the file, beginning with the first",
     )
+    parser.add_argument(
+        "--frames",
+        type=kinds.whole_number,
+        nargs=2,
+        metavar=("FIRST", "LAST"),
+        help="with --joint: it is missing in these frames alone, counted from 0",
+    )
+    parser.add_argument(
+        "--fit",
+        action="store_true",
+        help="with --joint: find the motion that fits what was observed, instead of one projection "
+        "with the mean pose for what was not, as in the paper (takes a second for 5 of motion)",
+    )
+    parser.add_argument(
+        "--data",
+        type=Path,
+        nargs="+",
+        metavar="FOLDER",
+        default=[],
+        help="with --fit: start from what PCA of the poses in these motions makes of the others",
+    )
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, fill, write."""
+    if args.joint is None and (args.frames or args.fit):
+        raise ValueError(f"{'--frames' if args.frames else '--fit'} is for --joint")
+    if args.data and not args.fit:
+        raise ValueError("--data is for --fit")
     if args.joint is not None:
         return one_motion.change(
             args,
             lambda motion, manifold, mapping: fill_motion_joint(
-                motion, manifold, args.joint, mapping
+                motion,
+                manifold,
+                args.joint,
+                mapping,
+                args.frames and tuple(args.frames),
+                args.fit,
+                _poses(args, manifold, mapping),
             ),
         )
     return one_motion.change(
@@ -56,6 +89,17 @@ def run(args: argparse.Namespace) -> int:
             motion, manifold, args.keyframes, mapping
         ),
         came_as=lambda motion: stepped(motion, args.keyframes),
+    )
+
+
+def _poses(
+    args: argparse.Namespace, manifold: MotionManifold, mapping: dict[str, str] | None
+) -> PCA | None:
+    if not args.data:
+        return None
+    files = [path for folder in args.data for path in find_motion_files(folder)]
+    return poses_of(
+        manifold, [manifold.features(load_body(path, mapping)[0])[0] for path in files]
     )
 
 

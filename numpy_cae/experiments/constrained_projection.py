@@ -118,17 +118,20 @@ class ConstrainedProjection:
             )
         for source, rows in self.pinned.items():
             plain, kept = rows[PLAIN_ROW], rows[KEPT_ROW]
-            off = max(kept.wrist, kept.path)
-            found.append(
+            found += [
                 Finding(
-                    f"It follows pins, a wrist at a point and the hips on a path, to {NEAR} cm on "
-                    f"average, with feet that stand as still (not in the paper), {source}.",
-                    off < NEAR and kept.sliding <= plain.sliding / 5,
+                    f"It follows pins, a wrist at a point and the hips on a path, to {NEAR:g} cm "
+                    f"on average (not in the paper), {source}.",
+                    max(kept.wrist, kept.path) < NEAR,
                     f"wrist {plain.wrist:.2f} cm off before, {kept.wrist:.2f} after; path "
-                    f"{plain.path:.2f} cm before, {kept.path:.2f} after; feet slide "
+                    f"{plain.path:.2f} cm before, {kept.path:.2f} after.",
+                ),
+                Finding(
+                    f"Where it follows pins feet slide a fifth as much too, {source}.",
+                    kept.sliding <= plain.sliding / 5,
                     f"{plain.sliding:.2f} cm/s before, {kept.sliding:.2f} after.",
-                )
-            )
+                ),
+            ]
         return found
 
     def save_picture(self, path: str | Path) -> None:

@@ -9,10 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.baselines import PCA
 from numpy_cae.manifold.fill import between, eased, fill_between, fill_joint, require_joint
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.manifold.observed import project_observed
 from numpy_cae.motion.body import RATE, at_rate_of, body_of
-from numpy_cae.motion.features import Place, features_to_positions
+from numpy_cae.motion.features import Place, features_to_positions, joint_slice
 from numpy_cae.motion.follow import follow, moves_alone
 from numpy_cae.motion.joints import JOINTS, PARENTS, body_positions
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
@@ -20,7 +22,13 @@ from numpy_cae.motion.motion import Motion, slerp
 
 
 def fill_motion_joint(
-    motion: Motion, manifold: MotionManifold, joint: str, mapping: dict[str, str] | None = None
+    motion: Motion,
+    manifold: MotionManifold,
+    joint: str,
+    mapping: dict[str, str] | None = None,
+    frames: tuple[int, int] | None = None,
+    fit: bool = False,
+    poses: PCA | None = None,
 ) -> Motion:
     """The motion with one joint where the manifold has it, whatever the file says of it.
 
@@ -40,6 +48,13 @@ def fill_motion_joint(
     joint : str
         One of `numpy_cae.motion.JOINTS`, such as "left_wrist".
     mapping : dict of our joint names to the rig's, optional
+    frames : (first, last), optional
+        In which the joint is missing, of the file, from 0, both included; all where None.
+    fit : bool
+        Look for the motion that fits what was observed, `project_observed`, rather than project
+        once with the mean pose for the unknown, as in the paper.
+    poses : PCA, optional
+        With `fit`: what `project_observed` may start from.
 
     Returns
     -------
@@ -51,7 +66,7 @@ def fill_motion_joint(
     UnknownRigError
         If joints are missing.
     ValueError
-        If there is no such joint, or in this rig it cannot move while the others stay.
+        If there are no such frames, no such joint, or in this rig it cannot move while the others stay.
     """
     place = JOINTS.index(require_joint(joint))
     positions = body_of(motion, mapping)
@@ -61,16 +76,40 @@ def fill_motion_joint(
             f"{joint} sits stiffly between its neighbours in this rig and cannot be filled "
             f"without moving them; {', '.join(movable)} can"
         )
+    first, last = frames or (0, len(motion) - 1)
+    if not 0 <= first <= last < len(motion):
+        raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
     features, start = manifold.features(positions)
-    filled = _on_own_bones(manifold, fill_joint(manifold, features, joint), start, positions)
+    moments = motion.moments(RATE)
+    missing = (moments > first - 1) & (moments < last + 1)
+    filled = _filled(manifold, features, joint, missing, fit, poses)
+    filled = _on_own_bones(manifold, filled, start, positions)
     asked = body_positions(motion, mapping)
     wanted = at_rate_of(motion, filled[:, [place]])[:, 0]
     neighbours = [n for n in range(len(JOINTS)) if PARENTS[n] == place]
     if neighbours:
         above, below = asked[:, PARENTS[place]], asked[:, neighbours[0]]
         wanted = _on_circle(wanted, asked[:, place], above, below)
-    asked[:, place] = wanted
+    asked[first : last + 1, place] = wanted[first : last + 1]
     return follow(motion, asked, mapping)
+
+
+def _filled(
+    manifold: MotionManifold,
+    features: np.ndarray,
+    joint: str,
+    missing: np.ndarray,
+    fit: bool,
+    poses: PCA | None,
+) -> np.ndarray:
+    """Features with the joint filled in the poses in which it is missing, (F,) bool."""
+    if fit:
+        known = np.ones(features.shape, bool)
+        known[missing, joint_slice(joint)] = False
+        return project_observed(manifold, features, known, poses=poses)
+    unknown = features.copy()
+    unknown[missing, joint_slice(joint)] = np.nan
+    return fill_joint(manifold, unknown, joint) if missing.any() else features
 
 
 def fill_motion_keyframes(

@@ -107,3 +107,20 @@ def test_help_shows_an_example(capsys):
     assert "numpy-cae fill take.bvh -m model.npz -o filled.bvh --joint left_wrist" in " ".join(
         capsys.readouterr().out.split()
     )
+
+
+def test_a_gap_is_filled_by_what_fits_and_the_rest_stays(folder, take, tmp_path, capsys):
+    came, out = load_motion(folder / "walk.bvh"), tmp_path / "f.bvh"
+    words = ["--joint", "left_wrist", "--frames", 40, 80, "--fit"]
+    assert run(folder, "walk.bvh", out, *words, "--data", folder) == 0
+    moved = np.abs(load_motion(out).positions() - came.positions()).max(axis=(1, 2))
+    assert moved[np.r_[:40, 81:120]].max() < 1e-4  # the digits of a file
+    assert moved[45:76].max() > 1e-3
+    for wrong, said in (
+        (["--keyframes", 9, "--fit"], "--fit is for --joint"),
+        (["--joint", "left_wrist", "--frames", 80, 400], "the motion has 0 to 119"),
+        (["--joint", "left_wrist", "--data", folder], "--data is for --fit"),
+    ):
+        capsys.readouterr()
+        assert run(folder, "walk.bvh", out, *wrong) == 2
+        assert said in capsys.readouterr().err
