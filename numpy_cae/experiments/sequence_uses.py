@@ -13,13 +13,12 @@ Beside each the simplest thing that could be done without a network, in the spac
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from data_synth import make_take, styles_of
+from data_synth import make_take
 from numpy_cae.baselines import PCA, savitzky_golay
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.sequence_reconstruction import leading_axes
@@ -33,7 +32,7 @@ SIGMAS = (0.25, 0.5, 1.0)
 FILTERS = (5, 9, 15, 25)
 """Frames of Savitzky and Golay's parabola; the best on the clips themselves is used."""
 PAIRS = 100
-ANALOGIES, OF_A_STYLE = 40, 8
+ANALOGIES, OF_A_STYLE = 30, 8
 """Analogies made, and people from whom a mean style is taken."""
 NETWORK, LINEAR, LOW_PASS, NOTHING = "the network", "PCA", "low-pass", "doing nothing"
 STRAIGHT, TRAINING = "straight line of clips", "real training clips"
@@ -43,7 +42,7 @@ SINGLE, MANY, IN_POSES, COPY = (
     "the same in the space of clips",
     "c itself",
 )
-NEUTRAL = "neutral"
+NEUTRAL, TIRED = "neutral", "tired"
 _COLOURS = {"noisy": CORRUPTED, "from the manifold": PROJECTED, "a - b + c": PROJECTED}
 
 
@@ -160,8 +159,9 @@ def sequence_uses(study: Study, seed: int = 0) -> SequenceUses:
     clips = study.drawn(2 * PAIRS, seed + 3, training=False)
     denoised, noisy = _denoised(study, clips, rng)
     between = _between(study, clips, seed)
-    styles = _styles(study.action.name)
-    analogies, chance, made = _analogies(study, styles, seed) if styles else ({}, 0.0, {})
+    analogies, chance, made = {}, 0.0, {}
+    if {NEUTRAL, TIRED} <= set(study.action.styles):
+        analogies, chance, made = _analogies(study, seed)
 
     def seen(clip: np.ndarray) -> np.ndarray:
         return body_positions(study.manifold.motion(clip))
@@ -222,15 +222,7 @@ def _between(study: Study, clips: np.ndarray, seed: int) -> dict[str, float]:
     return {name: nearest_distance(x, real) / usual for name, x in made.items()} | {TRAINING: 1.0}
 
 
-def _styles(action: str) -> Sequence[str]:
-    try:
-        found = styles_of(action)
-    except (KeyError, ValueError):
-        return ()
-    return found if {NEUTRAL, "tired"} <= set(found) else ()
-
-
-def _analogies(study: Study, styles: Sequence[str], seed: int):
+def _analogies(study: Study, seed: int):
     """Shares found tired by method, the share that is, and one analogy to be shown."""
     frames, kind = study.manifold.settings["frames"], study.action.name
 
@@ -241,8 +233,8 @@ def _analogies(study: Study, styles: Sequence[str], seed: int):
         return study.manifold.normalise(cut)
 
     people, others = range(ANALOGIES), range(ANALOGIES, 2 * ANALOGIES)
-    a, b, c = clips("tired", people), clips(NEUTRAL, people), clips(NEUTRAL, others)
-    known = {style: clips(style, range(100, 100 + ANALOGIES)) for style in styles}
+    a, b, c = clips(TIRED, people), clips(NEUTRAL, people), clips(NEUTRAL, others)
+    known = {style: clips(style, range(100, 100 + ANALOGIES)) for style in study.action.styles}
     whose = np.repeat(np.array(list(known)), [len(each) for each in known.values()])
     real, network = np.concatenate(list(known.values())), study.manifold.network
     manner = np.mean(network.encode(a[:OF_A_STYLE]) - network.encode(b[:OF_A_STYLE]), axis=0)
@@ -253,8 +245,8 @@ def _analogies(study: Study, styles: Sequence[str], seed: int):
         COPY: c,
     }
     found = {
-        name: float(np.mean(whose[clip_distances(x, real).argmin(axis=1)] == "tired"))
+        name: float(np.mean(whose[clip_distances(x, real).argmin(axis=1)] == TIRED))
         for name, x in made.items()
     }
     shown = {"a, tired": a[0], "b, neutral": b[0], "c, neutral": c[0], "a - b + c": made[SINGLE][0]}
-    return found, float(np.mean(whose == "tired")), shown
+    return found, float(np.mean(whose == TIRED)), shown

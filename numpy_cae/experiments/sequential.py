@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from numpy_cae.experiments.actions import Action
+from numpy_cae.experiments.both_worlds import BothWorlds, both_worlds
 from numpy_cae.experiments.figure_2 import Figure2, figure_2
 from numpy_cae.experiments.figure_3 import COLOURS, FITTED, Figure3, figure_3
 from numpy_cae.experiments.finding import Finding
@@ -20,7 +21,7 @@ from numpy_cae.experiments.sequence_samples import SequenceSamples, sequence_sam
 from numpy_cae.experiments.sequence_study import study
 from numpy_cae.experiments.sequence_uses import SequenceUses, sequence_uses
 from numpy_cae.experiments.teacher_forcing import TeacherForced, TeacherForcing, teacher_forcing
-from numpy_cae.manifold import SequenceManifold
+from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.training import SequenceSchedule
 
@@ -38,6 +39,7 @@ class Sequential:
     manifolds: dict[str, SequenceManifold]
     uses: list[SequenceUses]
     long: list[SequenceLong]
+    both: list[BothWorlds]
     title: str = "jang2018, measured"
 
     @property
@@ -51,6 +53,7 @@ class Sequential:
             self.forcing,
             *self.uses,
             *self.long,
+            *self.both,
         )
 
     def text(self) -> str:
@@ -66,14 +69,14 @@ class Sequential:
         self.figure_2.save_picture(path)
 
     def save_pictures(self, folder: str | Path) -> None:
-        """Figure 2, and of each action samples, uses and a whole take as strips and moving."""
+        """Figure 2, and of each action samples and what is made of clips, as strips and moving."""
         folder = Path(folder)
         self.save_picture(folder / "figure_2.png")
         for figure in self.figures_3:
             for source in COLOURS:
                 figure.save_picture(folder / f"{figure.action}_{source}.png", source)
             figure.save_gif(folder / f"{figure.action}_{FITTED}.gif")
-        for name, results in (("uses", self.uses), ("long", self.long)):
+        for name, results in (("uses", self.uses), ("long", self.long), ("both", self.both)):
             for result in results:
                 result.save_picture(folder / f"{result.action}_{name}.png")
                 result.save_gif(folder / f"{result.action}_{name}.gif")
@@ -86,6 +89,7 @@ def sequential(
     hidden: int = HIDDEN,
     latent: int = LATENT,
     show_progress: bool = True,
+    convolutional: MotionManifold | None = None,
 ) -> Sequential:
     """Train on each action with the regulariser and without, on the first teacher-forced too.
 
@@ -96,6 +100,8 @@ def sequential(
         Its weight is that of the trainings with the regulariser.
     seed, hidden, latent, show_progress
         As `learn_sequences` takes them.
+    convolutional : MotionManifold, optional
+        holden2015's, onto which samples are projected.
     """
     schedule = schedule or SequenceSchedule()
     how = {"seed": seed, "hidden": hidden, "latent": latent, "show_progress": show_progress}
@@ -112,4 +118,5 @@ def sequential(
         {each.action.name: each.manifold for each in studies},
         [sequence_uses(each, seed) for each in studies],
         [sequence_long(each) for each in studies if long_enough(each)],
+        [both_worlds(each, convolutional, seed) for each in studies] if convolutional else [],
     )

@@ -66,7 +66,8 @@ def fill_motion_joint(
     UnknownRigError
         If joints are missing.
     ValueError
-        If there are no such frames, no such joint, or in this rig it cannot move while the others stay.
+        If there are no such frames, no such joint, or in this rig it cannot move while the others
+        stay.
     """
     place = JOINTS.index(require_joint(joint))
     positions = body_of(motion, mapping)

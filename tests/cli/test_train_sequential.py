@@ -49,7 +49,9 @@ def test_exponential_map_text_is_learned_from(tmp_path):
     assert load_sequences(tmp_path / "seq.npz").settings["motions"] == 2
 
 
-def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys):
+def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys, monkeypatch):
+    for name, fewer in (("reconstruction.SEEN", 200), ("uses.PAIRS", 10)):
+        monkeypatch.setattr(f"numpy_cae.experiments.sequence_{name}", fewer)
     argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
     assert main([*(str(word) for word in argv), "--json"]) == 0
     tables = json.loads(capsys.readouterr().out)
@@ -61,6 +63,7 @@ def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys)
     assert all(claim["claim"] in said and claim["measured"] in said for claim in claims)
     written = {path.name for path in (tmp_path / "study").iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
+    assert {"walking_uses.png", "walking_uses.gif"} <= written
 
 
 def test_a_study_needs_something_to_test_on(folder, tmp_path, capsys):

@@ -41,7 +41,8 @@ def studies():
     found = []
     for kind in ("walking", "waiting"):
         takes = [angles_of(make_take(kind, seed, 4.0, 25.0).motion) for seed in range(4)]
-        action = Action(kind, takes[:2], takes[2:], periodic=kind == "walking")
+        styles = ("neutral", "tired", "brisk", "old") if kind == "walking" else ()
+        action = Action(kind, takes[:2], takes[2:], kind == "walking", styles)
         found.append(study(action, SHORT, **SIZES))
     return found
 
