@@ -1,4 +1,7 @@
-"""`numpy-cae report --data FOLDER -m model.npz -o report/`: every claim, measured, on one page."""
+"""`numpy-cae report --data FOLDER -m model.npz -o report/`: every claim, measured, on one page.
+
+With `--ablation` another page instead: see `numpy_cae.cli.ablation`.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.cli import ablation
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.experiments.material import Material, read_material
@@ -35,12 +39,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         description="Run every experiment of holden2015, section 7, on the takes that the model "
         "was not trained on, and write report.html (one self-contained page: each claim, our "
         "table, our picture, whether it held) and report.txt.",
-        epilog="example: numpy-cae report --data motions/ -m model.npz -o report",
+        epilog="example: numpy-cae report --data motions/ -m model.npz -o report; which of the "
+        "paper's choices earn what they cost: numpy-cae report --ablation",
     )
     add = parser.add_argument
-    add("--data", type=Path, nargs="+", required=True, metavar="FOLDER", help="motion files")
-    add("-m", "--model", type=Path, required=True, help="from `numpy-cae train --test PATTERN`")
-    add("-o", "--output", type=Path, required=True, metavar="FOLDER", help="made if missing")
+    add("--data", type=Path, nargs="+", metavar="FOLDER", help="motion files")
+    add("-m", "--model", type=Path, help="from `numpy-cae train --test PATTERN`")
+    add("-o", "--output", type=Path, metavar="FOLDER", help="made if missing")
     add(
         "--test",
         nargs="+",
@@ -68,11 +73,17 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     add_json_argument(parser)
     kinds.add_motion_arguments(parser)
+    ablation.add_arguments(parser)
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, measure, write."""
+    if args.ablation:
+        return ablation.run(args)
+    missing = [name for name in ("data", "model", "output") if getattr(args, name) is None]
+    if missing:
+        raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
     started = time.monotonic()
     manifold = load_manifold(args.model)
     patterns = _test_patterns(manifold, args)

@@ -172,7 +172,7 @@ def interpolation(manifold: MotionManifold, material: Material, seed: int = 0) -
     ValueError
         If the test takes have neither press-ups and walking nor walks of two styles.
     """
-    kinds = {kind: found for kind, find in _FIND.items() if (found := find(material.testing))}
+    kinds = {kind: found for kind, find in PAIRS_OF.items() if (found := find(material.testing))}
     if not kinds:
         raise ValueError(
             "the test takes hold neither press-ups and walking nor walks of two styles"
@@ -182,7 +182,7 @@ def interpolation(manifold: MotionManifold, material: Material, seed: int = 0) -
     between = _methods(manifold, training)
     pairs, shown = [], None
     for kind, found in kinds.items():
-        clips = [_clips(manifold, *pair) for pair in found]
+        clips = [clips_of_pair(manifold, *pair) for pair in found]
         pairs.append(Pairs(kind, len(clips), _measured(manifold, measure, between, clips)))
         if shown is None:
             one, other = clips[0]
@@ -243,7 +243,7 @@ def _measured(
     return rows
 
 
-def _clips(
+def clips_of_pair(
     manifold: MotionManifold, one: LabelledTake, other: LabelledTake
 ) -> tuple[np.ndarray, np.ndarray]:
     """The features of both from their first frames on, as long as the shorter, a window at most."""
@@ -277,4 +277,4 @@ def _spread(pairs: list) -> list:
 
 
 PRESS_UPS, STYLES = "press-ups and walking", "walks of two styles"
-_FIND = {PRESS_UPS: _press_ups_and_walks, STYLES: _walks_of_two_styles}
+PAIRS_OF = {PRESS_UPS: _press_ups_and_walks, STYLES: _walks_of_two_styles}

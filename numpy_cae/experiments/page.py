@@ -14,8 +14,20 @@ from numpy_cae.experiments.section import Section
 
 _PAGE = Template((files("numpy_cae.experiments") / "page.html").read_text(encoding="utf-8"))
 
+TITLE = "What the manifold is for"
+INTRODUCTION = (
+    "Each claim of holden2015, Learning Motion Manifolds with Convolutional Autoencoders (Holden, "
+    "Saito, Komura and Joyce, 2015), and comparisons that the paper does not make, measured on "
+    "takes that nothing was trained on or fitted to."
+)
 
-def page(sections: Sequence[Section], provenance: Mapping[str, str]) -> str:
+
+def page(
+    sections: Sequence[Section],
+    provenance: Mapping[str, str],
+    title: str = TITLE,
+    introduction: str = INTRODUCTION,
+) -> str:
     """The page's HTML.
 
     Parameters
@@ -23,10 +35,14 @@ def page(sections: Sequence[Section], provenance: Mapping[str, str]) -> str:
     sections : sequence of Section
     provenance : mapping of str to str
         How the figures came about, for the top of the page.
+    title, introduction : str
+        What the page is about, at its very top.
     """
     findings = [finding for section in sections for finding in section.findings or []]
     held = sum(finding.held for finding in findings)
     return _PAGE.substitute(
+        title=escape(title),
+        introduction=escape(introduction),
         count=f"{held} of {len(findings)} claims held on this data.",
         provenance="\n".join(
             f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in provenance.items()

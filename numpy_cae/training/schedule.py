@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-EVEN = "even"
+RANDOM, EVEN = "random", "even"
 
 
 @dataclass(frozen=True)
