@@ -28,7 +28,7 @@ from numpy_cae.motion.load import load_motion
 from numpy_cae.motion.read_amc import find_skeleton
 from numpy_cae.motion.whole_file import whole_file
 
-VERSION = "numpy_cae take 1"
+VERSION = "numpy_cae take 2"
 """Part of every name in a cache: another way of reading must bring another version."""
 WORTHWHILE = 20e6
 """Bytes in all, below which reading takes less than starting processes or looking into a cache."""

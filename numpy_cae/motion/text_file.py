@@ -85,12 +85,16 @@ class TextFile:
     def numbered(self, after: int = 0) -> Iterator[tuple[int, str]]:
         """The lines below a line one by one, each with its number: the beginning of a large file
         costs no more than that of a small one."""
-        start = self._start(after)
+        bounds = self._bounds(self._start(after))
+        for line, (start, end) in enumerate(bounds, start=after + 1):
+            yield line, self.data[start:end].decode()
+
+    def _bounds(self, start: int) -> Iterator[tuple[int, int]]:
+        """Where in the data each line begins and ends, the first of them at `start`."""
         while start < len(self.data):
-            after += 1
             end = self.data.find(b"\n", start)
             end = len(self.data) if end < 0 else end
-            yield after, self.data[start:end].decode()
+            yield start, end
             start = end + 1
 
     def _start(self, after: int) -> int:
@@ -151,9 +155,10 @@ class TextFile:
         quick = self._quick_table(self._start(first), width, step)
         if quick is not None:
             return quick
-        rows = [(number, words) for number, line in self.numbered(first) if (words := line.split())]
+        rows = [(number, line) for number, line in self.numbered(first) if line.strip()]
         found = []
-        for number, words in rows[::step]:
+        for number, line in rows[::step]:
+            words = line.split()
             if len(words) != width:
                 raise self.error(number, f"{len(words)} values, expected {width}: {expected}")
             found.append(np.array(self.numbers(number, words)))
@@ -166,14 +171,8 @@ class TextFile:
             values = parsed(self.data, width, start)
             if values is not None:
                 return values, len(values)
-        lines = []
-        while start < len(self.data):
-            end = self.data.find(b"\n", start)
-            end = len(self.data) if end < 0 else end
-            line = self.data[start:end]
-            if line and not line.isspace():
-                lines.append(line)
-            start = end + 1
+        lines = [self.data[begin:end] for begin, end in self._bounds(start)]
+        lines = [line for line in lines if line and not line.isspace()]
         values = parsed(b"\n".join(lines[::step]), width)
         return None if values is None else (values, len(lines))
 
