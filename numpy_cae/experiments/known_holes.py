@@ -82,8 +82,8 @@ class KnownHoles:
         return found
 
     def save_picture(self, path: str | Path) -> None:
-        """Error by length of the gap, of the whole body."""
-        what, by_length = list(self.gaps.items())[-1]
+        """Error by length of the gap, of one joint."""
+        what, by_length = next(iter(self.gaps.items()))
         curves = [
             Curve(list(by_length), [errors[method] for errors in by_length.values()], method)
             for method in METHODS

@@ -26,7 +26,7 @@ from numpy_cae.manifold.pins import Pins
 from numpy_cae.motion.contacts import find_contacts, floor_height
 from numpy_cae.motion.features import Place, features_to_positions
 
-CLOSE, BONES, FEET, GROUND, PINS = 1.0, 0.1, 10.0, 1.0, 10.0
+CLOSE, BONES, FEET, GROUND, PINS = 1.0, 0.1, 10.0, 1.0, 1.0
 """What the squared distance to the plain projection and that from each constraint weigh."""
 NEAR = 0.1
 """β of `descend_to`: what a mean square of 1 in the hidden units weighs."""
