@@ -147,7 +147,7 @@ class Ablation:
         return (
             "The rest: left out or replaced, these change the error of repair with one sign in "
             f"every seed: {', '.join(matter) or 'none'}; these do not: "
-            f"{', '.join(open_) or 'none'}; a linear map of 15 frames that is told p leaves "
+            f"{', '.join(open_) or 'none'}; a linear map of 15 frames leaves "
             f"{self.row(LINEAR).cell(HALF)} cm."
         )
 
@@ -185,7 +185,7 @@ class Ablation:
         return int(np.all(one < two)) - int(np.all(one > two))
 
     def _better(self, other: Row, measure: str) -> str:
-        words = {1: "better than", 0: "not surely otherwise than", -1: "worse than"}
+        words = {1: "better than", 0: "neither surely better nor worse than", -1: "worse than"}
         return words[self._verdict(other, measure)]
 
     def save_picture(self, path: str | Path) -> None:

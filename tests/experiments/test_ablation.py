@@ -99,7 +99,7 @@ def test_a_claim_holds_where_every_seed_says_so(tmp_path):
     rows[3] = told(names[2], 0.5, 1.5)  # depth 1 at equal parameters: better in both
     result = Ablation(rows, "sample")
     assert [finding.held for finding in result.findings()][:4] == [False, True, False, True]
-    assert "not surely otherwise than one and better than two" in result.on_depth()
+    assert "neither surely better nor worse than one and better than two" in result.on_depth()
     assert "worse than one and better than two" in result.on_depth()
     assert "1.50 (1 diverged)" in result.text()
     assert "1.50 ± 0.71" in result.text()
