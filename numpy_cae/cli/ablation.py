@@ -106,13 +106,14 @@ def _read(args: argparse.Namespace) -> Material:
 
 
 def _synthetic() -> Material:
-    takes = []
+    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     for plan in plan_takes(SYNTHETIC_MINUTES):
         take = plan.make(RATE)
         positions = body_of(take.motion)
-        takes.append(LabelledTake(Path(plan.name), positions, "synthetic", take.kind, take.style))
-    held_out = takes[HELD_OUT - 1 :: HELD_OUT]
-    return Material([take for take in takes if take not in held_out], held_out)
+        halves[plan.number % HELD_OUT == 0].append(
+            LabelledTake(Path(plan.name), positions, "synthetic", take.kind, take.style)
+        )
+    return Material(*halves)
 
 
 def _say(line: str, started: float) -> None:

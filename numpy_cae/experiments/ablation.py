@@ -58,7 +58,10 @@ def ablation(
     rows = [Row(each.group, each.name, each.parameters, each.latent) for each in chosen]
     rows += [Row(BASELINES, name) for name in methods]
     jobs = [(repr(each), partial(_trained, yardstick, each)) for each in chosen]
-    jobs += [(name, partial(yardstick.measure, method)) for name, method in methods.items()]
+    jobs += [
+        (f"{name}, beside {chosen[0].latent}", partial(yardstick.measure, method))
+        for name, method in methods.items()
+    ]
     for seed in range(seeds):
         for row, (job, measure) in zip(rows, jobs, strict=True):
             row.measured.append(memory.recall(job, seed, measure))
