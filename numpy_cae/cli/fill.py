@@ -59,7 +59,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         nargs="+",
         metavar="FOLDER",
         default=[],
-        help="with --fit: start from what PCA of the poses in these motions makes of the others",
+        help="with --fit: start from what PCA of these motions makes of the other joints",
     )
     parser.set_defaults(run=run)
 

@@ -15,6 +15,7 @@ from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, poses_of, project_observed
+from numpy_cae.manifold.observed import started
 from numpy_cae.motion import FEATURES, POSITIONS, cut_windows, joint_slice
 from numpy_cae.viz import Curve, curves_figure, save_figure
 
@@ -25,9 +26,10 @@ EVERY = 15
 JOINT = "left_wrist"
 SIZES = (20, 63, 200)
 LINE, PCA_FRAMES, PCA_WINDOWS = "linear interpolation", "PCA on frames", "PCA on windows"
+PCA_AROUND = "PCA on poses around"
 PLAIN, ALONE = "plain projection", "of the observed"
 KNOWING = "of the observed, from PCA"
-METHODS = (LINE, PCA_FRAMES, PCA_WINDOWS, PLAIN, ALONE, KNOWING)
+METHODS = (LINE, PCA_FRAMES, PCA_WINDOWS, PCA_AROUND, PLAIN, ALONE, KNOWING)
 Fill = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -50,7 +52,8 @@ class KnownHoles:
             f"Error of the missing coordinates in cm, {self.clips} test clips of {FRAMES} frames "
             "at most; all methods but plain projection are told where the holes are; PCA has the "
             "best size for each line, chosen on the test clips themselves, which favours it. The "
-            "last column starts from PCA of single poses where a part of the body is always known."
+            "last column starts from PCA on poses around, five frames that are five apart, where a "
+            "part of the body is known throughout; elsewhere that is a line."
             f"\n\n{text_table(['missing', *METHODS], lines)}"
         )
 
@@ -160,7 +163,9 @@ def _best(options: list[Fill], clips: list[np.ndarray], known_of) -> float:
 
 def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fill]]:
     training = [manifold.features(take.positions)[0] for take in evenly(material.training, 300)]
-    pca_frames = poses_of(manifold, training)
+    frames = manifold.normalise(np.concatenate(training)).astype(np.float64)
+    pca_frames = PCA.fit(frames[:: max(1, len(frames) // 20000)])
+    poses = poses_of(manifold, training)
 
     def line(clip: np.ndarray, known: np.ndarray) -> np.ndarray:
         return interpolate_linearly(np.where(known, clip, manifold.mean_pose), known)
@@ -188,7 +193,8 @@ def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fil
         LINE: [line],
         PCA_FRAMES: [by_pca(pca_frames, size) for size in SIZES if size <= FEATURES],
         PCA_WINDOWS: [by_pca(pca_windows, size) for size in SIZES],
+        PCA_AROUND: [lambda clip, known: started(manifold, clip, known, poses)[0]],
         PLAIN: [plain],
         ALONE: [lambda clip, known: project_observed(manifold, clip, known)],
-        KNOWING: [lambda clip, known: project_observed(manifold, clip, known, poses=pca_frames)],
+        KNOWING: [lambda clip, known: project_observed(manifold, clip, known, poses=poses)],
     }

@@ -16,13 +16,18 @@ from numpy_cae.baselines import PCA, interpolate_linearly
 from numpy_cae.manifold import constraints
 from numpy_cae.manifold.descent import descend_to
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.motion.features import FEATURES
 
 NEAR = 0.1
 """β of `descend_to`, beside squared centimetres."""
 STEPS = 100
 PRIOR = 0.02
-"""Chosen on other takes than the tables are of."""
-MOST = 20_000
+AROUND = (-10, -5, 0, 5, 10)
+"""Frames: what went before and comes after tells of a pose."""
+AXES = 80
+"""These three were chosen on other takes than the tables are of."""
+MOST = 12_000
+"""Rows that PCA is fitted to."""
 
 
 def project_observed(
@@ -35,10 +40,8 @@ def project_observed(
 ) -> np.ndarray:
     """A motion with holes, filled in from the manifold.
 
-    Holes are first filled with what Φ can start from: x̂ = p + line(x - p), where p is what PCA of
-    single poses makes of the numbers that are known throughout, and line() what joins the known
-    frames. Without such numbers, or without PCA, p is constant and x̂ a line. What p says of a hole
-    is worth `PRIOR` of an observation.
+    Holes are first filled with something for Φ to start from, `started`. Where that is more than a
+    line, what it says of a hole is worth `PRIOR` of an observation.
 
     What the motion found misses the observed entries by is interpolated over the holes and taken
     away, so that nothing jumps where a hole begins or ends.
@@ -54,7 +57,7 @@ def project_observed(
     steps : int
         Of the descent, at most.
     poses : PCA, optional
-        Of normalised frames (N, 63) of real motion, `poses_of`.
+        Of real motion, `poses_of`.
 
     Returns
     -------
@@ -70,7 +73,7 @@ def project_observed(
         raise ValueError(f"known has shape {np.shape(known)}, expected {features.shape}")
     if not known.any():
         raise ValueError("nothing is known of the motion")
-    start, told = _started(manifold, np.where(known, features, manifold.mean_pose), known, poses)
+    start, told = started(manifold, features, known, poses)
     # Every kind of features in the measure of positions: what the network takes for equal.
     weights = np.where(known, 1.0, PRIOR * told) * (manifold.scale / manifold.scale[0]) ** 2
 
@@ -87,20 +90,36 @@ def project_observed(
 
 
 def poses_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> PCA:
-    """PCA of the normalised frames of takes' features (F, 63), of `MOST` frames at most."""
-    frames = np.concatenate([manifold.normalise(take) for take in takes]).astype(np.float64)
-    return PCA.fit(frames[:: -(-len(frames) // MOST)])
+    """PCA of poses of takes' features (F, 63), each with those `AROUND` it in one row."""
+    rows = np.concatenate([_with_those_around(manifold, take) for take in takes])
+    return PCA.fit(rows[:: -(-len(rows) // MOST)])
 
 
-def _started(
-    manifold: MotionManifold, features: np.ndarray, known: np.ndarray, poses: PCA | None
+def started(
+    manifold: MotionManifold, features: np.ndarray, known: np.ndarray, poses: PCA | None = None
 ) -> tuple[np.ndarray, bool]:
-    """x̂, and whether p has something to say."""
+    """A motion with its holes filled without a network, and whether by more than a line.
+
+        x̂ = p + line(x - p)
+
+    p is what PCA makes of those numbers of the pose and of the poses around it that are known
+    throughout; line() joins the known frames. Without such numbers, or without PCA, p is constant
+    and x̂ a line.
+    """
+    features = np.where(known, features, manifold.mean_pose)
     throughout = known.all(axis=0)
     if poses is None or not throughout.any() or throughout.all():
         return interpolate_linearly(features, known), False
-    rows = manifold.normalise(features).astype(np.float64)
-    seen = np.broadcast_to(throughout, known.shape)
-    told = manifold.denormalise(poses.fill(rows, seen, len(poses.axes)))
-    missed = np.where(known, features - told, 0.0)
-    return told + interpolate_linearly(missed, known), True
+    rows = _with_those_around(manifold, features)
+    seen = np.broadcast_to(np.tile(throughout, len(AROUND)), rows.shape)
+    pose = AROUND.index(0) * FEATURES
+    filled = poses.fill(rows, seen, min(AXES, len(poses.axes)))[:, pose : pose + FEATURES]
+    told = manifold.denormalise(filled)
+    return told + interpolate_linearly(np.where(known, features - told, 0.0), known), True
+
+
+def _with_those_around(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
+    """Normalised poses (F, 63 · 5); beyond the ends of a clip the outermost is held."""
+    x, frames = manifold.normalise(features).astype(np.float64), np.arange(len(features))
+    there = [np.clip(frames + step, 0, len(x) - 1) for step in AROUND]
+    return np.concatenate([x[frame] for frame in there], axis=1)

@@ -13,11 +13,13 @@ from numpy_cae.manifold import (
     geodesic_matrix,
     interpolate,
     learn_manifold,
+    poses_of,
     project_constrained,
     project_observed,
 )
 from numpy_cae.manifold.geodesic import energy
 from numpy_cae.manifold.interpolate import way_between
+from numpy_cae.manifold.observed import started
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
 from numpy_cae.motion.contacts import find_contacts
@@ -78,6 +80,29 @@ def test_what_is_observed_stays_and_what_is_missing_fits(trained):
     assert error(filled) < error(interpolate_linearly(damaged, known)) / 2
     with pytest.raises(ValueError, match="nothing is known"):
         project_observed(manifold, features, np.zeros(features.shape, bool))
+
+
+def test_poses_tell_of_a_joint_that_is_never_seen(trained):
+    manifold, features, _ = trained
+    known = np.ones(features.shape, bool)
+    known[:, joint_slice("left_wrist")] = False
+    takes = [
+        manifold.features(body_of(make_take("walk", seed=seed, seconds=4, rate=30).motion))[0]
+        for seed in range(6, 10)
+    ]
+    poses = poses_of(manifold, takes)
+    without, told = (
+        position_error(project_observed(manifold, features, known, steps=20, poses=each), features,
+                       joint="left_wrist")
+        for each in (None, poses)
+    )  # fmt: skip
+    assert told < without
+    line, by_more = started(manifold, features, known)
+    assert not by_more
+    np.testing.assert_array_equal(line[known], features[known])
+    start, by_more = started(manifold, features, known, poses)
+    assert by_more
+    np.testing.assert_allclose(start[known], features[known], atol=1e-6)
 
 
 def test_energy_has_its_gradient():
