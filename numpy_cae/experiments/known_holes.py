@@ -26,10 +26,10 @@ EVERY = 15
 JOINT = "left_wrist"
 SIZES = (20, 63, 200)
 LINE, PCA_FRAMES, PCA_WINDOWS = "linear interpolation", "PCA on frames", "PCA on windows"
-PCA_AROUND = "PCA on poses around"
+PCA_JOINED = "PCA on frames, joined"
 PLAIN, ALONE = "plain projection", "of the observed"
 KNOWING = "of the observed, from PCA"
-METHODS = (LINE, PCA_FRAMES, PCA_WINDOWS, PCA_AROUND, PLAIN, ALONE, KNOWING)
+METHODS = (LINE, PCA_FRAMES, PCA_WINDOWS, PCA_JOINED, PLAIN, ALONE, KNOWING)
 Fill = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -52,7 +52,7 @@ class KnownHoles:
             f"Error of the missing coordinates in cm, {self.clips} test clips of {FRAMES} frames "
             "at most; all methods but plain projection are told where the holes are; PCA has the "
             "best size for each line, chosen on the test clips themselves, which favours it. The "
-            "last column starts from PCA on poses around, five frames that are five apart, where a "
+            "last column starts from PCA on frames, joined to what is known around, where a "
             "part of the body is known throughout; elsewhere that is a line."
             f"\n\n{text_table(['missing', *METHODS], lines)}"
         )
@@ -163,9 +163,7 @@ def _best(options: list[Fill], clips: list[np.ndarray], known_of) -> float:
 
 def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fill]]:
     training = [manifold.features(take.positions)[0] for take in evenly(material.training, 300)]
-    frames = manifold.normalise(np.concatenate(training)).astype(np.float64)
-    pca_frames = PCA.fit(frames[:: max(1, len(frames) // 20000)])
-    poses = poses_of(manifold, training)
+    pca_frames = poses_of(manifold, training)
 
     def line(clip: np.ndarray, known: np.ndarray) -> np.ndarray:
         return interpolate_linearly(np.where(known, clip, manifold.mean_pose), known)
@@ -193,8 +191,8 @@ def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fil
         LINE: [line],
         PCA_FRAMES: [by_pca(pca_frames, size) for size in SIZES if size <= FEATURES],
         PCA_WINDOWS: [by_pca(pca_windows, size) for size in SIZES],
-        PCA_AROUND: [lambda clip, known: started(manifold, clip, known, poses)[0]],
+        PCA_JOINED: [lambda clip, known: started(manifold, clip, known, pca_frames)[0]],
         PLAIN: [plain],
         ALONE: [lambda clip, known: project_observed(manifold, clip, known)],
-        KNOWING: [lambda clip, known: project_observed(manifold, clip, known, poses=poses)],
+        KNOWING: [lambda clip, known: project_observed(manifold, clip, known, poses=pca_frames)],
     }

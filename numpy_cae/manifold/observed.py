@@ -16,18 +16,14 @@ from numpy_cae.baselines import PCA, interpolate_linearly
 from numpy_cae.manifold import constraints
 from numpy_cae.manifold.descent import descend_to
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import FEATURES
 
 NEAR = 0.1
 """β of `descend_to`, beside squared centimetres."""
 STEPS = 100
 PRIOR = 0.02
-AROUND = (-10, -5, 0, 5, 10)
-"""Frames: what went before and comes after tells of a pose."""
-AXES = 80
-"""These three were chosen on other takes than the tables are of."""
-MOST = 12_000
-"""Rows that PCA is fitted to."""
+"""Chosen on held-out takes: less is worse in long holes, more is better in short ones alone."""
+MOST = 20_000
+"""Frames that PCA is fitted to."""
 
 
 def project_observed(
@@ -90,9 +86,9 @@ def project_observed(
 
 
 def poses_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> PCA:
-    """PCA of poses of takes' features (F, 63), each with those `AROUND` it in one row."""
-    rows = np.concatenate([_with_those_around(manifold, take) for take in takes])
-    return PCA.fit(rows[:: -(-len(rows) // MOST)])
+    """PCA of the normalised frames of takes' features (F, 63)."""
+    frames = np.concatenate([manifold.normalise(take) for take in takes]).astype(np.float64)
+    return PCA.fit(frames[:: -(-len(frames) // MOST)])
 
 
 def started(
@@ -102,24 +98,14 @@ def started(
 
         x̂ = p + line(x - p)
 
-    p is what PCA makes of those numbers of the pose and of the poses around it that are known
-    throughout; line() joins the known frames. Without such numbers, or without PCA, p is constant
-    and x̂ a line.
+    p is what PCA makes of those numbers of a pose that are known throughout; line() joins the known
+    frames. Without such numbers, or without PCA, p is constant and x̂ a line.
     """
     features = np.where(known, features, manifold.mean_pose)
     throughout = known.all(axis=0)
     if poses is None or not throughout.any() or throughout.all():
         return interpolate_linearly(features, known), False
-    rows = _with_those_around(manifold, features)
-    seen = np.broadcast_to(np.tile(throughout, len(AROUND)), rows.shape)
-    pose = AROUND.index(0) * FEATURES
-    filled = poses.fill(rows, seen, min(AXES, len(poses.axes)))[:, pose : pose + FEATURES]
-    told = manifold.denormalise(filled)
+    rows = manifold.normalise(features).astype(np.float64)
+    seen = np.broadcast_to(throughout, known.shape)
+    told = manifold.denormalise(poses.fill(rows, seen, len(poses.axes)))
     return told + interpolate_linearly(np.where(known, features - told, 0.0), known), True
-
-
-def _with_those_around(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """Normalised poses (F, 63 · 5); beyond the ends of a clip the outermost is held."""
-    x, frames = manifold.normalise(features).astype(np.float64), np.arange(len(features))
-    there = [np.clip(frames + step, 0, len(x) - 1) for step in AROUND]
-    return np.concatenate([x[frame] for frame in there], axis=1)
