@@ -64,6 +64,7 @@ def run(args: argparse.Namespace) -> int:
         args.seed,
         args.hidden,
         args.latent,
+        args.frames,
         show_progress=not args.quiet,
         convolutional=convolutional,
     )

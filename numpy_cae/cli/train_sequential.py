@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--weight", type=kinds.rate, default=CHOSEN.weight, help="λ of the regulariser")
     add("--directions", type=kinds.positive_number, default=CHOSEN.directions, help="of slices")
     add("--norm", type=kinds.positive, default=CHOSEN.norm, help="bound of the gradient's norm")
+    add("--posture", type=kinds.rate, default=CHOSEN.posture, help="deviation of drawn postures")
     add("--momentum", type=kinds.fraction, default=CHOSEN.momentum, help="of descent; below 1")
 
 
@@ -74,6 +75,7 @@ def schedule_of(args: argparse.Namespace) -> SequenceSchedule:
         directions=args.directions,
         norm=args.norm,
         momentum=args.momentum,
+        posture=args.posture,
     )
 
 

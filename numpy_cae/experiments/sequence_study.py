@@ -18,7 +18,7 @@ from numpy_cae.manifold import SequenceManifold, learn_sequences
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.measures import angle_distance
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.motion import cut_clips, draw_clips
+from numpy_cae.motion import CLIP, cut_clips, draw_clips
 from numpy_cae.training import SequenceSchedule, unit_directions
 
 DRAWS = 1000
@@ -66,6 +66,7 @@ def study(
     seed: int = 0,
     hidden: int = HIDDEN,
     latent: int = LATENT,
+    frames: int = CLIP,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
     show_progress: bool = True,
 ) -> Study:
@@ -74,7 +75,7 @@ def study(
     Parameters
     ----------
     action : Action
-    schedule, seed, hidden, latent, network
+    schedule, seed, hidden, latent, frames, network
         As `learn_sequences` takes them.
     """
     schedule = schedule or SequenceSchedule()
@@ -85,7 +86,7 @@ def study(
     def watch(manifold: SequenceManifold, step: int) -> None:
         if step % every == 0:
             # Both errors of the same fresh clips: of all there are takes a third of the training.
-            x = manifold.normalise(draw_clips(action.testing, DRAWS, rng))
+            x = manifold.normalise(draw_clips(action.testing, DRAWS, rng, frames))
             z = manifold.network.encode(x)
             x_hat = manifold.network.decode(z, x.shape[1])
             error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
@@ -97,6 +98,7 @@ def study(
         seed,
         hidden,
         latent,
+        frames,
         watch=watch,
         network=network,
         show_progress=show_progress,

@@ -23,6 +23,7 @@ from numpy_cae.experiments.sequence_uses import SequenceUses, sequence_uses
 from numpy_cae.experiments.teacher_forcing import TeacherForced, TeacherForcing, teacher_forcing
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
+from numpy_cae.motion import CLIP
 from numpy_cae.training import SequenceSchedule
 
 
@@ -88,6 +89,7 @@ def sequential(
     seed: int = 0,
     hidden: int = HIDDEN,
     latent: int = LATENT,
+    frames: int = CLIP,
     show_progress: bool = True,
     convolutional: MotionManifold | None = None,
 ) -> Sequential:
@@ -98,13 +100,14 @@ def sequential(
     actions : sequence of Action
     schedule : SequenceSchedule, optional
         Its weight is that of the trainings with the regulariser.
-    seed, hidden, latent, show_progress
+    seed, hidden, latent, frames, show_progress
         As `learn_sequences` takes them.
     convolutional : MotionManifold, optional
         holden2015's, onto which samples are projected.
     """
     schedule = schedule or SequenceSchedule()
-    how = {"seed": seed, "hidden": hidden, "latent": latent, "show_progress": show_progress}
+    how = {"seed": seed, "hidden": hidden, "latent": latent, "frames": frames}
+    how |= {"show_progress": show_progress}
     studies = [study(action, schedule, **how) for action in actions]
     without = [study(action, replace(schedule, weight=0.0), **how) for action in actions]
     forced = study(actions[0], schedule, network=TeacherForced, **how)

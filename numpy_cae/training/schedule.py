@@ -87,6 +87,10 @@ class SequenceSchedule:
         The bound on the gradient's norm.
     momentum : float
         μ of `training.descend_with_momentum`, at least 0 and below 1.
+    posture : float
+        Each clip gets a constant added to each of its numbers, drawn anew, normal with this many
+        deviations. Few motions are few people, and each holds itself in its own way: so the network
+        learns to encode how somebody stands.
     """
 
     epochs: int = 40
@@ -98,3 +102,4 @@ class SequenceSchedule:
     directions: int = 64
     norm: float = 1.0
     momentum: float = 0.9
+    posture: float = 0.0

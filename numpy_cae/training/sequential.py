@@ -176,6 +176,9 @@ def _step(
 ) -> float:
     """Draw, compare, clip, descend; returns the loss."""
     x = draw(rng, schedule.batch)
+    if schedule.posture:
+        shape = (len(x), 1, x.shape[2])
+        x = x + schedule.posture * rng.standard_normal(shape, dtype=x.dtype)
     prior = rng.standard_normal((len(x), model.latent)).astype(x.dtype)
     directions = unit_directions(schedule.directions, model.latent, rng, x.dtype)
     losses, gradients = model.loss_and_gradients(x, prior, directions, schedule.weight)

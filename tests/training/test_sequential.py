@@ -73,6 +73,24 @@ def test_the_regulariser_brings_the_latents_to_the_prior():
     assert np.mean(held.discrepancy[-20:]) < np.mean(free.discrepancy[-20:]) / 2
 
 
+def test_postures_are_added_to_whole_clips(monkeypatch):
+    """The same number in all frames of a clip, another in every clip, of the asked deviation."""
+    seen = []
+    original = SequentialAutoencoder.loss_and_gradients
+
+    def recorded(self, x, *others):
+        seen.append(x.copy())
+        return original(self, x, *others)
+
+    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
+    trained(epochs=1, posture=2.0, draw=lambda rng, batch: np.ones((batch, 8, 3), np.float32))
+    added = np.concatenate(seen) - 1
+    assert added.dtype == np.float32
+    np.testing.assert_array_equal(added, np.broadcast_to(added[:, :1], added.shape))
+    assert len(np.unique(added[:, 0, 0])) == len(added)
+    np.testing.assert_allclose(added.std(), 2.0, rtol=0.1)
+
+
 def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
     """The gradients of the last update, all of them together, are clipped before they descend."""
     lengths = []
