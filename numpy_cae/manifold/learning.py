@@ -84,13 +84,13 @@ def learn_manifold(
         raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
 
     features, lengths = features_on_mean_skeleton(takes, RATE)
-    mean_pose, scale = _mean_and_scale(features, window, overlap, rms)
+    # Of a large database the features are gigabytes: here they are there once, as parts of frames.
+    frames = np.concatenate(features)
+    features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
+    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, rms)
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
-    # Take by take, and single precision at once: of a large database there are gigabytes.
-    windows = np.concatenate(
-        [manifold.normalise(cut_windows(take, window, overlap)[0]) for take in features]
-    )
-    del features
+    windows = _windows(manifold, features, window, overlap)
+    del features, frames
     history = train_autoencoder(network, windows, schedule, rng, show_progress, checkpoint)
     manifold.settings = {
         "seed": seed,
@@ -105,15 +105,26 @@ def learn_manifold(
     return manifold
 
 
+def _windows(
+    manifold: MotionManifold, features: Sequence[np.ndarray], window: int, overlap: int
+) -> np.ndarray:
+    """The windows of all takes as the network sees them, single precision, take by take."""
+    counts = [len(cut_windows(take, window, overlap)[0]) for take in features]
+    dtype = manifold.network.layers[0].w.dtype
+    windows = np.empty((sum(counts), window, FEATURES), dtype)
+    for end, count, take in zip(np.cumsum(counts), counts, features, strict=True):
+        windows[end - count : end] = manifold.normalise(cut_windows(take, window, overlap)[0])
+    return windows
+
+
 def _mean_and_scale(
-    features: Sequence[np.ndarray], window: int, overlap: int, rms: float
+    frames: np.ndarray, features: Sequence[np.ndarray], window: int, overlap: int, rms: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The mean pose and what each feature is multiplied by, (63,) both: one factor for a kind.
 
     Each kind (positions, velocity, turn) is brought to `rms`, or none would learn to turn: a turn
     of a frame is a hundredth of a radian where positions are a tenth of a metre.
     """
-    frames = np.concatenate(features)
     mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
     for kind in (POSITIONS, VELOCITY, TURN):
