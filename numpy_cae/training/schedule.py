@@ -98,7 +98,7 @@ class SequenceSchedule:
     rate: float = 0.3
     decay: float = 0.93
     batch: int = 128
-    weight: float = 2.0
+    weight: float = 1.0
     directions: int = 64
     norm: float = 1.0
     momentum: float = 0.9
