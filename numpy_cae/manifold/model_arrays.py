@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import struct
@@ -46,8 +47,12 @@ class ModelFileError(ValueError):
 
 def save_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
     """Write the arrays as `.npz`, beside first and then moved into place."""
-    with whole_file(path) as beside, open(beside, "wb") as file:
-        np.savez_compressed(file, **arrays)
+    # In memory first: an archive that Ctrl-C leaves open writes its end when it is collected, and
+    # would find the file closed.
+    archive = io.BytesIO()
+    np.savez_compressed(archive, **arrays)
+    with whole_file(path) as beside:
+        beside.write_bytes(archive.getbuffer())
 
 
 def load_arrays(

@@ -8,6 +8,7 @@ kept: deleting its folder costs time and no more.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import signal
@@ -160,7 +161,9 @@ def _keep(known: Path, positions: np.ndarray, note: str) -> None:
     """A cache that cannot be written is none: the take has been read all the same."""
     try:
         known.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(known) as beside, open(beside, "wb") as file:
-            np.savez(file, positions=positions, note=np.array(note))
+        archive = io.BytesIO()  # see Checkpoint.save
+        np.savez(archive, positions=positions, note=np.array(note))
+        with whole_file(known) as beside:
+            beside.write_bytes(archive.getbuffer())
     except (OSError, MotionFileError):
         return

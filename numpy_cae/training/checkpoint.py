@@ -9,6 +9,7 @@ moved there, so that at every moment there is either the last good one or the on
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import time
@@ -124,9 +125,13 @@ class Checkpoint:
         }
         arrays = {f"weight {name}": array for name, array in state.weights.items()}
         beside = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part")
+        # In memory first: an archive that Ctrl-C leaves open writes its end when it is collected,
+        # and would find the file closed.
+        archive = io.BytesIO()
+        np.savez(archive, about=np.array(json.dumps(about)), order=state.order, **arrays)
         try:
             with open(beside, "wb") as file:
-                np.savez(file, about=np.array(json.dumps(about)), order=state.order, **arrays)
+                file.write(archive.getbuffer())
                 file.flush()
                 os.fsync(file.fileno())
             os.replace(beside, self.path)
