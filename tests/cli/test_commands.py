@@ -65,6 +65,7 @@ def test_train_measures_on_the_takes_kept_out(folder, tmp_path, capsys):
         "zeroed": 0.1,
         "rescaled": False,
         "momentum": 0.0,
+        "unpooling": None,
     }
 
 
