@@ -162,11 +162,7 @@ def comparison(manifold: MotionManifold, material: Material, seed: int = 0) -> C
     ValueError
         If no labelled take is held out, or none is there to be found.
     """
-    used = material.of("bandai")
-    if not used.testing:
-        used = material.of("synthetic")
-    if not used.testing or not used.training:
-        raise ValueError("comparison needs labelled takes, for training and for testing")
+    used = material.labelled("comparison needs")
     training, testing = (
         [manifold.features(take.positions)[0] for take in takes]
         for takes in (used.training, used.testing)
@@ -175,16 +171,28 @@ def comparison(manifold: MotionManifold, material: Material, seed: int = 0) -> C
     between = {way.name: way.between(testing, training) for way in ways}
     shape = (len(testing), len(training))
     between[_DRAWN] = np.random.default_rng(seed).random(shape)
+    precision, average = retrieved(between, used.testing, used.training)
+    names = [f"{take.content}, {take.style}" for take in used.testing]
+    return Comparison(precision, average, ways[0].between(testing), names, len(training), seed)
+
+
+Scores = dict[str, dict[str, np.ndarray]]
+"""Label to distance to one score for every query that has something alike to find."""
+
+
+def retrieved(
+    between: dict[str, np.ndarray], queries: Sequence[LabelledTake], gallery: Sequence[LabelledTake]
+) -> tuple[Scores, Scores]:
+    """Precision at 1 and average precision of every distance, each a (Q, N) array."""
     precision, average = {}, {}
-    for label, (alike, hidden) in labels_of_pairs(used.testing, used.training).items():
+    for label, (alike, hidden) in labels_of_pairs(queries, gallery).items():
         asked = np.any(alike & ~hidden, axis=1)
         if not asked.any():
             continue
         shown = {name: np.where(hidden, np.inf, each)[asked] for name, each in between.items()}
         precision[label] = {name: precision_at_1(d, alike[asked]) for name, d in shown.items()}
         average[label] = {name: average_precision(d, alike[asked]) for name, d in shown.items()}
-    names = [f"{take.content}, {take.style}" for take in used.testing]
-    return Comparison(precision, average, ways[0].between(testing), names, len(training), seed)
+    return precision, average
 
 
 def labels_of_pairs(

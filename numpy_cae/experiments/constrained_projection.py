@@ -7,14 +7,13 @@ on the path that they really went, from which the sum of a half zeroed motion's 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, Pins, project_constrained
 from numpy_cae.measures import bone_length_error, position_error
@@ -184,12 +183,6 @@ def constrained_projection(
         }
     _, motions, start = shown
     return ConstrainedProjection(tables, pinned, motions, start, manifold.rate)
-
-
-def evenly(takes: Sequence[LabelledTake], count: int) -> list[LabelledTake]:
-    """At most so many, spread over all."""
-    chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
-    return [takes[index] for index in chosen]
 
 
 def _measured(manifold: MotionManifold, take: LabelledTake, lost: float, rng: np.random.Generator):

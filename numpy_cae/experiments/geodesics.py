@@ -22,8 +22,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import shortest_path
 from scipy.spatial.distance import cdist
 
-from numpy_cae.experiments.comparison import labels_of_pairs
-from numpy_cae.experiments.constrained_projection import evenly
+from numpy_cae.experiments.comparison import retrieved
 from numpy_cae.experiments.distances import (
     EQUATION_4,
     EUCLIDEAN,
@@ -32,12 +31,12 @@ from numpy_cae.experiments.distances import (
     raw_windows,
 )
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, geodesic_matrix
 from numpy_cae.manifold.interpolate import GEODESIC, LINE, way_between
 from numpy_cae.measures import position_error
-from numpy_cae.measures.retrieval import average_precision, bootstrapped_difference, precision_at_1
+from numpy_cae.measures.retrieval import bootstrapped_difference
 from numpy_cae.motion import PARENTS, POSITIONS
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, save_figure, strip_figure
 
@@ -172,22 +171,12 @@ def geodesics(manifold: MotionManifold, material: Material, seed: int = 0) -> Ge
     ValueError
         If no labelled take is held out, or none is there to be found.
     """
-    used = material.of("bandai")
-    if not used.testing:
-        used = material.of("synthetic")
-    if not used.testing or not used.training:
-        raise ValueError("geodesics need labelled takes, for training and for testing")
+    used = material.labelled("geodesics need")
     halfway, shown = _halfway(manifold, material)
     queries = evenly(used.testing, QUERIES)
     gallery = list({(t.content, t.style): t for t in reversed(used.training)}.values())
     between, lengths = _distances(manifold, queries, gallery, used.training)
-    average, precision = {}, {}
-    for label, (alike, hidden) in labels_of_pairs(queries, gallery).items():
-        asked = np.any(alike & ~hidden, axis=1)
-        if asked.any():
-            seen = {name: np.where(hidden, np.inf, each)[asked] for name, each in between.items()}
-            average[label] = {n: average_precision(d, alike[asked]) for n, d in seen.items()}
-            precision[label] = {n: precision_at_1(d, alike[asked]) for n, d in seen.items()}
+    precision, average = retrieved(between, queries, gallery)
     return Geodesics(lengths, halfway, average, precision, shown, manifold.rate)
 
 

@@ -28,7 +28,7 @@ from numpy_cae.experiments.clips import (
 from numpy_cae.experiments.contenders import contenders_of
 from numpy_cae.experiments.example import Example
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.split import split_of, split_takes
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
@@ -120,13 +120,13 @@ def kinect(manifold: MotionManifold, material: Material, seed: int = 0) -> Kinec
     """
     split = split_of(manifold, material)
     linear = Moments.of(split.training.x, split.training.real).solve(1 - P)
-    choosing = _evenly(split_takes(material.training)[1], CHOOSING_TAKES)
+    choosing = evenly(split_takes(material.training)[1], CHOOSING_TAKES)
     practice, practice_truth = _seen(manifold, choosing, seed + 1)
     contenders = contenders_of(split)
     best = {each.name: each.best(practice, practice_truth) for each in contenders}
     tables, example, sample = {}, None, []
     for source in sorted({take.source for take in material.testing}, reverse=True):
-        takes = _evenly(material.of(source).testing, TESTING_TAKES)
+        takes = evenly(material.of(source).testing, TESTING_TAKES)
         seen, truth = _seen(manifold, takes, seed)
         repaired = {
             SEEN: seen,
@@ -158,11 +158,6 @@ def _seen(
         for number, take in enumerate(positions)
     ]
     return clips_of(manifold, [each.values for each in seen]).x, clips_of(manifold, positions)
-
-
-def _evenly(takes: Sequence[LabelledTake], count: int) -> list[LabelledTake]:
-    places = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
-    return [takes[place] for place in places]
 
 
 def _example(repaired: dict[str, np.ndarray], truth: Clips) -> Example:

@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.baselines import PCA, interpolate_linearly
-from numpy_cae.experiments.constrained_projection import evenly
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.material import Material
+from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, poses_of, project_observed
 from numpy_cae.manifold.observed import started

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from numpy_cae.motion import MotionFileError, find_motion_files, load_body
 
+Take = TypeVar("Take")
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
 _LABELS = "labels.csv"
 _SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
@@ -61,6 +63,27 @@ class Material:
     def of(self, source: str) -> Material:
         """The takes of one source."""
         return self.where(lambda take: take.source == source)
+
+    def labelled(self, what: str) -> Material:
+        """Bandai Namco's takes where any are held out, else the synthetic ones.
+
+        Raises
+        ------
+        ValueError
+            If none is held out or none is there to be found; it says `what` needs them.
+        """
+        used = self.of(_BANDAI_NAMCO)
+        if not used.testing:
+            used = self.of(_SYNTHETIC)
+        if not used.testing or not used.training:
+            raise ValueError(f"{what} labelled takes, for training and for testing")
+        return used
+
+
+def evenly(takes: Sequence[Take], count: int) -> list[Take]:
+    """At most so many, spread over all."""
+    chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
+    return [takes[index] for index in chosen]
 
 
 def is_test(path: Path, patterns: Sequence[str]) -> bool:

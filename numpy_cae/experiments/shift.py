@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from numpy_cae.experiments.distances import equation_4, euclidean, raw_extremes
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.material import Material
+from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures.retrieval import bootstrapped_difference
@@ -134,8 +134,7 @@ def shift(manifold: MotionManifold, material: Material, seed: int = 0) -> Shift:
         raise ValueError(
             f"a shift needs two held-out takes of {needed} frames, there are {len(takes)}"
         )
-    chosen = np.linspace(0, len(takes) - 1, min(ENOUGH, len(takes))).round().astype(int)
-    clips = [manifold.features(takes[n])[0] for n in chosen]
+    clips = [manifold.features(take)[0] for take in evenly(takes, ENOUGH)]
     first = [clip[:window] for clip in clips]
     moved, itself = {}, {}
     for way in (equation_4(manifold), euclidean(manifold), raw_extremes(manifold)):

@@ -92,7 +92,7 @@ def average_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
 
     def pullback(dy: np.ndarray) -> np.ndarray:
         require_shape("dy", dy, y.shape)
-        return np.repeat(dy / 2, 2, axis=1)
+        return unpool_even(dy)[0]
 
     return y, pullback
 

@@ -166,13 +166,23 @@ def _compared(function, case: Case) -> None:
     require_equal("the loss", loss, definitions.mean_squared_error(x_hat, x))
 
 
-def _gradients_of_loss(only: tuple[str, ...]):
+def gradients_of_loss(arguments, only: tuple[str, ...]):
+    """A check of the gradients for some weights, by finite differences of the whole loss.
+
+    Parameters
+    ----------
+    arguments : callable
+        As the exercise has it; the weights come first.
+    only : tuple of str
+        The weights to check.
+    """
+
     def check(function, case: Case) -> None:
-        weights, x = _to_compare(case).values()
+        weights, *others = arguments(case).values()
 
         def f(*arrays):
             named = dict(zip(weights, arrays, strict=True))
-            loss, gradients = two(function(named, x), "the loss and the gradients by name")
+            loss, gradients = two(function(named, *others), "the loss and the gradients by name")
             return np.float64(loss), lambda d: tuple(d * g for g in by_name(gradients, weights))
 
         names = tuple(weights)
@@ -192,7 +202,8 @@ def _written_back(returned):
     return x_hat, (dz, *by_name(gradients, OF_WRITING))
 
 
-def _loss_back(returned):
+def loss_back(returned):
+    """The loss and the gradients of all weights, in order."""
     loss, gradients = two(returned, "the loss and the gradients by name")
     return loss, by_name(gradients, (*OF_READING, *OF_WRITING))
 
@@ -287,18 +298,18 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "gradients of writing",
                 "the decoder's gradients are those of central differences of your own loss",
-                _gradients_of_loss(OF_WRITING),
+                gradients_of_loss(_to_compare, OF_WRITING),
                 2,
             ),
             Claim(
                 "gradients of reading",
                 "the encoder's gradients are those of central differences of your own loss",
-                _gradients_of_loss(OF_READING),
+                gradients_of_loss(_to_compare, OF_READING),
                 3,
                 "the clip is the target too, but a target gets no gradient: all that reaches the "
                 "encoder comes through z",
             ),
-            keeps_float32(_to_compare, _loss_back),
+            keeps_float32(_to_compare, loss_back),
             unaltered_by_name(_to_compare),
         ),
         given=("mean_squared_error",),

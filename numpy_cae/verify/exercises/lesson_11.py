@@ -18,9 +18,14 @@ from numpy_cae.verify.exercises.exercise import (
     unaltered,
 )
 from numpy_cae.verify.exercises.lesson_05 import scattered
-from numpy_cae.verify.exercises.lesson_10 import OF_READING, OF_WRITING, WHOLE
+from numpy_cae.verify.exercises.lesson_10 import (
+    OF_READING,
+    OF_WRITING,
+    WHOLE,
+    gradients_of_loss,
+    loss_back,
+)
 from numpy_cae.verify.exercises.weights_by_name import (
-    by_name,
     defined_read,
     defined_write,
     drawn_clips,
@@ -29,7 +34,6 @@ from numpy_cae.verify.exercises.weights_by_name import (
     two,
     unaltered_by_name,
 )
-from numpy_cae.verify.gradients import check_gradients
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.property import require_equal
 
@@ -97,26 +101,6 @@ def _total(function, case: Case) -> None:
     require_equal("the loss", loss, reconstruction + weight * discrepancy)
 
 
-def _gradients_for(only: tuple[str, ...]):
-    def check(function, case: Case) -> None:
-        weights, *others = _to_regularise(case).values()
-
-        def f(*arrays):
-            named = dict(zip(weights, arrays, strict=True))
-            loss, gradients = two(function(named, *others), "the loss and the gradients by name")
-            return np.float64(loss), lambda d: tuple(d * g for g in by_name(gradients, weights))
-
-        names = tuple(weights)
-        check_gradients(f, *weights.values(), rng=case.rng(), names=names, only=only)
-
-    return check
-
-
-def _back(returned):
-    loss, gradients = two(returned, "the loss and the gradients by name")
-    return loss, by_name(gradients, (*OF_READING, *OF_WRITING))
-
-
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
         Operation(
@@ -179,18 +163,18 @@ EXERCISES: tuple[Exercise, ...] = (
             Claim(
                 "gradients of writing",
                 "the decoder's gradients are those of central differences of your own loss",
-                _gradients_for(OF_WRITING),
+                gradients_of_loss(_to_regularise, OF_WRITING),
                 2,
                 "the discrepancy knows nothing of the decoder",
             ),
             Claim(
                 "gradients of reading",
                 "the encoder's gradients are those of central differences of your own loss",
-                _gradients_for(OF_READING),
+                gradients_of_loss(_to_regularise, OF_READING),
                 4,
                 "two shares meet at z; the second is that of λ times the discrepancy",
             ),
-            keeps_float32(_to_regularise, _back),
+            keeps_float32(_to_regularise, loss_back),
             unaltered_by_name(_to_regularise),
         ),
         given=("read_clips", "write_clips", "mean_squared_error"),
