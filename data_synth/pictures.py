@@ -18,7 +18,7 @@ from PIL import Image  # which matplotlib needs itself
 
 from data_synth.kinds import KINDS, make_take
 from data_synth.take import Take
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.atomic_write import atomic_write
 
 POSES = 12
 _LEFT, _RIGHT, _MIDDLE, _FLOOR = "#2166ac", "#b2182b", "#222222", "#999999"
@@ -100,7 +100,7 @@ def _save_small(figure: Figure, path: Path) -> None:
     """As PNG of a few colours, a quarter of the size."""
     whole = io.BytesIO()
     figure.savefig(whole, format="png", dpi=95, facecolor="white")
-    with whole_file(path) as beside:
+    with atomic_write(path) as beside:
         Image.open(whole).convert("RGB").quantize(48).save(beside, format="png", optimize=True)
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from data_synth.series import Plan
 from data_synth.take import Take
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion import MotionFileError, write_amc, write_asf, write_bvh
-from numpy_cae.motion.whole_file import whole_file
 
 FORMATS = ("bvh", "asfamc")
 _CENTIMETRE = 0.01
@@ -81,7 +81,7 @@ def write_series(
         if each is not None:
             each(plan, take)
     labels = folder / "labels.csv"
-    with whole_file(labels) as beside:
+    with atomic_write(labels) as beside:
         beside.write_text(table.getvalue(), encoding="utf-8", newline="\n")
     return labels
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy_cae.bench.cases import Case, cases
 from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.bench.torch_twin import TorchTwin, require_agreement, torch
+from numpy_cae.fast.blas import blas_threads
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.models.fast.blas import blas_threads
 
 BATCHES = (1, 4, 16, 64)
 CHECKED = 4

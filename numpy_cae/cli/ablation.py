@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from data_synth import plan_takes
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.experiments.ablation import SEEDS, ablation
-from numpy_cae.experiments.ablation_choices import (
+from numpy_cae.experiments.ablation.ablation import SEEDS, ablation
+from numpy_cae.experiments.ablation.ablation_result import Ablation
+from numpy_cae.experiments.ablation.choices import (
     FINE_EPOCHS,
     LAYER_EPOCHS,
     TAPS,
@@ -22,14 +24,12 @@ from numpy_cae.experiments.ablation_choices import (
     Choice,
     choices,
 )
-from numpy_cae.experiments.ablation_result import Ablation
+from numpy_cae.experiments.ablation.evaluation import Yardstick
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import Section
-from numpy_cae.experiments.yardstick import Yardstick
 from numpy_cae.motion import body_of
-from numpy_cae.motion.body import RATE
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.motion.retarget.to_body import RATE
 
 OUTPUT = Path("ablation")
 SYNTHETIC_MINUTES, HELD_OUT = 20.0, 4
@@ -95,7 +95,7 @@ def run(args: argparse.Namespace) -> int:
         ("ablation.html", page([section], how, TITLE, INTRODUCTION)),
         ("ablation.txt", plain_text([section], how)),
     ):
-        with whole_file(output / name) as beside:
+        with atomic_write(output / name) as beside:
             beside.write_text(text, encoding="utf-8")
     print(f"{output / 'ablation.html'}: {section.held} of {len(section.findings)} claims held")
     return 0

@@ -5,24 +5,19 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeVar
 
-from data_synth import make_takes
-from numpy_cae.bench import growth, paper, reading, sequence, table
+from numpy_cae.bench import paper, sequence, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import add_json_argument, print_json
-from numpy_cae.motion import load_motion
 
 Measured = TypeVar("Measured")
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """A table by default; the paper's schedule or the growth of the cost where asked."""
+    """A table by default; the paper's schedule where asked."""
     parser = subparsers.add_parser(
         "bench",
         help="measure the speed of training and projection",
@@ -37,8 +32,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         type=kinds.positive_number,
         nargs="+",
         metavar="B",
-        help="windows at a time (default: 1 4 16 64; with --paper and --full 1 16, with "
-        "--sequential 16 64)",
+        help="windows at a time (default: 1 4 16 64; with --paper 1 16, with --sequential 16 64)",
     )
     parser.add_argument(
         "--rounds", type=kinds.positive_number, default=21, help="of the table (default: 21)"
@@ -55,26 +49,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         action="store_true",
         help="train the paper's four stages on 9673 windows for an epoch each, scaled to 25",
     )
-    instead.add_argument("--full", action="store_true", help="the same, all 25 epochs")
-    instead.add_argument(
-        "--growth",
-        type=Path,
-        metavar="PNG",
-        help="double windows, frames and channels in turn, and draw what that costs",
-    )
-    instead.add_argument(
-        "--walks",
-        type=kinds.positive,
-        metavar="MINUTES",
-        help="make so many minutes of synthetic walking at 30 frames a second",
-    )
-    instead.add_argument(
-        "--reading",
-        type=Path,
-        nargs="+",
-        metavar="FILE",
-        help="read motion files, beside pybvh and bvh where they are installed",
-    )
     add_json_argument(parser)
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
@@ -82,27 +56,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print."""
-    if args.growth:
-        kinds.require_place(args.growth)
     _warn_of_others()
-    if args.paper or args.full:
-        epochs = paper.EPOCHS if args.full else 1
+    if args.paper:
         batches = args.batch or (1, 16)
-        runs = (paper.run_paper(batch, epochs, show_progress=not args.quiet) for batch in batches)
+        runs = (paper.run_paper(batch, 1, show_progress=not args.quiet) for batch in batches)
         _say(args, runs, lambda run: f"{run.text()}\n")
-    elif args.reading:
-        for path in args.reading:
-            load_motion(path)  # what is wrong with a file is said of it, not of a reader
-        rows = reading.readings(args.reading, args.rounds)
-        _say(args, rows, reading.Reading.text, reading.HEADER)
-    elif args.walks:
-        _say(args, [_walked(args.walks)], _Walked.text)
-    elif args.growth:
-        grown = growth.growth()
-        _say(args, grown, growth.Growth.text)
-        growth.draw(grown, args.growth)
-        if not args.json:
-            print(f"{args.growth}: the same, drawn")
     else:
         peak = matrix_product_peak()
         timed = sequence if args.sequential else table
@@ -125,28 +83,6 @@ def _say(
         print(header, flush=True)
     for row in rows:
         print(text(row), flush=True)
-
-
-@dataclass(frozen=True)
-class _Walked:
-    """How fast data_synth makes people walk, in processor time, so on one core."""
-
-    motion_seconds: float
-    processor_seconds: float
-
-    def text(self) -> str:
-        """A sentence."""
-        spent = self.processor_seconds
-        return (
-            f"{self.motion_seconds / 60:.1f} minutes of walking at 30 frames a second made in "
-            f"{spent:.1f} s of one core: {self.motion_seconds / spent:.0f} times real time"
-        )
-
-
-def _walked(minutes: float) -> _Walked:
-    start = time.process_time()
-    motion = sum(take.motion.seconds for take in make_takes(minutes, kinds=["walk"], rate=30))
-    return _Walked(motion, time.process_time() - start)
 
 
 def _warn_of_others() -> None:

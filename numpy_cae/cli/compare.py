@@ -9,22 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.manifold import (
-    MotionManifold,
     distance_matrix,
-    geodesic_matrix,
     hidden_units,
     load_manifold,
     signature,
 )
 from numpy_cae.motion import find_motion_files, load_body
-from numpy_cae.motion.whole_file import whole_file
 from numpy_cae.viz import save_figure
 from numpy_cae.viz.matrix import matrix_figure
-
-EQUATION_4, GEODESIC = "G", "geodesic"
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -33,8 +29,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "compare",
         help="measure how unlike motions are",
         description="Compare every motion with every other by G, equation 4 of holden2015: what "
-        "happens counts, when it happens does not; or by the length of the shortest way along the "
-        "manifold (a twentieth of a second a pair). Prints the nearest of each.",
+        "happens counts, when it happens does not. "
+        "Prints the nearest of each.",
         epilog="example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png",
     )
     parser.add_argument(
@@ -42,12 +38,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("-m", "--model", type=Path, required=True, help="from `numpy-cae train`")
     parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the matrix")
-    parser.add_argument(
-        "--distance",
-        choices=(EQUATION_4, GEODESIC),
-        default=EQUATION_4,
-        help=f"default: {EQUATION_4}, equation 4",
-    )
     parser.add_argument(
         "--picture",
         type=Path,
@@ -69,33 +59,27 @@ def run(args: argparse.Namespace) -> int:
     clips = [
         manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files.values()
     ]
-    names, distances = list(files), _distances(manifold, clips, args.distance)
+    names, distances = (
+        list(files),
+        distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips]),
+    )
     nearest, said = _nearest(names, distances), []
     if args.output:
         _write_csv(names, distances, args.output)
-        said.append(f"{args.output}: {args.distance} of {len(names)} motions")
+        said.append(f"{args.output}: G of {len(names)} motions")
     if args.picture:
         # G is a sum of squares, and a length is none.
-        shown, named = (np.sqrt(distances), "√G")
-        if args.distance == GEODESIC:
-            shown, named = distances, GEODESIC
-        save_figure(matrix_figure(shown, names, named), args.picture)
-        said.append(f"{args.picture}: {named} of {len(names)} motions, clustered")
+        save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
+        said.append(f"{args.picture}: √G of {len(names)} motions, clustered")
     if args.json:
-        compared = {"distance": args.distance, "motions": names, "matrix": distances}
+        compared = {"distance": "G", "motions": names, "matrix": distances}
         print_json({**compared, "nearest": [other for other, _ in nearest]})
         return 0
     for name, (other, length) in zip(names, nearest, strict=True):
-        print(f"{name}: nearest is {other}, {args.distance} = {length:.3f}")
+        print(f"{name}: nearest is {other}, G = {length:.3f}")
     for line in said:
         print(line)
     return 0
-
-
-def _distances(manifold: MotionManifold, clips: list[np.ndarray], by: str) -> np.ndarray:
-    if by == GEODESIC:
-        return geodesic_matrix(manifold, clips)
-    return distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips])
 
 
 def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
@@ -121,7 +105,7 @@ def _nearest(names: list[str], distances: np.ndarray) -> list[tuple[str, float]]
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
-    with whole_file(path) as beside, open(beside, "w", newline="", encoding="utf-8") as file:
+    with atomic_write(path) as beside, open(beside, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["", *names])
         rows.writerows(

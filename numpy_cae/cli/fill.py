@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.baselines import PCA
+from numpy_cae.beyond import poses_of
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import MotionManifold, fill_motion_joint, fill_motion_keyframes, poses_of
+from numpy_cae.manifold import MotionManifold, fill_motion_joint, fill_motion_keyframes
 from numpy_cae.motion import Motion, find_motion_files, load_body
 
 
@@ -98,9 +99,7 @@ def _poses(
     if not args.data:
         return None
     files = [path for folder in args.data for path in find_motion_files(folder)]
-    return poses_of(
-        manifold, [manifold.features(load_body(path, mapping)[0])[0] for path in files]
-    )
+    return poses_of(manifold, [manifold.features(load_body(path, mapping)[0])[0] for path in files])
 
 
 def stepped(motion: Motion, every: int) -> Motion:

@@ -9,7 +9,7 @@ from pathlib import Path
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.manifold import interpolate, load_manifold
 from numpy_cae.manifold.in_rig import in_rig
-from numpy_cae.manifold.interpolate import GEODESIC, LINE, TRANSITION
+from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import PARENTS, body_of, load_body, write_bvh
 from numpy_cae.viz import PROJECTED, TRUTH, Actor, save_gif
 
@@ -37,13 +37,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="of the second motion, 0 to 1 (default: 0.5), or `transition`: from 0 at the first "
         "frame to 1 at the last",
     )
-    parser.add_argument(
-        "--along",
-        choices=(LINE, GEODESIC),
-        default=LINE,
-        help="the straight line of hidden units, as in the paper, or the shortest way along the "
-        f"manifold (default: {LINE})",
-    )
     parser.add_argument("--gif", type=Path, help="draw both motions and the one between, moving")
     kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
@@ -64,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     )
     one, start = manifold.features(first)
     other, _ = manifold.features(second)
-    between = interpolate(manifold, one, other, args.share, args.along)
+    between = interpolate(manifold, one, other, args.share)
     print(
         f"{args.first}: {len(one)} frames at 30 a second, {args.second}: {len(other)}, "
         f"{len(between)} of them used",

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.motion.sole_writer import sole_writer
-from numpy_cae.motion.whole_file import remove_leftovers
+from numpy_cae.lock import lock
 from numpy_cae.training import Checkpoint
 
 
@@ -42,7 +42,7 @@ def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
         If a run was interrupted and `resume` is not asked for.
     """
     checkpoint = Checkpoint(state_of(output), seconds, resume)
-    with sole_writer(output), _stopped_by_sigterm():
+    with lock(output), _stopped_by_sigterm():
         checkpoint.require_none_unless_resumed()
         remove_leftovers(output)
         yield checkpoint

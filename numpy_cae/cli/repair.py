@@ -6,12 +6,12 @@ import argparse
 import sys
 from pathlib import Path
 
+from numpy_cae.beyond import read_pins
 from numpy_cae.cli import one_motion
 from numpy_cae.manifold import (
     MotionManifold,
     is_sequential,
     load_sequences,
-    read_pins,
     repair,
     repair_sequence,
 )

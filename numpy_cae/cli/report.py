@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import ablation
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import add_json_argument, print_json
@@ -26,7 +27,6 @@ from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.reported import ALONE, REPORTED
 from numpy_cae.experiments.section import Section, run_section
 from numpy_cae.manifold import MotionManifold, load_manifold
-from numpy_cae.motion.whole_file import whole_file
 
 _THREADS = "OPENBLAS_NUM_THREADS"
 
@@ -112,7 +112,7 @@ def run(args: argparse.Namespace) -> int:
         ("report.html", page(ordered, how)),
         ("report.txt", plain_text(ordered, how)),
     ):
-        with whole_file(args.output / name) as beside:
+        with atomic_write(args.output / name) as beside:
             beside.write_text(text, encoding="utf-8")
     claims = sum(len(section.findings or []) for section in ordered)
     held = sum(section.held for section in ordered)

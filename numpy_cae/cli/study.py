@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_sequential
 from numpy_cae.cli.as_json import add_json_argument, print_json
-from numpy_cae.experiments.actions import Action, read_action, synthetic_action
-from numpy_cae.experiments.sequential import sequential
-from numpy_cae.manifold import load_manifold, save_sequences
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
+from numpy_cae.experiments.sequences.sequential import sequential
+from numpy_cae.manifold import save_sequences
 
 ACTIONS = ("walking", "waiting", "walking_dog")
 
@@ -39,12 +39,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         default=180.0,
         help="to learn from, of each action, without --data; as many to test on",
     )
-    add(
-        "--convolutional",
-        type=Path,
-        metavar="MODEL",
-        help="from `numpy-cae train`: project samples onto it, and measure what that mends",
-    )
     add("--seed", type=kinds.whole_number, default=0, help="of everything drawn")
     add("--quiet", action="store_true", help="show no progress")
     add_json_argument(parser)
@@ -55,7 +49,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read or make, train, measure, write."""
-    convolutional = load_manifold(args.convolutional) if args.convolutional else None
     actions = _read(args) if args.data else [_made(name, args) for name in args.actions]
     args.output.mkdir(parents=True, exist_ok=True)
     result = sequential(
@@ -66,11 +59,10 @@ def run(args: argparse.Namespace) -> int:
         args.latent,
         args.frames,
         show_progress=not args.quiet,
-        convolutional=convolutional,
     )
     findings = "\n".join(finding.text() for finding in result.findings())
     text = f"{result.text()}\n\n{findings}\n"
-    with whole_file(args.output / "study.txt") as beside:
+    with atomic_write(args.output / "study.txt") as beside:
         beside.write_text(text, encoding="utf-8")
     result.save_pictures(args.output)
     for name, manifold in result.manifolds.items():

@@ -7,10 +7,10 @@ import sys
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import print_json
-from numpy_cae.experiments.actions import read_action
-from numpy_cae.experiments.figure_3 import figure_3
-from numpy_cae.experiments.sequence_reconstruction import sequence_reconstruction
-from numpy_cae.experiments.sequence_study import Study
+from numpy_cae.experiments.sequences.actions import read_action
+from numpy_cae.experiments.sequences.figure_3 import figure_3
+from numpy_cae.experiments.sequences.sequence_reconstruction import sequence_reconstruction
+from numpy_cae.experiments.sequences.sequence_study import Study
 from numpy_cae.manifold import learn_sequences, save_sequences
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.motion import ANGLE_RATE, CLIP

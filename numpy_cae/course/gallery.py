@@ -15,7 +15,7 @@ from pathlib import Path
 
 from PIL import Image, PngImagePlugin
 
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.atomic_write import atomic_write
 
 TAG, MADE_OF = "gallery", "made of"
 WIDTH, HEIGHT = 480, 320
@@ -63,7 +63,7 @@ def write_picture(notebook: dict, lesson: str | Path) -> Path:
     small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
     said = PngImagePlugin.PngInfo()
     said.add_text(MADE_OF, _hash(drawn))
-    with whole_file(path) as beside:
+    with atomic_write(path) as beside:
         small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=said)
     return path
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.atomic_write import atomic_write
 
 
 def find_lessons(folder: str | Path) -> list[Path]:
@@ -51,5 +51,5 @@ def write_notebook(notebook: dict, path: str | Path) -> None:
         ],
     }
     text = json.dumps(lined, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
-    with whole_file(path) as beside:
+    with atomic_write(path) as beside:
         beside.write_text(text, encoding="utf-8")

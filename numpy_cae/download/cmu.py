@@ -20,8 +20,8 @@ from pathlib import Path
 
 from numpy_cae.download.archive import members, unpack
 from numpy_cae.download.fetch import DownloadError, fetch
+from numpy_cae.lock import lock
 from numpy_cae.motion import MotionFileError, read_amc, read_asf
-from numpy_cae.motion.sole_writer import sole_writer
 
 SITE = "http://mocap.cs.cmu.edu"
 ARCHIVE = "allasfamc.zip"
@@ -106,7 +106,7 @@ def download_cmu(
     folder, site, tally = Path(folder), site or CmuSite(), Tally()
     folder.mkdir(parents=True, exist_ok=True)
     said = said or (lambda name, done, total: None)
-    with sole_writer(folder / "download"):
+    with lock(folder / "download"):
         if subjects is None:
             _take_archive(folder, site, tally, said)
         else:

@@ -16,6 +16,8 @@ import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
+from numpy_cae.errors import NumpyCaeError
+
 CHUNK = 1 << 16
 OVERLAP = 4096
 """Bytes that are asked for again, to see that the file is still the one that was begun."""
@@ -25,7 +27,7 @@ TRIES = 5
 """In a row that bring nothing before it is given up."""
 
 
-class DownloadError(OSError):
+class DownloadError(NumpyCaeError, OSError):
     """A file that did not come, or not whole."""
 
 

@@ -6,25 +6,24 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from numpy_cae.experiments.comparison import comparison
-from numpy_cae.experiments.constrained_projection import constrained_projection
-from numpy_cae.experiments.excited import excited
-from numpy_cae.experiments.filters import filters
+from numpy_cae.experiments.comparison.comparison import comparison
+from numpy_cae.experiments.comparison.nearest import nearest
+from numpy_cae.experiments.filters.filters import filters
+from numpy_cae.experiments.filters.top_activations import excited
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.geodesics import geodesics
-from numpy_cae.experiments.interpolation import interpolation
-from numpy_cae.experiments.kinect import kinect
-from numpy_cae.experiments.known_holes import known_holes
-from numpy_cae.experiments.lengths import lengths
+from numpy_cae.experiments.interpolation.interpolation import interpolation
+from numpy_cae.experiments.interpolation.sampling import sampling
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.missing_marker import missing_marker
-from numpy_cae.experiments.nearest import nearest
-from numpy_cae.experiments.repair_sweep import repair_sweep
-from numpy_cae.experiments.sampling import sampling
-from numpy_cae.experiments.shift import shift
-from numpy_cae.experiments.stepped_keyframes import stepped_keyframes
+from numpy_cae.experiments.repair.constrained_projection import constrained_projection
+from numpy_cae.experiments.repair.kinect import kinect
+from numpy_cae.experiments.repair.known_holes import known_holes
+from numpy_cae.experiments.repair.lengths import lengths
+from numpy_cae.experiments.repair.missing_marker import missing_marker
+from numpy_cae.experiments.repair.repair_sweep import repair_sweep
+from numpy_cae.experiments.repair.shift import shift
+from numpy_cae.experiments.repair.stepped_keyframes import stepped_keyframes
+from numpy_cae.experiments.repair.two_unpoolings import two_unpoolings
 from numpy_cae.experiments.times import times
-from numpy_cae.experiments.two_unpoolings import two_unpoolings
 from numpy_cae.manifold import MotionManifold
 
 
@@ -58,7 +57,6 @@ REPORTED: dict[str, Experiment] = {
         interpolation,
         nearest,
         comparison,
-        geodesics,
         shift,
         sampling,
         filters,

@@ -86,8 +86,7 @@ def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str
     # Not all takes may be among them.
     takes = len(np.unique(testing.take))
     return testing, (
-        f"Measured on {len(testing)} windows of {takes} takes that nothing was "
-        f"trained on."
+        f"Measured on {len(testing)} windows of {takes} takes that nothing was trained on."
     )
 
 

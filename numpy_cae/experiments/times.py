@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy_cae.bench.paper import EPOCHS, MINUTES, WINDOWS
 from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.experiments.clips import clips_of
-from numpy_cae.experiments.distances import untrained
+from numpy_cae.experiments.comparison.distances import untrained
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.table import text_table

@@ -1,19 +1,14 @@
 """What a trained network is for."""
 
+from numpy_cae.array_file import ModelFileError
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature
-from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.fill import fill_joint, fill_keyframes
 from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyframes
-from numpy_cae.manifold.geodesic import Geodesic, geodesic, geodesic_lengths
-from numpy_cae.manifold.geodesic_distance import geodesic_matrix
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold
 from numpy_cae.manifold.long_sequences import project_sequence, sample_sequence
-from numpy_cae.manifold.model_arrays import ModelFileError
 from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.observed import poses_of, project_observed
-from numpy_cae.manifold.pins import Pin, Pins, read_pins
 from numpy_cae.manifold.repair import repair
 from numpy_cae.manifold.sample import NeighbourPrior, sample
 from numpy_cae.manifold.sequence_file import is_sequential, load_sequences, save_sequences
@@ -23,21 +18,15 @@ from numpy_cae.manifold.sequence_repair import repair_sequence
 
 __all__ = [
     "G",
-    "Geodesic",
     "ModelFileError",
     "MotionManifold",
     "NeighbourPrior",
-    "Pin",
-    "Pins",
     "SequenceManifold",
     "distance_matrix",
     "fill_joint",
     "fill_keyframes",
     "fill_motion_joint",
     "fill_motion_keyframes",
-    "geodesic",
-    "geodesic_lengths",
-    "geodesic_matrix",
     "hidden_units",
     "interpolate",
     "is_sequential",
@@ -45,11 +34,7 @@ __all__ = [
     "learn_sequences",
     "load_manifold",
     "load_sequences",
-    "poses_of",
-    "project_constrained",
-    "project_observed",
     "project_sequence",
-    "read_pins",
     "repair",
     "repair_sequence",
     "sample",

@@ -12,13 +12,12 @@ import numpy as np
 from numpy_cae.baselines import PCA
 from numpy_cae.manifold.fill import between, eased, fill_between, fill_joint, require_joint
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.observed import project_observed
-from numpy_cae.motion.body import RATE, at_rate_of, body_of
 from numpy_cae.motion.features import Place, features_to_positions, joint_slice
-from numpy_cae.motion.follow import follow, moves_alone
 from numpy_cae.motion.joints import JOINTS, PARENTS, body_positions
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion, slerp
+from numpy_cae.motion.retarget.to_body import RATE, at_rate_of, body_of
+from numpy_cae.motion.retarget.to_rig import follow, moves_alone
 
 
 def fill_motion_joint(
@@ -105,6 +104,8 @@ def _filled(
 ) -> np.ndarray:
     """Features with the joint filled in the poses in which it is missing, (F,) bool."""
     if fit:
+        from numpy_cae.beyond.observed import project_observed
+
         known = np.ones(features.shape, bool)
         known[missing, joint_slice(joint)] = False
         return project_observed(manifold, features, known, poses=poses)

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.body import RATE, at_rate_of, body_of
 from numpy_cae.motion.features import Place, features_to_positions
-from numpy_cae.motion.follow import follow
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.to_body import RATE, at_rate_of, body_of
+from numpy_cae.motion.retarget.to_rig import follow
 
 
 def in_rig(

@@ -3,22 +3,16 @@
     X̂_s = Φ†((1 - s) Φ(X_0) + s Φ(X_1))
 
 The hidden units lie within [-1, 1], and so does everything between them: the space has no holes.
-Besides that straight line there is the way that is shortest in what it decodes to (`geodesic`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.manifold.geodesic import geodesic
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
 TRANSITION = "transition"
 """For a share that grows from 0 at the first frame to 1 at the last."""
-LINE, GEODESIC = "line", "geodesic"
-"""Ways through the hidden units."""
 
 
 def shares(share: float | str, steps: int) -> np.ndarray:
@@ -41,7 +35,6 @@ def interpolate(
     first: np.ndarray,
     second: np.ndarray,
     share: float | str = 0.5,
-    along: str = LINE,
 ) -> np.ndarray:
     """The motion between two motions that lies on the manifold.
 
@@ -56,9 +49,6 @@ def interpolate(
     share : float or "transition"
         0 is the projection of the first motion, 1 that of the second; a transition begins as the
         one and ends as the other.
-    along : "line" or "geodesic"
-        The straight line of hidden units, as in the paper, or the shortest way of what they decode
-        to; of the latter a share is a share of its length.
 
     Returns
     -------
@@ -67,38 +57,14 @@ def interpolate(
     Raises
     ------
     ValueError
-        If a motion has no frames, or the share or the way makes no sense.
+        If a motion has no frames, or the share makes no sense.
     """
-    return way_between(manifold, first, second, along)(share)
-
-
-def way_between(
-    manifold: MotionManifold, first: np.ndarray, second: np.ndarray, along: str = LINE
-) -> Callable[[float | str], np.ndarray]:
-    """`interpolate` of two motions by share: a geodesic is looked for once, for every share."""
-    if along not in (LINE, GEODESIC):
-        raise ValueError(f"the way is along {along!r}, expected {LINE!r} or {GEODESIC!r}")
     frames = min(len(first), len(second))
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
     one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
-    path = np.stack([one, other])
-    if along == GEODESIC:
-        path = geodesic(manifold, one, other).units
     # A unit stands for 8 frames, the first of them `reach` frames before the clip.
     middles = (np.arange(len(one)) + 0.5) * manifold.network.frames_per_unit - 0.5 - manifold.reach
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
-
-    def between(share: float | str) -> np.ndarray:
-        return manifold.decode(_at(path, shares(share, frames)[nearest, 0]), frames)
-
-    return between
-
-
-def _at(path: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """Hidden units at each one's own share s (units,) of a path (N + 1, units, 256) of even steps:
-    straight from point to point."""
-    place = s * (len(path) - 1)
-    before = np.minimum(place.astype(int), len(path) - 2)
-    rest, unit = (place - before).astype(path.dtype)[:, None], np.arange(path.shape[1])
-    return (1 - rest) * path[before, unit] + rest * path[before + 1, unit]
+    s = shares(share, frames)[nearest].astype(one.dtype)
+    return manifold.decode((1 - s) * one + s * other, frames)

@@ -9,7 +9,6 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.body import RATE
 from numpy_cae.motion.features import (
     FEATURES,
     POSITIONS,
@@ -17,6 +16,7 @@ from numpy_cae.motion.features import (
     VELOCITY,
 )
 from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
+from numpy_cae.motion.retarget.to_body import RATE
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 from numpy_cae.training import Checkpoint, Schedule, train_autoencoder
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.manifold.model_arrays import (
+from numpy_cae.array_file import (
     checked,
     load_arrays,
     positive,

@@ -8,13 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from numpy_cae.manifold.constrained import project_constrained
 from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.pins import Pin, pins_for
-from numpy_cae.motion.body import body_of
 from numpy_cae.motion.features import VELOCITY, Place, steps_along, way_of
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.to_body import body_of
 
 WAY_SECONDS = 1 / 3
 """Spread of the Gaussian that tells the slow part of a way, as for the heading."""
@@ -25,7 +23,7 @@ def repair(
     manifold: MotionManifold,
     mapping: dict[str, str] | None = None,
     constrained: bool = False,
-    pins: Sequence[Pin] = (),
+    pins: Sequence = (),
 ) -> Motion:
     """The motion on the manifold that stands for `motion`, on the rig that came in: the mean of its
     projections at all places of the pooling grid (`manifold.blind.project_shifted`).
@@ -56,6 +54,9 @@ def repair(
     UnknownRigError
         If joints are missing.
     """
+    from numpy_cae.beyond.constrained import project_constrained
+    from numpy_cae.beyond.pins import pins_for
+
     features, start = manifold.features(body_of(motion, mapping))
     if constrained or pins:
         wanted = pins_for(pins, motion, manifold, mapping) if pins else None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.manifold.model_arrays import (
+from numpy_cae.array_file import (
     checked,
     form_of,
     load_arrays,

@@ -7,11 +7,11 @@ import numpy as np
 from numpy_cae.manifold.long_sequences import project_sequence
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.motion.angles import angles_of
-from numpy_cae.motion.body import at_rate_of, body_of
-from numpy_cae.motion.follow import follow
+from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.t_pose import without_t_pose
+from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
+from numpy_cae.motion.retarget.to_rig import follow
 
 
 def repair_sequence(

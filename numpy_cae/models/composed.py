@@ -1,7 +1,7 @@
 """Equations 1 to 3 for a stack of layers, composed of `numpy_cae.ops`: the definition.
 
 Operations forwards in their order, pullbacks backwards in reverse order. `ConvAutoencoder` computes
-the same by `numpy_cae.models.fast`, which tests hold equal to what stands here.
+the same by `numpy_cae.fast.network`, which tests hold equal to what stands here.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """jang2018's network and its loss, composed of `numpy_cae.ops`: the definition.
 
 Operations forwards in their order, pullbacks backwards in reverse order. `SequentialAutoencoder`
-computes the same by `numpy_cae.models.fast_sequence`, which tests hold equal to what stands here.
+computes the same by `numpy_cae.fast.sequence_network`, which tests hold equal to what stands here.
 """
 
 from __future__ import annotations

@@ -11,9 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from numpy_cae.fast.network import FastNetwork
 from numpy_cae.models.composed import Gradients, Objective
 from numpy_cae.models.conv_layer import ConvLayer
-from numpy_cae.models.fast import FastNetwork
 from numpy_cae.ops.shapes import require_shape
 
 

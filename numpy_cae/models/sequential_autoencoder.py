@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from numpy_cae.fast.sequence_network import FastSequence
 from numpy_cae.models.composed_sequence import Losses
-from numpy_cae.models.fast_sequence import FastSequence
 from numpy_cae.models.sequence_weights import Weights, initial_weights
 from numpy_cae.ops.shapes import require_shape
 

@@ -14,8 +14,6 @@ from numpy_cae.motion.angles import (
     motion_of,
     on_floor,
 )
-from numpy_cae.motion.body import at_rate_of, body_of, load_body
-from numpy_cae.motion.error import MotionFileError
 from numpy_cae.motion.features import (
     FEATURES,
     POSITIONS,
@@ -26,8 +24,15 @@ from numpy_cae.motion.features import (
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.fit import fit_motion
-from numpy_cae.motion.follow import follow
+from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.load import find_motion_files, load_motion
+from numpy_cae.motion.io.read_amc import read_amc
+from numpy_cae.motion.io.read_asf import read_asf
+from numpy_cae.motion.io.read_bvh import read_bvh
+from numpy_cae.motion.io.read_expmap import read_expmap
+from numpy_cae.motion.io.t_pose import without_t_pose
+from numpy_cae.motion.io.write_acclaim import write_acclaim, write_amc, write_asf
+from numpy_cae.motion.io.write_bvh import write_bvh
 from numpy_cae.motion.joints import (
     JOINTS,
     PARENTS,
@@ -37,19 +42,14 @@ from numpy_cae.motion.joints import (
     read_mapping,
 )
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.load import find_motion_files, load_motion
 from numpy_cae.motion.load_windows import FileWindows, load_windows
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.read_amc import read_amc
-from numpy_cae.motion.read_asf import read_asf
-from numpy_cae.motion.read_bvh import read_bvh
-from numpy_cae.motion.read_expmap import read_expmap
+from numpy_cae.motion.retarget.fit import fit_motion
+from numpy_cae.motion.retarget.to_body import at_rate_of, body_of, load_body
+from numpy_cae.motion.retarget.to_rig import follow
 from numpy_cae.motion.skeleton import Skeleton
-from numpy_cae.motion.t_pose import without_t_pose
 from numpy_cae.motion.unwrap import unwrapped
 from numpy_cae.motion.windows import cut_windows, hold_last_pose
-from numpy_cae.motion.write_acclaim import write_acclaim, write_amc, write_asf
-from numpy_cae.motion.write_bvh import write_bvh
 
 __all__ = [
     "ANGLES",

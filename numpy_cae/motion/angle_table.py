@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.motion.expmap_rigs import HUMAN36M
+from numpy_cae.motion.io.expmap_rigs import HUMAN36M
 from numpy_cae.motion.joints import JOINTS, PARENTS, find_joints
 from numpy_cae.motion.skeleton import Skeleton
 

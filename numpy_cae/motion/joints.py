@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -81,7 +82,7 @@ RIGS: dict[str, dict[str, str]] = {
 }
 
 
-class UnknownRigError(ValueError):
+class UnknownRigError(NumpyCaeError, ValueError):
     """A skeleton in which some of the twenty joints could not be found."""
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.error import MotionFileError
+from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 _LEGS = [

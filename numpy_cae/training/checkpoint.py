@@ -22,10 +22,12 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.errors import NumpyCaeError
+
 FORMAT = "numpy_cae checkpoint 1"
 
 
-class CheckpointError(ValueError):
+class CheckpointError(NumpyCaeError, ValueError):
     """A checkpoint that cannot be gone on with, or cannot be written."""
 
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.models import ConvAutoencoder
 
 
-class DivergedError(ArithmeticError):
+class DivergedError(NumpyCaeError, ArithmeticError):
     """Training whose loss is no longer a number.
 
     Parameters

@@ -117,9 +117,7 @@ def train_sequential(
     return history
 
 
-def _kept(
-    model: SequentialAutoencoder, velocities: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def _kept(model: SequentialAutoencoder, velocities: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The arrays that the rest of the training depends on."""
     named = {f"velocity of {name}": array for name, array in velocities.items()}
     return dict(model.weights) | named

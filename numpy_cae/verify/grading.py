@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from numpy_cae import ops
+from numpy_cae.course.exercises import EXERCISES
 from numpy_cae.verify.catalogue import properties
-from numpy_cae.verify.exercises import EXERCISES
 from numpy_cae.verify.notebook import exercise_source
 from numpy_cae.verify.reporting import WIDTH, Report, report_on, require_operation
 from numpy_cae.verify.sandbox.refusal import refused_imports

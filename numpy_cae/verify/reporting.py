@@ -6,9 +6,9 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from numpy_cae.course.exercises import EXERCISES
 from numpy_cae.verify.catalogue import properties, properties_of
 from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
-from numpy_cae.verify.exercises import EXERCISES
 from numpy_cae.verify.property import Property
 from numpy_cae.verify.trial import Outcome, try_property
 

@@ -9,7 +9,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.camera import below, bones, seen
 from numpy_cae.viz.strip import Actor
 
@@ -51,7 +51,7 @@ def save_gif(
         return [artist for panel in panels for artist in panel.draw(frame)]
 
     animation = FuncAnimation(figure, draw, frames=moments, blit=False, init_func=lambda: [])
-    with whole_file(path) as beside:
+    with atomic_write(path) as beside:
         animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=80)
 
 

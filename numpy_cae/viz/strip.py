@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from numpy_cae.motion.whole_file import whole_file
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.camera import below, bones, seen
 from numpy_cae.viz.colours import PLAIN
 
@@ -85,5 +85,5 @@ def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
 
 def save_figure(figure: Figure, path: str | Path, dpi: int = 110) -> None:
     """Write a figure as PNG, beside first and then moved into place."""
-    with whole_file(path) as beside:
+    with atomic_write(path) as beside:
         figure.savefig(beside, format="png", dpi=dpi, facecolor="white")

@@ -17,7 +17,7 @@ from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.manifold import load_manifold, load_sequences
 from numpy_cae.motion import write_bvh
-from numpy_cae.motion.sole_writer import sole_writer
+from numpy_cae.lock import lock
 
 TINY = (
     "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
@@ -142,7 +142,7 @@ def test_the_sequential_model_killed_a_hundred_times(folder, whole_sequential, t
 
 def test_a_second_process_on_the_same_output_is_refused(folder, tmp_path, capsys):
     out = tmp_path / "m.npz"
-    with sole_writer(out):
+    with lock(out):
         assert main(["train", str(folder), "-o", str(out), *TINY]) == 2
     assert "another process is writing to it" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

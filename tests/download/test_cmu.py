@@ -12,7 +12,7 @@ from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
 from numpy_cae.motion import MotionFileError, find_motion_files, load_motion, write_amc, write_asf
-from numpy_cae.motion.sole_writer import sole_writer
+from numpy_cae.lock import lock
 
 PAGE = """<TD><A HREF="http://other:8080/subjects/07/07.asf">asf</A>
 <a href="subjects/07/07_01.amc">amc</a><A HREF="subjects/07/07_02.amc">amc</A>
@@ -160,7 +160,7 @@ def test_a_link_in_the_folder_is_not_followed(site, tmp_path):
 
 
 def test_one_at_a_time_in_a_folder(site, tmp_path):
-    with sole_writer(tmp_path / "download"), pytest.raises(MotionFileError, match="another"):
+    with lock(tmp_path / "download"), pytest.raises(MotionFileError, match="another"):
         download_cmu(tmp_path, [7], polite(site))
     assert download_cmu(tmp_path, [7], polite(site)).new == 3
 

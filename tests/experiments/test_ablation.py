@@ -7,9 +7,9 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.experiments import ablation as room
-from numpy_cae.experiments.ablation import ablation
-from numpy_cae.experiments.ablation_baselines import BASELINES, LINEAR
-from numpy_cae.experiments.ablation_choices import (
+from numpy_cae.experiments.ablation.ablation import ablation
+from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR
+from numpy_cae.experiments.ablation.choices import (
     AVERAGE,
     DEPTH,
     LATENT,
@@ -18,8 +18,8 @@ from numpy_cae.experiments.ablation_choices import (
     doubling,
     parameters_of,
 )
-from numpy_cae.experiments.ablation_result import Ablation, Row
-from numpy_cae.experiments.yardstick import Measured, Yardstick
+from numpy_cae.experiments.ablation.ablation_result import Ablation, Row
+from numpy_cae.experiments.ablation.evaluation import Measured, Yardstick
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import DivergedError
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.distances import (
+from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
     EUCLIDEAN,
     all_distances,

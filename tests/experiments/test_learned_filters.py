@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.distances import untrained
-from numpy_cae.experiments.filters import filters
-from numpy_cae.experiments.responses import LIMBS
+from numpy_cae.experiments.comparison.distances import untrained
+from numpy_cae.experiments.filters.filters import filters
+from numpy_cae.experiments.filters.responses import LIMBS
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.experiments import nearest as story
-from numpy_cae.experiments.distances import euclidean
+from numpy_cae.experiments.comparison.distances import euclidean
 
 
 @pytest.fixture(scope="module")

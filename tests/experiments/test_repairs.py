@@ -13,10 +13,10 @@ from numpy_cae.experiments.clips import (
     clips_of,
     project_ends_held,
 )
-from numpy_cae.experiments.kinect import SEEN, kinect
-from numpy_cae.experiments.kinect import TRUE as KINECT_TRUTH
-from numpy_cae.experiments.missing_marker import MEAN_POSE, TOLD, missing_marker
-from numpy_cae.experiments.repair_sweep import (
+from numpy_cae.experiments.repair.kinect import SEEN, kinect
+from numpy_cae.experiments.repair.kinect import TRUE as KINECT_TRUTH
+from numpy_cae.experiments.repair.missing_marker import MEAN_POSE, TOLD, missing_marker
+from numpy_cae.experiments.repair.repair_sweep import (
     CORRUPTED_ROW,
     INTERPOLATED,
     LINEAR,
@@ -25,9 +25,9 @@ from numpy_cae.experiments.repair_sweep import (
     RepairSweep,
     repair_sweep,
 )
-from numpy_cae.experiments.stepped_keyframes import CUBIC, HELD, TRUE, stepped_keyframes
-from numpy_cae.experiments.stepped_keyframes import LINEAR as LINEAR_KEYS
-from numpy_cae.experiments.two_unpoolings import EVEN, RANDOM, two_unpoolings
+from numpy_cae.experiments.repair.stepped_keyframes import CUBIC, HELD, TRUE, stepped_keyframes
+from numpy_cae.experiments.repair.stepped_keyframes import LINEAR as LINEAR_KEYS
+from numpy_cae.experiments.repair.two_unpoolings import EVEN, RANDOM, two_unpoolings
 from numpy_cae.motion import JOINTS
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.responses import LIMBS, Responses, decoded, encoded, responses_of
+from numpy_cae.experiments.filters.responses import LIMBS, Responses, decoded, encoded, responses_of
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import joint_slice
 

@@ -6,27 +6,27 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.experiments.actions import Action, read_action, synthetic_action
-from numpy_cae.experiments.figure_2 import Figure2, figure_2
-from numpy_cae.experiments.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
-from numpy_cae.experiments.regulariser import _whitened, regulariser
-from numpy_cae.experiments.sequence_long import BLENDED, GLUED, sequence_long
-from numpy_cae.experiments.sequence_reconstruction import (
+from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
+from numpy_cae.experiments.sequences.figure_2 import Figure2, figure_2
+from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
+from numpy_cae.experiments.sequences.regulariser import _whitened, regulariser
+from numpy_cae.experiments.sequences.sequence_long import BLENDED, GLUED, sequence_long
+from numpy_cae.experiments.sequences.sequence_reconstruction import (
     HELD,
     LINEAR,
     MEAN,
     NETWORK,
     sequence_reconstruction,
 )
-from numpy_cae.experiments.sequence_samples import sequence_samples
-from numpy_cae.experiments.sequence_study import (
+from numpy_cae.experiments.sequences.sequence_samples import sequence_samples
+from numpy_cae.experiments.sequences.sequence_study import (
     Curve,
     between_draws_of_the_prior,
     discrepancy,
     study,
 )
-from numpy_cae.experiments.sequence_uses import sequence_uses
-from numpy_cae.experiments.teacher_forcing import TeacherForced, teacher_forcing
+from numpy_cae.experiments.sequences.sequence_uses import sequence_uses
+from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule

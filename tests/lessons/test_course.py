@@ -13,8 +13,8 @@ from numpy_cae import ops, verify, viz
 from numpy_cae.cli import main
 from numpy_cae.course import read_notebook, source_hash, student_copy, write_notebook
 from numpy_cae.motion import PARENTS
-from numpy_cae.verify.exercises import EXERCISES, LESSONS
-from numpy_cae.verify.exercises.exercise import Claim, exercise, require_same, unaltered
+from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.exercises.exercise import Claim, exercise, require_same, unaltered
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.trial import try_property
 

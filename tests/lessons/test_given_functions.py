@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from numpy_cae.course import find_lessons, read_notebook
-from numpy_cae.verify.exercises import LESSONS
+from numpy_cae.course.exercises import LESSONS
 from numpy_cae.verify.grading import grade
 
 ENCODE = """

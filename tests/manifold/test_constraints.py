@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from numpy_cae.manifold import constraints
-from numpy_cae.manifold.exact_lengths import exact_lengths
+from numpy_cae.beyond import constraints
+from numpy_cae.beyond.exact_lengths import exact_lengths
 from numpy_cae.motion import JOINTS, Place, features_to_positions
 from numpy_cae.verify import check_gradients
 

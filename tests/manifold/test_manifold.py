@@ -5,16 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from numpy_cae.manifold import (
-    ModelFileError,
-    MotionManifold,
-    learn_manifold,
-    load_manifold,
-    save_manifold,
-)
+from numpy_cae.manifold import ModelFileError, MotionManifold, learn_manifold, load_manifold, save_manifold
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, POSITIONS, TURN, VELOCITY, bone_lengths, fit_motion
-from numpy_cae.motion.fit import body_skeleton
+from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.training import Schedule, Stage
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100

@@ -8,8 +8,9 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import MotionManifold, Pin, read_pins, repair, save_manifold
-from numpy_cae.manifold.pins import pins_for
+from numpy_cae.beyond import Pin, read_pins
+from numpy_cae.manifold import MotionManifold, repair, save_manifold
+from numpy_cae.beyond.pins import pins_for
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import (
     JOINTS,

@@ -20,7 +20,7 @@ from numpy_cae.measures import (
 )
 from numpy_cae.measures.joint_limits import ANGLES
 from numpy_cae.motion import JOINTS, body_of, bone_lengths, positions_to_features
-from numpy_cae.motion.fit import body_skeleton
+from numpy_cae.motion.retarget.fit import body_skeleton
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")

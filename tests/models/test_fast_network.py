@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.models import ConvAutoencoder, composed
-from numpy_cae.models.fast import FastNetwork, network
-from numpy_cae.models.fast.blas import blas_threads, one_blas_thread
-from numpy_cae.models.fast.team import share, team
+from numpy_cae.fast.network import FastNetwork, network
+from numpy_cae.fast.blas import blas_threads, one_blas_thread
+from numpy_cae.fast.team import share, team
 
 TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.models import SequentialAutoencoder, composed_sequence
-from numpy_cae.models.fast_sequence import FastSequence, network
+from numpy_cae.fast.sequence_network import FastSequence, network
 from numpy_cae.training import unit_directions
 from numpy_cae.verify import check_gradients
 

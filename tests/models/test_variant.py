@@ -5,7 +5,7 @@ import pytest
 
 from numpy_cae import ops
 from numpy_cae.models import ConvAutoencoder, composed
-from numpy_cae.models.variant import VariantAutoencoder
+from numpy_cae.experiments.ablation.variant import VariantAutoencoder
 from numpy_cae.verify import check_gradients
 
 TINY = {"features": 3, "filters": (2, 3), "taps": 3, "dtype": np.float64}

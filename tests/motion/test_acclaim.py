@@ -9,7 +9,7 @@ import pytest
 from plain_bvh import about
 
 from numpy_cae.motion import MotionFileError, load_motion, read_amc, read_asf
-from numpy_cae.motion.units import CMU_UNIT
+from numpy_cae.motion.io.units import CMU_UNIT
 
 ASF = """# a leg and a stump
 :version 1.10

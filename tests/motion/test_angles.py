@@ -23,7 +23,7 @@ from numpy_cae.motion import (
     write_bvh,
 )
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, TABLES
-from numpy_cae.motion.expmap_rigs import HUMAN36M
+from numpy_cae.motion.io.expmap_rigs import HUMAN36M
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from numpy_cae.motion import decimals as module
-from numpy_cae.motion.decimals import a_word_at_a_time, decimals
+from numpy_cae.motion.io.decimals import a_word_at_a_time, decimals
 
 DIGITS = st.text("0123456789", max_size=19)
 NUMBERS = st.one_of(

@@ -23,7 +23,7 @@ from numpy_cae.motion import (
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.fit import body_skeleton
+from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.heading import heading
 
 SIDES = ("left", "right")

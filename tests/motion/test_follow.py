@@ -20,8 +20,8 @@ from numpy_cae.motion import (
     follow,
     load_motion,
 )
-from numpy_cae.motion.fit import body_skeleton
-from numpy_cae.motion.turns import fan, swing
+from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.retarget.turns import fan, swing
 
 LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.motion import Skeleton, find_motion_files, load_motion, write_bvh
-from numpy_cae.motion.units import CMU_UNIT, TIP_TO_TIP, UNITS, guess_unit, stature, unit_name
+from numpy_cae.motion.io.units import CMU_UNIT, TIP_TO_TIP, UNITS, guess_unit, stature, unit_name
 
 
 def test_the_longest_way_from_tip_to_tip():

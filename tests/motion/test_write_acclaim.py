@@ -20,7 +20,7 @@ from numpy_cae.motion import (
     write_amc,
     write_asf,
 )
-from numpy_cae.motion.units import CMU_UNIT
+from numpy_cae.motion.io.units import CMU_UNIT
 
 
 def drawn_motion(seed: int, joints: int = 7, frames: int = 4, rate: float = 120.0) -> Motion:

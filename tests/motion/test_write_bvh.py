@@ -14,7 +14,7 @@ from plain_bvh import PlainJoint, plain_positions
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import Motion, MotionFileError, Skeleton, load_motion, read_bvh, write_bvh
-from numpy_cae.motion.units import CMU_UNIT
+from numpy_cae.motion.io.units import CMU_UNIT
 
 
 def drawn_motion(seed: int, joints: int = 6, frames: int = 5, unit: float = 0.01) -> Motion:
@@ -185,7 +185,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     # The package's name write_bvh is the function, so the module has to be asked for.
-    module = importlib.import_module("numpy_cae.motion.write_bvh")
+    module = importlib.import_module("numpy_cae.motion.io.write_bvh")
     monkeypatch.setattr(module, "_frame_lines", full_disk)
     with pytest.raises(MotionFileError, match="cannot be written: No space left") as failed:
         write_bvh(drawn_motion(0), path)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from numpy_cae.ops.fast.blocks import block_length, blocks, overlap_add, overlapping
+from numpy_cae.fast.blocks import block_length, blocks, overlap_add, overlapping
 
 
 @given(taps=st.integers(1, 25), frames=st.integers(1, 60), seed=st.integers(0, 2**32 - 1))

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from numpy_cae.ops.fast import products
-from numpy_cae.ops.fast.products import multiply_columns, multiply_rows
+from numpy_cae.fast.convolution import products
+from numpy_cae.fast.products import multiply_columns, multiply_rows
 
 LENGTH = st.integers(0, 40)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.models.fast import FastNetwork, network
+from numpy_cae.fast.network import FastNetwork, network
 from numpy_cae.training import Schedule, Stage, train_autoencoder
 
 

@@ -1,0 +1,1 @@
+"""The computations of `numpy_cae.models`, faster."""

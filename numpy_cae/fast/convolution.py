@@ -1,0 +1,120 @@
+"""`conv1d` with a quarter of the arithmetic: whole blocks of frames through their spectra."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from numpy_cae.fast.blocks import Blocks, block_length, blocks, overlap_add, overlapping
+from numpy_cae.ops.convolution import Pullback
+from numpy_cae.ops.shapes import require_shape
+
+LONGEST_BLOCK = 40
+"""Longer blocks save products and cost more in A and C; with 15 taps and some 64 channels both
+meet between 30 and 50 frames."""
+
+
+def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """y[t] = Σ_k x[t + k - K//2] · w[k] + b: what `ops.conv1d` is, by y = C ((A x) ∘ (G w)) + b.
+
+    A, G and C are the constant matrices of `numpy_cae.fast.blocks`, where they are derived. For
+    every block j of L frames, in the order of the code:
+
+        u[s, j] = Σ_n A[s, n] · x[j L + n]      the N = L + K - 1 frames that block j reads
+        ŵ[s]    = Σ_k G[s, k] · w[k]
+        v[s, j] = u[s, j] · ŵ[s]                ∘, a matrix product over the channels
+        y[j L + t] = Σ_s C[t, s] · v[s, j]
+
+    All four are linear, so the pullback is their transposes in reverse order:
+
+        dv[s, j] = Σ_t C[t, s] · dy[j L + t]
+        dŵ[s]    = Σ_j u[s, j]ᵀ · dv[s, j]      dw[k] = Σ_s G[s, k] · dŵ[s]
+        du[s, j] = dv[s, j] · ŵ[s]ᵀ             dx[j L + n] += Σ_s A[s, n] · du[s, j]
+
+    where the last adds up what overlapping blocks give to a frame that they share. With time as
+    the leading axis, each of these lines is a plain matrix product.
+
+    Parameters
+    ----------
+    x : (B, T, C) array of float
+        B windows of T frames of C channels.
+    w : (K, C, D) array of float
+        D filters of K taps over C channels; K is odd.
+    b : (D,) array of float
+
+    Returns
+    -------
+    y : (B, T, D) array
+    pullback : dy -> (dx, dw, db)
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit or K is even.
+
+    References
+    ----------
+    holden2015, section 5, equation 1. S. Winograd, "Arithmetic Complexity of Computations",
+    SIAM 1980: every bilinear algorithm has this form, and no correlation of L frames and K taps
+    needs fewer than L + K - 1 products (this one spends half more, and keeps float32 exact).
+    """
+    require_shape("w", w, ("taps", "in", "out"))
+    taps, channels, filters = w.shape
+    require_shape("x", x, ("batch", "frames", channels))
+    require_shape("b", b, (filters,))
+    if taps % 2 == 0:
+        raise ValueError(f"w has shape {w.shape}: the number of taps must be odd, got {taps}")
+
+    batch, frames, _ = x.shape
+    dtype = np.result_type(x, w, b)
+    length, count = block_length(frames, LONGEST_BLOCK)
+    matrices = blocks(taps, length, dtype.name)
+    products = matrices.products
+
+    w_hat = (matrices.g @ w.reshape(taps, -1)).reshape(products, channels, filters)
+    padded = _time_first(x, taps // 2, matrices, count, dtype)
+    u = _analyse(matrices.a, overlapping(padded, matrices, count)).reshape(products, -1, channels)
+    v = u @ w_hat
+    y = _synthesise(matrices.c, v.reshape(products, count, -1))
+    y = _batch_first(y.reshape(-1, batch * filters), batch, frames) + b
+
+    def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        require_shape("dy", dy, y.shape)
+        dy_blocks = _time_first(dy, 0, matrices, count, dtype)[: count * length]
+        dv = _analyse(matrices.c.T, dy_blocks.reshape(count, length, -1))
+        dv = dv.reshape(products, -1, filters)
+        dw_hat = u.transpose(0, 2, 1) @ dv
+        dw = (matrices.g.T @ dw_hat.reshape(products, -1)).reshape(w.shape)
+        du = dv @ w_hat.transpose(0, 2, 1)
+        dx_blocks = _synthesise(matrices.a.T, du.reshape(products, count, -1))
+        dx_padded = np.empty_like(padded)
+        overlap_add(dx_blocks, matrices, dx_padded)
+        dx = _batch_first(dx_padded[taps // 2 :], batch, frames)
+        return dx, dw, dy.sum(axis=(0, 1))
+
+    return y, pullback
+
+
+def _time_first(
+    x: np.ndarray, before: int, matrices: Blocks, count: int, dtype: np.dtype
+) -> np.ndarray:
+    """(B, T, C) as (count · L + K - 1, B · C): zeros `before` the first and after the last."""
+    batch, frames, channels = x.shape
+    rows = (count - 1) * matrices.frames + matrices.points
+    padded = np.zeros((rows, batch, channels), dtype=dtype)
+    padded[before : before + frames] = x.transpose(1, 0, 2)
+    return padded.reshape(rows, batch * channels)
+
+
+def _batch_first(rows: np.ndarray, batch: int, frames: int) -> np.ndarray:
+    """The first T rows of (…, B · C) as (B, T, C)."""
+    return np.ascontiguousarray(rows[:frames].reshape(frames, batch, -1).transpose(1, 0, 2))
+
+
+def _analyse(matrix: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """(S, n) by (count, n, width): every block transformed, (S, count, width)."""
+    return np.matmul(matrix, frames).transpose(1, 0, 2).copy()
+
+
+def _synthesise(matrix: np.ndarray, products: np.ndarray) -> np.ndarray:
+    """(n, S) by (S, count, width): every block brought back, (count, n, width)."""
+    return np.matmul(matrix, products.transpose(1, 0, 2))

@@ -1,0 +1,99 @@
+"""Equations 1 and 2 in buffers: one layer, one member's share of the windows, time first.
+
+The mathematics of `numpy_cae.models.conv_layer`, line for line. What differs: every array has its
+place from the start, the biases are added after pooling (the maximum of two sums with one b is the
+maximum plus b), and even unpooling is left to the convolution below it, so that b is subtracted
+once for each pair of equal frames.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from numpy_cae.fast.tied_convolution import TiedConvolution, buffer
+
+
+class FastLayer:
+    """One layer up, down and back.
+
+    Parameters
+    ----------
+    convolution : TiedConvolution
+    bound : float
+        Where arctanh clips.
+    y : (T/2, B·D) array
+        Where to put what the layer encodes: the input of the layer above.
+    halved : bool
+        Unpooling is even, and done by the convolution.
+
+    Attributes
+    ----------
+    db : (D,) array
+        The gradient for b, both directions together.
+    """
+
+    def __init__(self, convolution: TiedConvolution, bound: float, y: np.ndarray, halved: bool):
+        self.convolution, self.bound, self.y, self.halved = convolution, bound, y, halved
+        frames, width = y.shape
+        self._clipped, self._slope, self._scratch = (
+            buffer(frames, width, y.dtype) for _ in range(3)
+        )
+        self._earlier_won, self._inside = (np.empty(y.shape, bool) for _ in range(2))
+        self._first = None
+
+    def up(self, b: np.ndarray) -> None:
+        """y = tanh(max(pairs of x * W) + b), equation 1."""
+        convolved, y = self.convolution.up(), self.y
+        earlier, later = convolved[0::2], convolved[1::2]
+        np.greater_equal(earlier, later, out=self._earlier_won)
+        np.maximum(earlier, later, out=y)
+        _for_each_window(y, b)[...] += b
+        np.tanh(y, out=y)
+
+    def down(self, y: np.ndarray, b: np.ndarray, first: np.ndarray | None) -> np.ndarray:
+        """(Ψ†(tanh⁻¹(y)) - b) * W̃, equation 2: (T, B·C)."""
+        np.clip(y, -self.bound, self.bound, out=self._clipped)
+        np.equal(y, self._clipped, out=self._inside)
+        activated = np.arctanh(self._clipped, out=self._scratch)
+        z = self.convolution.z
+        if self.halved:
+            np.multiply(activated, 0.5, out=z)
+        else:
+            self._first = first
+            np.multiply(activated, first, out=z[0::2])
+            np.subtract(activated, z[0::2], out=z[1::2])
+        _for_each_window(z, b)[...] -= b
+        return self.convolution.down()
+
+    def down_back(self, db: np.ndarray, dy: np.ndarray) -> None:
+        """From dx̂ in the convolution's `error` to dy; starts db, which `up_back` completes."""
+        dz, d_activated = self.convolution.down_back(), self._scratch
+        if self.halved:  # dz is that of both frames of a pair already
+            np.multiply(dz, 0.5, out=d_activated)
+        else:
+            earlier, later = dz[0::2], dz[1::2]
+            np.subtract(earlier, later, out=d_activated)
+            d_activated *= self._first
+            d_activated += later
+        np.negative(_for_each_window(dz, db).sum(axis=(0, 1)), out=db)
+        # d arctanh = 1 / (1 - y²) inside the bound, 0 beyond
+        np.multiply(self._clipped, self._clipped, out=self._slope)
+        np.subtract(1, self._slope, out=self._slope)
+        d_activated *= self._inside
+        np.divide(d_activated, self._slope, out=dy)
+
+    def up_back(self, dy: np.ndarray, db: np.ndarray, wanted: bool) -> np.ndarray | None:
+        """From dy, which is overwritten, to dx; adds to db."""
+        np.multiply(self.y, self.y, out=self._slope)
+        np.subtract(1, self._slope, out=self._slope)
+        dy *= self._slope
+        db += _for_each_window(dy, db).sum(axis=(0, 1))
+        d_convolved = self.convolution.d_convolved
+        np.multiply(dy, self._earlier_won, out=d_convolved[0::2])
+        np.subtract(dy, d_convolved[0::2], out=d_convolved[1::2])
+        return self.convolution.up_back(wanted)
+
+
+def _for_each_window(rows: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(T, B·D) as (T, B, D), the same memory."""
+    return rows.reshape(len(rows), -1, len(b))

@@ -1,0 +1,95 @@
+"""Any supported motion file, by its suffix."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.read_amc import read_amc
+from numpy_cae.motion.io.read_bvh import read_bvh
+from numpy_cae.motion.io.read_expmap import is_expmap_text, read_expmap
+from numpy_cae.motion.motion import Motion
+
+SUPPORTED = (
+    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
+    "(exponential maps, as CMU and Human3.6M are handed round)"
+)
+
+
+def load_motion(
+    path: str | Path,
+    unit: float | None = None,
+    skeleton: str | Path | None = None,
+    wanted: float | None = None,
+) -> Motion:
+    """Read a motion from any supported file.
+
+    Parameters
+    ----------
+    path : path of a .bvh, .amc or .txt file
+    unit : float, optional
+        Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
+        for BVH, as the skeleton says for Acclaim, as the layout has it for text; see
+        `Motion.unit_note`.
+    skeleton : path, optional
+        The .asf file of an .amc file; by default looked for beside it.
+    wanted : float, optional
+        Frames a second that are enough: where frames can be left out for it, they are not parsed.
+
+    Returns
+    -------
+    Motion
+        `Motion.positions()` gives (frames, joints, 3) in metres.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is missing, damaged or of a kind that is not supported.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if os.path.isdir(path):
+        raise MotionFileError(path, None, f"is a folder, expected one motion file; {SUPPORTED}")
+    if not os.path.exists(path):
+        raise MotionFileError(path, None, f"there is no such file; {SUPPORTED}")
+    if suffix == ".asf":
+        raise MotionFileError(
+            path, None, "is a skeleton without motion, expected the .amc file that moves it"
+        )
+    if suffix == ".amc":
+        return read_amc(path, skeleton, unit=unit, wanted=wanted)
+    if suffix not in (".bvh", ".txt"):
+        raise MotionFileError(
+            path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
+        )
+    if skeleton is not None:
+        holder = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
+        raise MotionFileError(path, None, f"{holder} skeleton, expected no .asf file")
+    return read_bvh(path, unit, wanted) if suffix == ".bvh" else read_expmap(path, unit)
+
+
+def find_motion_files(folder: str | Path) -> list[Path]:
+    """Every .bvh and .amc file in a folder and the folders inside it, sorted, and of the .txt files
+    those that are exponential maps.
+
+    Raises
+    ------
+    MotionFileError
+        If there is no such folder or it holds no such file.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise MotionFileError(folder, None, "there is no such folder")
+    found = sorted(
+        path
+        for path in folder.rglob("*")
+        # A name that begins with a dot is a system's note about a file, not the file.
+        if path.suffix.lower() in (".bvh", ".amc", ".txt")
+        and path.is_file()
+        and not path.name.startswith(".")
+        and (path.suffix.lower() != ".txt" or is_expmap_text(path))
+    )
+    if not found:
+        raise MotionFileError(folder, None, f"holds no motion file; {SUPPORTED}")
+    return found

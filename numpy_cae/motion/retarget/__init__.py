@@ -1,0 +1,1 @@
+"""From any rig to the twenty joints and back."""
