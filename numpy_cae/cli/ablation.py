@@ -15,7 +15,7 @@ from data_synth import plan_takes
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.experiments.ablation.ablation import SEEDS, ablation
-from numpy_cae.experiments.ablation.ablation_result import Ablation
+from numpy_cae.experiments.ablation.result import Ablation
 from numpy_cae.experiments.ablation.choices import (
     FINE_EPOCHS,
     LAYER_EPOCHS,
@@ -24,7 +24,7 @@ from numpy_cae.experiments.ablation.choices import (
     Choice,
     choices,
 )
-from numpy_cae.experiments.ablation.evaluation import Yardstick
+from numpy_cae.experiments.ablation.evaluation import Evaluation
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import Section
@@ -84,13 +84,13 @@ def run(args: argparse.Namespace) -> int:
     material = _read(args) if args.data else _synthetic()
     output = args.output or OUTPUT
     output.mkdir(parents=True, exist_ok=True)
-    yardstick = Yardstick(material)
+    evaluation = Evaluation(material)
     chosen = choices(args.width, *args.epochs)
     kept = output / "ablation.json"
-    found = ablation(yardstick, chosen, args.seeds, kept, lambda line: _say(line, started))
+    found = ablation(evaluation, chosen, args.seeds, kept, lambda line: _say(line, started))
     seconds = time.monotonic() - started
     section = _section(found, seconds)
-    how = _provenance(material, yardstick, chosen, args, seconds)
+    how = _provenance(material, evaluation, chosen, args, seconds)
     for name, text in (
         ("ablation.html", page([section], how, TITLE, INTRODUCTION)),
         ("ablation.txt", plain_text([section], how)),
@@ -131,7 +131,7 @@ def _section(found: Ablation, seconds: float) -> Section:
 
 def _provenance(
     material: Material,
-    yardstick: Yardstick,
+    evaluation: Evaluation,
     chosen: Sequence[Choice],
     args: argparse.Namespace,
     seconds: float,
@@ -140,7 +140,7 @@ def _provenance(
     folders = ", ".join(folder.name for folder in args.data or [])
     return {
         "data": f"{folders or 'synthetic, data_synth'}: {len(material.training)} takes to learn "
-        f"from ({len(yardstick.windows)} windows), {len(material.testing)} to test",
+        f"from ({len(evaluation.windows)} windows), {len(material.testing)} to test",
         "test takes": " ".join(args.test) or f"every {HELD_OUT}th",
         "network": f"{' + '.join(map(str, chosen[0].filters))} filters of {TAPS} frames",
         "layers": _words(layer),

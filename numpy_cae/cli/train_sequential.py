@@ -9,8 +9,8 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import print_json
 from numpy_cae.experiments.sequences.actions import read_action
 from numpy_cae.experiments.sequences.figure_3 import figure_3
-from numpy_cae.experiments.sequences.sequence_reconstruction import sequence_reconstruction
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.reconstruction import reconstruction
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.manifold import learn_sequences, save_sequences
 from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
 from numpy_cae.motion import ANGLE_RATE, CLIP
@@ -107,7 +107,7 @@ def run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     save_sequences(manifold, args.output)
     checkpoint.remove()
     trained = Study(action, manifold)
-    table = sequence_reconstruction([trained]) if action.testing else None
+    table = reconstruction([trained]) if action.testing else None
     if args.picture:
         figure_3(trained).save_picture(args.picture)
     if args.json:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.experiments import ablation as room
+from numpy_cae.experiments.ablation import ablation as room
 from numpy_cae.experiments.ablation.ablation import ablation
 from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR
 from numpy_cae.experiments.ablation.choices import (
@@ -18,8 +18,8 @@ from numpy_cae.experiments.ablation.choices import (
     doubling,
     parameters_of,
 )
-from numpy_cae.experiments.ablation.ablation_result import Ablation, Row
-from numpy_cae.experiments.ablation.evaluation import Measured, Yardstick
+from numpy_cae.experiments.ablation.result import Ablation, Row
+from numpy_cae.experiments.ablation.evaluation import Measured, Evaluation
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import DivergedError
 
@@ -27,8 +27,8 @@ TINY = choices(1, 0, 1)
 
 
 @pytest.fixture(scope="module")
-def yardstick(labelled):
-    return Yardstick(labelled)
+def evaluation(labelled):
+    return Evaluation(labelled)
 
 
 def test_equal_means_equal():
@@ -53,10 +53,10 @@ def test_equal_means_equal():
     assert untied.parameters == 2 * paper.parameters == 2 * parameters_of(doubling(32, 3))
 
 
-def test_every_row_is_measured_and_kept(yardstick, tmp_path, monkeypatch):
+def test_every_row_is_measured_and_kept(evaluation, tmp_path, monkeypatch):
     kept, said = tmp_path / "kept.json", []
     few = [TINY[0], next(each for each in TINY if each.name == UNTIED)]
-    found = ablation(yardstick, few, seeds=2, kept=kept, say=said.append)
+    found = ablation(evaluation, few, seeds=2, kept=kept, say=said.append)
     assert len(said) == 2 * len(found.rows) == len(json.loads(kept.read_text()))
     for row in found.rows:
         assert np.isfinite(row.of("half_zeroed")).all()
@@ -70,7 +70,7 @@ def test_every_row_is_measured_and_kept(yardstick, tmp_path, monkeypatch):
         raise AssertionError("measured again")
 
     monkeypatch.setattr(room, "train_autoencoder", never)
-    again = ablation(yardstick, few, seeds=2, kept=kept)
+    again = ablation(evaluation, few, seeds=2, kept=kept)
     assert [row.cell("content") for row in again.rows] == [
         row.cell("content") for row in found.rows
     ]
@@ -79,7 +79,7 @@ def test_every_row_is_measured_and_kept(yardstick, tmp_path, monkeypatch):
         raise DivergedError("layer 1", "w1", "gone", "a lower rate")
 
     monkeypatch.setattr(room, "train_autoencoder", diverges)
-    assert ablation(yardstick, few[:1], seeds=1).rows[0].measured == [None]
+    assert ablation(evaluation, few[:1], seeds=1).rows[0].measured == [None]
 
 
 def told(name, *errors):

@@ -10,22 +10,22 @@ from numpy_cae.experiments.sequences.actions import Action, read_action, synthet
 from numpy_cae.experiments.sequences.figure_2 import Figure2, figure_2
 from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
 from numpy_cae.experiments.sequences.regulariser import _whitened, regulariser
-from numpy_cae.experiments.sequences.sequence_long import BLENDED, GLUED, sequence_long
-from numpy_cae.experiments.sequences.sequence_reconstruction import (
+from numpy_cae.experiments.sequences.long_takes import BLENDED, GLUED, long_takes
+from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
     MEAN,
     NETWORK,
-    sequence_reconstruction,
+    reconstruction,
 )
-from numpy_cae.experiments.sequences.sequence_samples import sequence_samples
-from numpy_cae.experiments.sequences.sequence_study import (
+from numpy_cae.experiments.sequences.samples import samples
+from numpy_cae.experiments.sequences.study import (
     Curve,
     between_draws_of_the_prior,
     discrepancy,
     study,
 )
-from numpy_cae.experiments.sequences.sequence_uses import sequence_uses
+from numpy_cae.experiments.sequences.uses import uses
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
@@ -93,7 +93,7 @@ def test_figure_3_samples_sixteen_from_each(studies, tmp_path):
 
 
 def test_reconstruction_beside_simpler_ones(studies):
-    table = sequence_reconstruction(studies[:1])
+    table = reconstruction(studies[:1])
     x = studies[0].held_out()
     assert table.row("walking", MEAN).squared == pytest.approx(np.mean(x.astype(float) ** 2))
     held = np.mean((x - x[:, :1]).astype(float) ** 2)
@@ -106,7 +106,7 @@ def test_reconstruction_beside_simpler_ones(studies):
 
 
 def test_real_clips_are_at_the_measure_of_samples(studies):
-    table = sequence_samples(studies, count=20)
+    table = samples(studies, count=20)
     for action in ("walking", "waiting"):
         assert table.row(action, REAL).near == pytest.approx(1)
     assert 0.5 < table.row("walking", REAL).stride < 2
@@ -146,25 +146,25 @@ def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(st
 
 def test_denoising_interpolation_and_analogy(studies, tmp_path, monkeypatch):
     for name, fewer in (("uses.ANALOGIES", 2), ("uses.PAIRS", 10), ("reconstruction.SEEN", 300)):
-        monkeypatch.setattr(f"numpy_cae.experiments.sequence_{name}", fewer)
-    uses = sequence_uses(studies[0])
-    for sigma, errors in uses.denoised.items():
+        monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
+    found = uses(studies[0])
+    for sigma, errors in found.denoised.items():
         assert errors["doing nothing"] == pytest.approx(sigma**2, rel=0.1)
         assert errors["low-pass"] < errors["doing nothing"]
-    assert uses.between["real training clips"] == 1
-    assert min(uses.between.values()) > 0
-    assert 0.1 < uses.chance < 0.3 and set(uses.analogies) >= {"c itself"}
-    denoises, between, analogy = uses.findings()
+    assert found.between["real training clips"] == 1
+    assert min(found.between.values()) > 0
+    assert 0.1 < found.chance < 0.3 and set(found.analogies) >= {"c itself"}
+    denoises, between, analogy = found.findings()
     assert not denoises.held  # four steps of training
-    assert between.held == (uses.between["the network"] < uses.between["straight line of clips"])
-    assert "walking" in analogy.claim and "tired" in uses.text()
-    uses.save_picture(tmp_path / "a.png")
+    assert between.held == (found.between["the network"] < found.between["straight line of clips"])
+    assert "walking" in analogy.claim and "tired" in found.text()
+    found.save_picture(tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
 def test_whole_takes_have_no_seam_where_clips_are_blended():
     takes = [angles_of(make_take("walking", seed, 7.0, 25.0).motion) for seed in range(2)]
-    result = sequence_long(study(Action("walking", takes[:1], takes[1:]), SHORT, **SIZES))
+    result = long_takes(study(Action("walking", takes[:1], takes[1:]), SHORT, **SIZES))
     glued, blended = (result.rows[name] for name in (GLUED, BLENDED))
     assert glued.seam > 3 > blended.seam
     assert result.findings()[0].held == (blended.seam <= 1.1)

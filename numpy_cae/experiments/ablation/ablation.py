@@ -2,7 +2,7 @@
 
 "We also wish to thoroughly evaluate our work against alternative methods and justify the
 effectiveness of using a deep architecture" (holden2015, section 7). Here that is done on the
-same takes, with the same measures (`experiments.yardstick`), from several seeds, each of which
+same takes, with the same measures (`experiments.evaluation`), from several seeds, each of which
 draws the first weights, the order, the corruption and the values that are lost in the test; row by
 row the same, so that rows are compared seed by seed.
 """
@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.experiments.ablation.ablation_result import Ablation, Row
+from numpy_cae.experiments.ablation.result import Ablation, Row
 from numpy_cae.experiments.ablation.baselines import BASELINES, baselines
 from numpy_cae.experiments.ablation.choices import Choice
-from numpy_cae.experiments.ablation.evaluation import Measured, Yardstick
+from numpy_cae.experiments.ablation.evaluation import Measured, Evaluation
 from numpy_cae.training import DivergedError, train_autoencoder
 
 SEEDS = 5
@@ -30,7 +30,7 @@ Said = Callable[[str], None]
 
 
 def ablation(
-    yardstick: Yardstick,
+    evaluation: Evaluation,
     chosen: Sequence[Choice],
     seeds: int = SEEDS,
     kept: Path | None = None,
@@ -43,7 +43,7 @@ def ablation(
 
     Parameters
     ----------
-    yardstick : Yardstick
+    evaluation : Evaluation
     chosen : sequence of Choice
         The paper's first.
     seeds : int
@@ -53,43 +53,43 @@ def ablation(
     say : function
         Told of every measurement, in a line.
     """
-    memory = _Memory(yardstick, kept)
-    methods = baselines(yardstick, chosen[0].latent)
+    memory = _Memory(evaluation, kept)
+    methods = baselines(evaluation, chosen[0].latent)
     rows = [Row(each.group, each.name, each.parameters, each.latent) for each in chosen]
     rows += [Row(BASELINES, name) for name in methods]
-    jobs = [(repr(each), partial(_trained, yardstick, each)) for each in chosen]
+    jobs = [(repr(each), partial(_trained, evaluation, each)) for each in chosen]
     jobs += [
-        (f"{name}, beside {chosen[0].latent}", partial(yardstick.measure, method))
+        (f"{name}, beside {chosen[0].latent}", partial(evaluation.measure, method))
         for name, method in methods.items()
     ]
     for seed in range(seeds):
         for row, (job, measure) in zip(rows, jobs, strict=True):
             row.measured.append(memory.recall(job, seed, measure))
             say(f"seed {seed}: {row.said()}")
-    return Ablation(rows, yardstick.split.sample)
+    return Ablation(rows, evaluation.split.sample)
 
 
-def _trained(yardstick: Yardstick, choice: Choice, seed: int) -> Measured | None:
+def _trained(evaluation: Evaluation, choice: Choice, seed: int) -> Measured | None:
     """None where training diverges."""
     rng = np.random.default_rng(seed)
     network = choice.network(rng)
     try:
-        train_autoencoder(network, yardstick.windows, choice.schedule, rng, show_progress=False)
+        train_autoencoder(network, evaluation.windows, choice.schedule, rng, show_progress=False)
     except DivergedError:
         return None
     rescaled = choice.schedule.fine_tuning.rescaled
-    return yardstick.measure(yardstick.of_network(network, rescaled), seed)
+    return evaluation.measure(evaluation.of_network(network, rescaled), seed)
 
 
 @dataclass
 class _Memory:
     """Measurements in a JSON file, by what was measured and on which windows."""
 
-    yardstick: Yardstick
+    evaluation: Evaluation
     path: Path | None
 
     def __post_init__(self):
-        windows = self.yardstick.windows, self.yardstick.testing.x
+        windows = self.evaluation.windows, self.evaluation.testing.x
         self._of = "-".join(f"{zlib.crc32(np.ascontiguousarray(x)):08x}" for x in windows)
         self._known = {}
         if self.path is not None and self.path.exists():

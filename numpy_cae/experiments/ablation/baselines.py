@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from numpy_cae.baselines import PCA, Moments
-from numpy_cae.experiments.ablation.evaluation import Method, P, Yardstick
+from numpy_cae.experiments.ablation.evaluation import Method, P, Evaluation
 from numpy_cae.experiments.comparison.distances import Distance, raw_extremes
 from numpy_cae.experiments.repair.repair_baselines import pca_on_frames, pca_on_windows
 from numpy_cae.manifold import signature
@@ -25,17 +25,17 @@ RESCALED = "PCA on windows, X_c / (1 - p)"
 _Repair = Callable[[np.ndarray], np.ndarray]
 
 
-def baselines(yardstick: Yardstick, latent: int) -> dict[str, Method]:
+def baselines(evaluation: Evaluation, latent: int) -> dict[str, Method]:
     """Each fitted to the training takes; of PCA on windows, the size that repairs held-back
     training takes best; of linear maps, that for the share of zeros in a window, to a tenth.
 
     Parameters
     ----------
-    yardstick : Yardstick
+    evaluation : Evaluation
     latent : int
         Hidden units of a window, for PCA on frames to have as many numbers.
     """
-    split, frame = yardstick.split, yardstick.frame
+    split, frame = evaluation.split, evaluation.frame
     size = max(1, latent // LENGTH)
     on_frames, on_windows = pca_on_frames(split), pca_on_windows(split)
     practice = zero_values(split.choosing.x, P, np.random.default_rng(0))
@@ -44,7 +44,7 @@ def baselines(yardstick: Yardstick, latent: int) -> dict[str, Method]:
     moments = Moments.of(split.training.x, split.training.real)
     linear = cache(lambda p: moments.solve(1 - p))
 
-    poses = PCA.fit(np.concatenate([frame.normalise(x) for x in yardstick.training]))
+    poses = PCA.fit(np.concatenate([frame.normalise(x) for x in evaluation.training]))
     whole = PCA.fit(split.training.x.reshape(len(split.training), -1))
 
     def of_poses(features: np.ndarray) -> np.ndarray:
@@ -65,13 +65,13 @@ def baselines(yardstick: Yardstick, latent: int) -> dict[str, Method]:
         return lambda x: project(x, setting)
 
     return {
-        NOTHING: yardstick.of_projection(lambda x: x, raw_extremes(frame)),
-        PCA_FRAMES: yardstick.of_projection(
+        NOTHING: evaluation.of_projection(lambda x: x, raw_extremes(frame)),
+        PCA_FRAMES: evaluation.of_projection(
             repairs(on_frames.repair, size), Distance(PCA_FRAMES, of_poses)
         ),
-        PCA_WINDOWS: yardstick.of_projection(repairs(on_windows.repair, plain), of_windows(plain)),
-        RESCALED: yardstick.of_projection(
+        PCA_WINDOWS: evaluation.of_projection(repairs(on_windows.repair, plain), of_windows(plain)),
+        RESCALED: evaluation.of_projection(
             lambda x: on_windows.repair(x / (1 - lost_share(x)), rescaled), of_windows(rescaled)
         ),
-        LINEAR: yardstick.of_projection(linearly),
+        LINEAR: evaluation.of_projection(linearly),
     }

@@ -95,7 +95,7 @@ class Measured:
     DIGITS = (0, 0, 2, 2, 2, 1, 1, 2, 2, 2, 2)
 
 
-class Yardstick:
+class Evaluation:
     """Takes, cut and labelled once, and every measure on them.
 
     Parameters

@@ -9,7 +9,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_study import Curve, Study
+from numpy_cae.experiments.sequences.study import Curve, Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.viz import save_figure
 

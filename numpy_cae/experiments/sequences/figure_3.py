@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.experiments.sequences.sequence_study import DRAWS, Study
+from numpy_cae.experiments.sequences.study import DRAWS, Study
 from numpy_cae.motion import body_positions
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, save_figure, save_gif, strip_figure

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_study import (
+from numpy_cae.experiments.sequences.study import (
     DRAWS,
     TURNS,
     Study,

@@ -11,14 +11,14 @@ from numpy_cae.experiments.sequences.actions import Action
 from numpy_cae.experiments.sequences.figure_2 import Figure2, figure_2
 from numpy_cae.experiments.sequences.figure_3 import COLOURS, FITTED, Figure3, figure_3
 from numpy_cae.experiments.sequences.regulariser import Regulariser, regulariser
-from numpy_cae.experiments.sequences.sequence_long import SequenceLong, long_enough, sequence_long
-from numpy_cae.experiments.sequences.sequence_reconstruction import (
+from numpy_cae.experiments.sequences.long_takes import SequenceLong, long_enough, long_takes
+from numpy_cae.experiments.sequences.reconstruction import (
     SequenceReconstruction,
-    sequence_reconstruction,
+    reconstruction,
 )
-from numpy_cae.experiments.sequences.sequence_samples import SequenceSamples, sequence_samples
-from numpy_cae.experiments.sequences.sequence_study import study
-from numpy_cae.experiments.sequences.sequence_uses import SequenceUses, sequence_uses
+from numpy_cae.experiments.sequences.samples import SequenceSamples, samples
+from numpy_cae.experiments.sequences.study import study
+from numpy_cae.experiments.sequences.uses import SequenceUses, uses
 from numpy_cae.experiments.sequences.teacher_forcing import (
     TeacherForced,
     TeacherForcing,
@@ -111,12 +111,12 @@ def sequential(
     forced = study(actions[0], schedule, network=TeacherForced, **how)
     return Sequential(
         figure_2(studies),
-        sequence_reconstruction(studies, seed),
-        sequence_samples(studies, seed),
+        reconstruction(studies, seed),
+        samples(studies, seed),
         regulariser(studies, without, seed),
         teacher_forcing(studies[0], forced),
         [figure_3(each, seed) for each in studies],
         {each.action.name: each.manifold for each in studies},
-        [sequence_uses(each, seed) for each in studies],
-        [sequence_long(each) for each in studies if long_enough(each)],
+        [uses(each, seed) for each in studies],
+        [long_takes(each) for each in studies if long_enough(each)],
     )

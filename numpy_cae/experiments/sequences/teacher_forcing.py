@@ -13,7 +13,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.composed_sequence import Losses, encode

@@ -21,8 +21,8 @@ import numpy as np
 from data_synth import make_take
 from numpy_cae.baselines import PCA, savitzky_golay
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_reconstruction import leading_axes
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.reconstruction import leading_axes
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.measures import clip_distances, nearest_distance
 from numpy_cae.motion import ANGLE_RATE, PARENTS, angles_of, body_positions, cut_clips
@@ -146,7 +146,7 @@ class SequenceUses:
         ]
 
 
-def sequence_uses(study: Study, seed: int = 0) -> SequenceUses:
+def uses(study: Study, seed: int = 0) -> SequenceUses:
     """Denoise, interpolate and, of synthetic actions with styles, make analogies.
 
     Parameters

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import svds
 
 from numpy_cae.baselines import PCA
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.measures import angle_distance
 
@@ -68,7 +68,7 @@ class SequenceReconstruction:
         ]
 
 
-def sequence_reconstruction(studies: Sequence[Study], seed: int = 0) -> SequenceReconstruction:
+def reconstruction(studies: Sequence[Study], seed: int = 0) -> SequenceReconstruction:
     """Measure each study's network on its held-out clips.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, sampled
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.measures import (
     diversity,
@@ -117,7 +117,7 @@ def _or_nothing(value: float) -> str:
     return "" if np.isnan(value) else f"{value:.2f}"
 
 
-def sequence_samples(
+def samples(
     studies: Sequence[Study], seed: int = 0, count: int = SAMPLES
 ) -> SequenceSamples:
     """Draw from each study's manifold and measure.

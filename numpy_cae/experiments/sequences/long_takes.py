@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.experiments.finding import Finding
-from numpy_cae.experiments.sequences.sequence_study import Study
+from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold.long_sequences import project_sequence, starts
 from numpy_cae.motion import (
@@ -92,7 +92,7 @@ class SequenceLong:
         return [Actor(x, PARENTS, name, colours[name]) for name, x in self.shown.items()]
 
 
-def sequence_long(study: Study) -> SequenceLong:
+def long_takes(study: Study) -> SequenceLong:
     """Project held-out takes whole.
 
     Parameters
