@@ -24,7 +24,7 @@ from numpy_cae.beyond.optimise_latent import descend_to
 from numpy_cae.beyond.pins import Pins
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.contacts import find_contacts, floor_height
-from numpy_cae.motion.features import Place, features_to_positions
+from numpy_cae.motion.features import RootTransform, features_to_positions
 
 CLOSE, BONES, FEET, GROUND, PINS = 1.0, 0.1, 10.0, 1.0, 1.0
 """What the squared distance to the plain projection and that from each constraint weigh."""
@@ -38,7 +38,7 @@ STEPS = 200
 def project_constrained(
     manifold: MotionManifold,
     features: np.ndarray,
-    start: Place | None = None,
+    start: RootTransform | None = None,
     contacts: np.ndarray | None = None,
     pins: Pins | None = None,
     steps: int = STEPS,
@@ -50,7 +50,7 @@ def project_constrained(
     manifold : MotionManifold
     features : (F, 63) array of float
         On the manifold's mean skeleton.
-    start : Place, optional
+    start : RootTransform, optional
         Where the motion starts, for pins; the origin where None.
     contacts : (F, 2) array of bool, optional
         When each foot stands; found in the plain projection where None.
@@ -63,7 +63,7 @@ def project_constrained(
     (F, 63) array of float64
         Every bone at the length of the manifold's mean skeleton, up to rounding.
     """
-    start = start or Place()
+    start = start or RootTransform()
     units = manifold.encode(features)
     plain = manifold.project(features, manifold.shifts)
     positions = features_to_positions(plain, start)

@@ -14,7 +14,13 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, Place, features_to_positions
+from numpy_cae.motion.features import (
+    POSITIONS,
+    TURN,
+    VELOCITY,
+    RootTransform,
+    features_to_positions,
+)
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 CENTIMETRES = 1e4
@@ -129,7 +135,7 @@ def unlike(features: np.ndarray, wanted: np.ndarray, weights: np.ndarray) -> tup
 
 def out_of_place(
     features: np.ndarray,
-    start: Place,
+    start: RootTransform,
     targets: np.ndarray,
     weights: np.ndarray,
     body: np.ndarray | None = None,
@@ -148,7 +154,7 @@ def out_of_place(
     Parameters
     ----------
     features : (F, 63) array of float
-    start : Place
+    start : RootTransform
         Of the first frame.
     targets : (F, 20, 3) array of float
         p*, metres; what stands where the weight is 0 does not matter.
@@ -188,7 +194,7 @@ def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:
     return d
 
 
-def _floor(features: np.ndarray, start: Place, theta: np.ndarray) -> np.ndarray:
+def _floor(features: np.ndarray, start: RootTransform, theta: np.ndarray) -> np.ndarray:
     """h: where the hips stand, (F, 2)."""
     steps = _turned(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
     return np.array([start.x, start.z]) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, 0)])

@@ -18,11 +18,12 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import Place
+from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.joints import JOINTS, body_positions
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_body import RATE, body_of
 
 _HIPS = 0
@@ -46,12 +47,14 @@ class Pins:
     weights: np.ndarray
     body: np.ndarray | None = None
 
-    def start(self, own: Place) -> Place:
+    def start(self, own: RootTransform) -> RootTransform:
         """Its own place, or where hips are pinned in the first frame."""
         weights = np.broadcast_to(self.weights.T, self.targets.T.shape).T[0, _HIPS]
         ratio = 1.0 if self.body is None else self.body[_HIPS, _HIPS]
         x, _, z = self.targets[0, _HIPS] / ratio
-        return Place(x if weights[0] > 0 else own.x, z if weights[2] > 0 else own.z, own.heading)
+        return RootTransform(
+            x if weights[0] > 0 else own.x, z if weights[2] > 0 else own.z, own.heading
+        )
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,7 @@ def pins_for(
         If joints are missing.
     """
     own = bone_lengths(body_of(motion, mapping))
-    moments = np.asarray(motion.moments(RATE), dtype=np.float64)
+    moments = np.asarray(motion.source_frames(RATE), dtype=np.float64)
     targets = np.full((len(moments), len(JOINTS), 3), np.nan)
     for pin in pins:
         within = (moments >= pin.first) & (moments <= pin.last)

@@ -22,7 +22,7 @@ from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
     PARENTS,
     Motion,
-    Place,
+    RootTransform,
     body_of,
     features_to_positions,
     find_motion_files,
@@ -136,7 +136,7 @@ def _motion(
     if like is None:
         return fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
     rig = standing_still(like, len(features))
-    return in_rig(manifold, features, Place(), rig, kinds.chosen_mapping(args))
+    return in_rig(manifold, features, RootTransform(), rig, kinds.chosen_mapping(args))
 
 
 def _paths(output: Path, number: int) -> list[Path]:

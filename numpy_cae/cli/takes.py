@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion.io.read_many import read_bodies
+from numpy_cae.motion.io.cache import read_bodies
 
 
 def read_takes(

@@ -17,7 +17,7 @@ from numpy_cae.experiments.material import is_test
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
-from numpy_cae.motion.io.read_many import default_cache, is_worthwhile
+from numpy_cae.motion.io.cache import default_cache, is_worthwhile
 from numpy_cae.motion.windows import LENGTH, OVERLAP
 from numpy_cae.training import Checkpoint, Schedule, Stage
 

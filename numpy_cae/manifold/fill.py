@@ -15,8 +15,8 @@ from numpy_cae.motion.features import (
     POSITIONS,
     VELOCITY,
     joint_slice,
-    steps_along,
-    way_of,
+    trajectory_of,
+    velocities_along,
 )
 from numpy_cae.motion.joints import JOINTS
 
@@ -107,10 +107,10 @@ def fill_between(
     if start not in ("line", "held"):
         raise ValueError(f"start is {start!r}, expected 'line' or 'held'")
     features = np.asarray(features, dtype=np.float64)
-    floor, theta = way_of(features)
+    floor, theta = trajectory_of(features)
     frames = len(features)
     filled = np.empty(features.shape)
-    filled[:, VELOCITY.start :] = steps_along(
+    filled[:, VELOCITY.start :] = velocities_along(
         between(floor[keys], keys, frames), between(theta[keys], keys, frames)
     )
     poses = features[keys, POSITIONS]

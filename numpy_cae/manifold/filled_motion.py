@@ -12,12 +12,13 @@ import numpy as np
 from numpy_cae.baselines import PCA
 from numpy_cae.manifold.fill import between, eased, fill_between, fill_joint, require_joint
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import Place, features_to_positions, joint_slice
-from numpy_cae.motion.joints import JOINTS, PARENTS, body_positions
+from numpy_cae.motion.features import RootTransform, features_to_positions, joint_slice
+from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion, slerp
+from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_body import RATE, at_rate_of, body_of
-from numpy_cae.motion.retarget.to_rig import follow, moves_alone
+from numpy_cae.motion.retarget.to_rig import moves_alone, retarget
 
 
 def fill_motion_joint(
@@ -80,7 +81,7 @@ def fill_motion_joint(
     if not 0 <= first <= last < len(motion):
         raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
     features, start = manifold.features(positions)
-    moments = motion.moments(RATE)
+    moments = motion.source_frames(RATE)
     missing = (moments > first - 1) & (moments < last + 1)
     filled = _filled(manifold, features, joint, missing, fit, poses)
     filled = _on_own_bones(manifold, filled, start, positions)
@@ -91,7 +92,7 @@ def fill_motion_joint(
         above, below = asked[:, PARENTS[place]], asked[:, neighbours[0]]
         wanted = _on_circle(wanted, asked[:, place], above, below)
     asked[first : last + 1, place] = wanted[first : last + 1]
-    return follow(motion, asked, mapping)
+    return retarget(motion, asked, mapping)
 
 
 def _filled(
@@ -149,7 +150,7 @@ def fill_motion_keyframes(
     keys = np.arange(0, len(motion), every)
     base = _from_key_to_key(motion, keys)
     positions = body_of(base, mapping)
-    moments = base.moments(RATE)
+    moments = base.source_frames(RATE)
     nearest = np.unique([np.abs(moments - key).argmin() for key in keys])
     features, start = manifold.features(positions)
     filled = _on_own_bones(manifold, fill_between(manifold, features, nearest), start, positions)
@@ -157,11 +158,11 @@ def fill_motion_keyframes(
     known = body_positions(base, mapping)[keys]
     asked += eased(known - asked[keys], keys, len(motion))
     asked[keys] = known
-    return follow(base, asked, mapping)
+    return retarget(base, asked, mapping)
 
 
 def _on_own_bones(
-    manifold: MotionManifold, features: np.ndarray, start: Place, own: np.ndarray
+    manifold: MotionManifold, features: np.ndarray, start: RootTransform, own: np.ndarray
 ) -> np.ndarray:
     """World positions of features, on the bones of the body at `own` (F, 20, 3)."""
     positions = features_to_positions(features, start)

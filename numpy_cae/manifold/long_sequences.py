@@ -17,9 +17,9 @@ from scipy.spatial.transform import Rotation
 
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.motion import ANGLE_RATE, AngleSequence, Motion, body_positions
-from numpy_cae.motion.angle_clips import cut_clips
 from numpy_cae.motion.angle_table import TRANSLATION
 from numpy_cae.motion.angles import motion_of, on_floor
+from numpy_cae.motion.clips import cut_clips
 from numpy_cae.motion.features import POSITIONS, positions_to_features
 
 CANDIDATES = 32

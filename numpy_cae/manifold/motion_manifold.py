@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae.manifold.blind import lost_share, project_shifted
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.features import Place, positions_to_features
+from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 
 
@@ -43,7 +43,7 @@ class MotionManifold:
     rate: float = 30.0
     settings: dict = field(default_factory=dict)
 
-    def features(self, positions: np.ndarray) -> tuple[np.ndarray, Place]:
+    def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """Features on the mean skeleton, and where the motion starts.
 
         Parameters
@@ -54,7 +54,7 @@ class MotionManifold:
         Returns
         -------
         features : (F, 63) array of float64
-        start : Place
+        start : RootTransform
         """
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)

@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.manifold.in_rig import in_rig
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import VELOCITY, Place, steps_along, way_of
+from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.to_body import body_of
 
@@ -70,8 +70,8 @@ def repair(
 
 
 def kept_on_way(
-    features: np.ndarray, projected: np.ndarray, start: Place, rate: float
-) -> tuple[np.ndarray, Place]:
+    features: np.ndarray, projected: np.ndarray, start: RootTransform, rate: float
+) -> tuple[np.ndarray, RootTransform]:
     """Projected features that lead where the motion's own did.
 
     A network's velocity and turn are summed up to a way, and with them all of their errors: after a
@@ -84,7 +84,7 @@ def kept_on_way(
     ----------
     features, projected : (F, 63) arrays of float
         Of the motion, and what became of them.
-    start : Place
+    start : RootTransform
         Of the motion.
     rate : float
         Frames a second.
@@ -93,12 +93,15 @@ def kept_on_way(
     -------
     features : (F, 63) array of float64
         `projected` but for velocity and turn.
-    start : Place
+    start : RootTransform
     """
-    (own_floor, own_theta), (floor, theta) = way_of(features, start), way_of(projected, start)
+    (own_floor, own_theta), (floor, theta) = (
+        trajectory_of(features, start),
+        trajectory_of(projected, start),
+    )
     sigma = WAY_SECONDS * rate
     floor = floor + gaussian_filter1d(own_floor - floor, sigma, axis=0, mode="nearest")
     theta = theta + gaussian_filter1d(own_theta - theta, sigma, mode="nearest")
     kept = projected.copy()
-    kept[:, VELOCITY.start :] = steps_along(floor, theta)
-    return kept, Place(floor[0, 0], floor[0, 2], theta[0])
+    kept[:, VELOCITY.start :] = velocities_along(floor, theta)
+    return kept, RootTransform(floor[0, 0], floor[0, 2], theta[0])

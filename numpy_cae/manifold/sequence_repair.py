@@ -11,7 +11,7 @@ from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
-from numpy_cae.motion.retarget.to_rig import follow
+from numpy_cae.motion.retarget.to_rig import retarget
 
 
 def repair_sequence(
@@ -44,4 +44,4 @@ def repair_sequence(
     asked += projected[:, :1] - asked[:, :1]
     # 25 frames a second may end up to 1/25 s before 30 do.
     asked = np.concatenate([asked, asked[-1:].repeat(max(len(own) - len(asked), 0), axis=0)])
-    return follow(motion, at_rate_of(motion, asked[: len(own)]), mapping)
+    return retarget(motion, at_rate_of(motion, asked[: len(own)]), mapping)

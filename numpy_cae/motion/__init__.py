@@ -4,7 +4,6 @@ windows and clips, and back to files.
 This room stands alone: it knows nothing of networks.
 """
 
-from numpy_cae.motion.angle_clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.angle_table import ANGLES, SEVENTEEN, TRANSLATION, AngleTable
 from numpy_cae.motion.angles import (
     ANGLE_RATE,
@@ -14,39 +13,39 @@ from numpy_cae.motion.angles import (
     motion_of,
     on_floor,
 )
+from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import (
     FEATURES,
     POSITIONS,
     TURN,
     VELOCITY,
-    Place,
+    RootTransform,
     features_to_positions,
     joint_slice,
     positions_to_features,
 )
+from numpy_cae.motion.io.amc import read_amc
+from numpy_cae.motion.io.asf import read_asf
+from numpy_cae.motion.io.bvh import read_bvh
+from numpy_cae.motion.io.bvh_writer import write_bvh
 from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.expmap import read_expmap
 from numpy_cae.motion.io.load import find_motion_files, load_motion
-from numpy_cae.motion.io.read_amc import read_amc
-from numpy_cae.motion.io.read_asf import read_asf
-from numpy_cae.motion.io.read_bvh import read_bvh
-from numpy_cae.motion.io.read_expmap import read_expmap
 from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.io.write_acclaim import write_acclaim, write_amc, write_asf
-from numpy_cae.motion.io.write_bvh import write_bvh
-from numpy_cae.motion.joints import (
-    JOINTS,
-    PARENTS,
+from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.load_windows import FileWindows, load_windows
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.fit import fit_motion
+from numpy_cae.motion.retarget.rigs import (
     UnknownRigError,
     body_positions,
     find_joints,
     read_mapping,
 )
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.load_windows import FileWindows, load_windows
-from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.motion.retarget.to_body import at_rate_of, body_of, load_body
-from numpy_cae.motion.retarget.to_rig import follow
+from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.unwrap import unwrapped
 from numpy_cae.motion.windows import cut_windows, hold_last_pose
@@ -68,7 +67,7 @@ __all__ = [
     "FileWindows",
     "Motion",
     "MotionFileError",
-    "Place",
+    "RootTransform",
     "Skeleton",
     "UnknownRigError",
     "angles_of",
@@ -84,7 +83,6 @@ __all__ = [
     "find_joints",
     "find_motion_files",
     "fit_motion",
-    "follow",
     "hold_last_pose",
     "joint_slice",
     "load_angles",
@@ -99,6 +97,7 @@ __all__ = [
     "read_bvh",
     "read_expmap",
     "read_mapping",
+    "retarget",
     "unwrapped",
     "without_t_pose",
     "write_acclaim",

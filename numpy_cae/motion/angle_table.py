@@ -17,7 +17,8 @@ from functools import cached_property
 import numpy as np
 
 from numpy_cae.motion.io.expmap_rigs import HUMAN36M
-from numpy_cae.motion.joints import JOINTS, PARENTS, find_joints
+from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.skeleton import Skeleton
 
 TRANSLATION = slice(0, 3)

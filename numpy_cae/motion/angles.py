@@ -18,8 +18,8 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.motion.angle_table import TRANSLATION, AngleTable, table_for
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.io.t_pose import without_t_pose
-from numpy_cae.motion.joints import UnknownRigError
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import UnknownRigError
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.unwrap import unwrapped
 

@@ -39,7 +39,7 @@ def joint_slice(joint: str) -> slice:
 
 
 @dataclass(frozen=True)
-class Place:
+class RootTransform:
     """Where a body stands and faces: metres along X and Z, radians about Y."""
 
     x: float = 0.0
@@ -47,7 +47,7 @@ class Place:
     heading: float = 0.0
 
 
-def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarray, Place]:
+def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarray, RootTransform]:
     """The features of a motion and the place where it starts.
 
     The last frame has no next one; its velocity and turn repeat those of the frame before.
@@ -62,7 +62,7 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     Returns
     -------
     features : (F, 63) array of float64
-    start : Place
+    start : RootTransform
         Of the first frame.
 
     References
@@ -74,12 +74,12 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     features = np.zeros((len(positions), FEATURES))
     local = _turned(positions - floor[:, None], -theta)
     features[:, POSITIONS] = local.reshape(len(positions), -1)
-    features[:, VELOCITY.start :] = steps_along(floor, theta)
-    return features, Place(floor[0, 0], floor[0, 2], theta[0])
+    features[:, VELOCITY.start :] = velocities_along(floor, theta)
+    return features, RootTransform(floor[0, 0], floor[0, 2], theta[0])
 
 
-def steps_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Velocity and turn, v_t and ω_t, of a body that goes a way: the inverse of `way_of`.
+def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Velocity and turn, v_t and ω_t, of a body that goes a way: the inverse of `trajectory_of`.
 
     Parameters
     ----------
@@ -100,13 +100,13 @@ def steps_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
     return steps
 
 
-def features_to_positions(features: np.ndarray, start: Place | None = None) -> np.ndarray:
+def features_to_positions(features: np.ndarray, start: RootTransform | None = None) -> np.ndarray:
     """World positions by integrating the velocities, from the first frame's place on.
 
     Parameters
     ----------
     features : (F, 63) array of float
-    start : Place, optional
+    start : RootTransform, optional
         The origin facing +Z where none is given.
 
     Returns
@@ -116,21 +116,23 @@ def features_to_positions(features: np.ndarray, start: Place | None = None) -> n
     """
     frames = len(features)
     features = np.asarray(features, dtype=np.float64)
-    floor, theta = way_of(features, start)
+    floor, theta = trajectory_of(features, start)
     local = features[:, POSITIONS].reshape(frames, len(JOINTS), 3)
     return _turned(local, theta) + floor[:, None]
 
 
-def way_of(features: np.ndarray, start: Place | None = None) -> tuple[np.ndarray, np.ndarray]:
+def trajectory_of(
+    features: np.ndarray, start: RootTransform | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """The way that a body goes: h_t (F, 3) in metres and θ_t (F,) in radians.
 
     Parameters
     ----------
     features : (F, 63) array of float
-    start : Place, optional
+    start : RootTransform, optional
         The origin facing +Z where none is given.
     """
-    start = start or Place()
+    start = start or RootTransform()
     theta = start.heading + _running_sum(features[:-1, TURN.start])
     steps = np.zeros((len(features) - 1, 1, 3))
     steps[:, 0, [0, 2]] = features[:-1, VELOCITY]

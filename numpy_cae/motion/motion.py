@@ -103,7 +103,7 @@ class Motion:
         rate : float
             Frames a second.
         """
-        now = self.moments(rate)
+        now = self.source_frames(rate)
         if now.dtype == int:
             return replace(
                 self,
@@ -119,7 +119,7 @@ class Motion:
             translations=_along_lines(then, self.translations, now),
         )
 
-    def moments(self, rate: float) -> np.ndarray:
+    def source_frames(self, rate: float) -> np.ndarray:
         """Where among this motion's frames `resampled` takes its poses.
 
         Returns

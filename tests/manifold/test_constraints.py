@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from numpy_cae.beyond import constraints
 from numpy_cae.beyond.exact_lengths import exact_lengths
-from numpy_cae.motion import JOINTS, Place, features_to_positions
+from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
 from numpy_cae.verify import check_gradients
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -54,7 +54,7 @@ def test_places_in_the_world(seed):
     rng, features = drawn(seed)
     targets = rng.normal(size=(5, 20, 3))
     weights = rng.uniform(size=(5, 20)) * (rng.random((5, 20)) < 0.5)
-    start, body = Place(*rng.normal(size=3)), rng.normal(size=(20, 20))
+    start, body = RootTransform(*rng.normal(size=3)), rng.normal(size=(20, 20))
     for asked in ((weights,), (rng.uniform(size=(5, 20, 3)), body)):
         check_gradients(
             lambda f, asked=asked: constraints.out_of_place(f, start, targets, *asked),
@@ -66,7 +66,7 @@ def test_places_in_the_world(seed):
 @given(seed=SEEDS)
 def test_a_motion_is_where_it_is(seed):
     rng, features = drawn(seed)
-    start = Place(*rng.normal(size=3))
+    start = RootTransform(*rng.normal(size=3))
     positions = features_to_positions(features, start)
     loss, _ = constraints.out_of_place(features, start, positions, np.ones((5, 20)))
     assert loss < 1e-25

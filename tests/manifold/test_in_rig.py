@@ -9,7 +9,7 @@ from data_synth import make_take
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.in_rig import in_rig, standing_still
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import Place, body_of, bone_lengths
+from numpy_cae.motion import RootTransform, body_of, bone_lengths
 
 
 @pytest.mark.parametrize("rate", [20.0, 25.0, 30.0, 59.94, 120.0])
@@ -35,6 +35,6 @@ def test_a_rig_that_stands_still_is_as_long_as_was_asked(rate):
     )
     other = make_take("run", 5, seconds=3.0, rate=30.0).motion
     features, _ = manifold.features(body_of(other))
-    made = in_rig(manifold, features, Place(), standing_still(rig, len(features)))
+    made = in_rig(manifold, features, RootTransform(), standing_still(rig, len(features)))
     assert len(made) == pytest.approx(3 * rate, abs=1)
     np.testing.assert_allclose(body_of(made)[0, 0, [0, 2]], 0, atol=1e-9)

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cli import main
 from numpy_cae.beyond import Pin, read_pins
-from numpy_cae.manifold import MotionManifold, repair, save_manifold
 from numpy_cae.beyond.pins import pins_for
+from numpy_cae.cli import main
+from numpy_cae.manifold import MotionManifold, repair, save_manifold
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import (
     JOINTS,
     MotionFileError,
-    Place,
+    RootTransform,
     body_of,
     body_positions,
     bone_lengths,
@@ -93,7 +93,7 @@ def test_pins_are_in_the_unit_and_frames_of_the_file(motion, manifold, tmp_path)
     mean = change_lengths(positions, bone_lengths(positions), manifold.lengths)
     back = np.einsum("jk,fkx->fjx", wanted.body, mean)
     np.testing.assert_allclose(back, positions, atol=1e-9)
-    assert wanted.start(Place(1.0, 2.0, 3.0)) == Place(0.0, 0.0, 3.0)
+    assert wanted.start(RootTransform(1.0, 2.0, 3.0)) == RootTransform(0.0, 0.0, 3.0)
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from numpy_cae.motion import (
     read_bvh,
     write_bvh,
 )
-from numpy_cae.motion.features import way_of
+from numpy_cae.motion.features import trajectory_of
 
 
 @pytest.fixture(scope="module")
@@ -132,8 +132,8 @@ def test_a_way_leads_where_the_files_did(manifold):
     drifting[:, POSITIONS] += rng.normal(0, 0.01, (len(features), 60))
     kept, place = kept_on_way(features, drifting, start, 30.0)
     np.testing.assert_array_equal(kept[:, POSITIONS], drifting[:, POSITIONS])
-    (floor, theta), (there, facing) = way_of(features, start), way_of(kept, place)
-    assert np.abs(way_of(drifting, start)[0] - floor).max() > 0.5
+    (floor, theta), (there, facing) = trajectory_of(features, start), trajectory_of(kept, place)
+    assert np.abs(trajectory_of(drifting, start)[0] - floor).max() > 0.5
     assert np.abs(there - floor).max() < 0.15
     assert np.abs(facing - theta).max() < 0.15
     assert np.abs(there - floor)[30:-30].max() < 0.05
@@ -146,7 +146,7 @@ def test_the_slow_of_a_way_is_the_files_and_the_quick_the_projections(manifold):
     kept, _ = kept_on_way(shaken, features, start, 30.0)
 
     def quick(x):
-        return np.abs(np.diff(way_of(x, start)[1] - way_of(features, start)[1]))
+        return np.abs(np.diff(trajectory_of(x, start)[1] - trajectory_of(features, start)[1]))
 
     assert quick(shaken).min() > 0.04
     assert quick(kept).max() < 0.004

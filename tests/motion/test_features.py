@@ -13,7 +13,7 @@ from numpy_cae.motion import (
     TURN,
     VELOCITY,
     Motion,
-    Place,
+    RootTransform,
     bone_lengths,
     change_lengths,
     cut_windows,
@@ -23,8 +23,8 @@ from numpy_cae.motion import (
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.heading import heading
+from numpy_cae.motion.retarget.fit import body_skeleton
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]
@@ -100,7 +100,7 @@ def test_heading_follows_the_body_and_never_jumps():
 
 def test_integration_starts_at_the_given_place():
     features, _ = positions_to_features(body(10)[0], 30.0)
-    there = features_to_positions(features, Place(2.0, -3.0, np.pi / 2))
+    there = features_to_positions(features, RootTransform(2.0, -3.0, np.pi / 2))
     here = features_to_positions(features)
     np.testing.assert_allclose(here[0, 0, [0, 2]], 0, atol=1e-12)
     np.testing.assert_allclose(there[0, 0, [0, 2]], [2, -3])

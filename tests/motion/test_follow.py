@@ -17,11 +17,11 @@ from numpy_cae.motion import (
     at_rate_of,
     body_of,
     body_positions,
-    follow,
     load_motion,
+    retarget,
 )
 from numpy_cae.motion.retarget.fit import body_skeleton
-from numpy_cae.motion.retarget.turns import fan, swing
+from numpy_cae.motion.retarget.rotations import fan, swing
 
 LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 
@@ -78,7 +78,7 @@ def gap(one, two):
 @given(seed=st.integers(0, 999), spines=st.integers(0, 3), root=st.booleans())
 def test_its_own_positions_give_back_the_motion_to_the_bit(seed, spines, root):
     motion = posed(a_rig(spines, root), 7, seed)
-    same = follow(motion, body_positions(motion))
+    same = retarget(motion, body_positions(motion))
     np.testing.assert_array_equal(same.rotations, motion.rotations)
     np.testing.assert_array_equal(same.translations, motion.translations)
 
@@ -90,7 +90,7 @@ def test_poses_that_bones_of_this_length_can_take_are_reached(seed):
     motion, other = posed(skeleton, 5, seed), posed(skeleton, 5, seed + 1)
     neck = skeleton.index("neck")
     other.rotations[:, neck] = motion.rotations[:, neck]  # the distance of the head stays
-    reached = body_positions(follow(motion, body_positions(other)))
+    reached = body_positions(retarget(motion, body_positions(other)))
     # Of 500 seeds the worst misses by 1.15 cm: a fan is held a little, so that it cannot spin.
     assert gap(reached, body_positions(other)).max() < 0.013
 
@@ -99,7 +99,7 @@ def test_poses_that_bones_of_this_length_can_take_are_reached(seed):
 def test_bones_keep_their_lengths_and_the_hips_are_where_they_were_asked_for(seed, spines):
     motion = posed(a_rig(spines), 6, seed)
     asked = body_positions(motion) + np.random.default_rng(seed).normal(0, 0.2, (6, 20, 3))
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     np.testing.assert_allclose(body_positions(followed)[:, 0], asked[:, 0], atol=1e-12)
     hips = motion.skeleton.index("hips")
     still = np.arange(len(motion.skeleton.names)) != hips
@@ -115,7 +115,7 @@ def test_a_moved_wrist_turns_its_elbow_and_nothing_else():
     motion = posed(a_rig(), 9, 3)
     asked = body_positions(motion)
     asked[4:, JOINTS.index("left_wrist")] += [0.05, 0.1, -0.02]
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     changed = np.any(followed.rotations != motion.rotations, axis=-1)
     elbow = motion.skeleton.index("left_elbow")
     assert np.all(changed[4:, elbow])
@@ -129,7 +129,7 @@ def test_a_bone_turns_without_twisting():
     motion = posed(a_rig(), 4, 5)
     asked = body_positions(motion)
     asked[:, JOINTS.index("left_wrist")] += [0.0, 0.15, 0.05]
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     (before, turned), (after, turned_after) = (m.forward_kinematics() for m in (motion, followed))
     elbow, wrist = (motion.skeleton.index(f"left_{joint}") for joint in ("elbow", "wrist"))
     axis = (turned_after[elbow] * turned[elbow].inv()).as_rotvec()
@@ -145,7 +145,7 @@ def test_joints_in_between_share_the_turn():
     above = [JOINTS.index(name) for name in JOINTS if "hip" not in name][3:]
     above = [place for place in above if asked[0, place, 1] > asked[0, 1, 1]]
     asked[:, [JOINTS.index("chest"), *above]] += [0.0, -0.03, 0.1]
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     spine = [motion.skeleton.index(name) for name in ("spine", "spine_0", "spine_1", "spine_2")]
     angles = Rotation.from_quat(followed.rotations[0, spine]).magnitude()
     assert np.all(angles > 0.02)
@@ -157,14 +157,14 @@ def test_joints_in_between_that_never_turn_are_left_stiff():
     stiff = motion.skeleton.index("spine_0")
     motion.rotations[:, stiff] = [0, 0, 0, 1]
     asked = body_positions(posed(a_rig(2), 5, 2))
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     np.testing.assert_array_equal(followed.rotations[:, stiff], motion.rotations[:, stiff])
 
 
 def test_a_root_below_the_hips_stays_at_rest_and_one_that_carries_them_moves():
     motion = posed(a_rig(), 5, 1)
     asked = body_positions(motion) + [0.1, 0.0, 0.2]
-    followed = follow(motion, asked)
+    followed = retarget(motion, asked)
     np.testing.assert_array_equal(followed.translations[:, 0], motion.translations[:, 0])
     np.testing.assert_allclose(body_positions(followed), asked, atol=1e-9)
 
@@ -172,7 +172,7 @@ def test_a_root_below_the_hips_stays_at_rest_and_one_that_carries_them_moves():
     carried = replace(motion, translations=motion.translations.copy())
     carried.translations[:, 0] = motion.translations[:, hips]
     carried.translations[:, hips] = motion.skeleton.offsets[hips]
-    followed = follow(carried, body_positions(carried) + [0.1, 0.0, 0.2])
+    followed = retarget(carried, body_positions(carried) + [0.1, 0.0, 0.2])
     np.testing.assert_array_equal(followed.translations[:, hips], carried.translations[:, hips])
     np.testing.assert_allclose(
         followed.translations[:, 0], carried.translations[:, 0] + [0.1, 0.0, 0.2], atol=1e-12
@@ -182,13 +182,13 @@ def test_a_root_below_the_hips_stays_at_rest_and_one_that_carries_them_moves():
 def test_what_cannot_be_followed_is_said():
     motion = posed(a_rig(), 5, 1)
     with pytest.raises(ValueError, match=r"\(4, 20, 3\), expected \(5, 20, 3\)"):
-        follow(motion, body_positions(motion)[:4])
+        retarget(motion, body_positions(motion)[:4])
     lost = body_positions(motion)
     lost[2, 3] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        follow(motion, lost)
+        retarget(motion, lost)
     with pytest.raises(UnknownRigError, match=r"left_hip .*hangs from none"):
-        follow(motion, body_positions(motion), {"left_hip": "floor"})
+        retarget(motion, body_positions(motion), {"left_hip": "floor"})
 
 
 def test_two_trials_of_one_cmu_subject(data_folder):
@@ -199,7 +199,7 @@ def test_two_trials_of_one_cmu_subject(data_folder):
     )
     one = replace(one, rotations=one.rotations[:170], translations=one.translations[:170])
     asked = body_positions(other)[:170]
-    followed = follow(one, asked)
+    followed = retarget(one, asked)
     assert gap(body_positions(one), asked).mean() > 0.5
     assert gap(body_positions(followed), asked).mean() < 0.001
     assert gap(body_positions(followed), asked).max() < 0.01

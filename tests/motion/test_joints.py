@@ -15,7 +15,7 @@ from numpy_cae.motion import (
     load_body,
     read_mapping,
 )
-from numpy_cae.motion.joints import RIGS
+from numpy_cae.motion.retarget.rigs import RIGS
 
 
 def skeleton_of(names):

@@ -196,14 +196,14 @@ def test_a_given_unit_is_said(read_text):
 
 def test_the_guessed_unit_is_logged(data_folder, caplog):
     path = data_folder / "cmu" / "bvh" / "02_03_first_frames.bvh"
-    with caplog.at_level(logging.INFO, logger="numpy_cae.motion.io.read_bvh"):
+    with caplog.at_level(logging.INFO, logger="numpy_cae.motion.io.bvh"):
         motion = read_bvh(path)
     assert str(path) in caplog.text and motion.unit_note in caplog.text
     assert "guessed" in motion.unit_note
 
 
 def test_an_unlikely_guess_is_a_warning(read_text, caplog):
-    with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.io.read_bvh"):
+    with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.io.bvh"):
         motion = read_text(TIDY)  # one leg alone has no way from tip to tip
     assert "assumed" in motion.unit_note and motion.unit_note in caplog.text
 

@@ -7,7 +7,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.motion import load_body, load_motion, write_acclaim, write_bvh
-from numpy_cae.motion.io.read_many import read_bodies
+from numpy_cae.motion.io.cache import read_bodies
 
 
 @pytest.fixture(scope="module")

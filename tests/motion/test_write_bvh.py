@@ -185,7 +185,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     # The package's name write_bvh is the function, so the module has to be asked for.
-    module = importlib.import_module("numpy_cae.motion.io.write_bvh")
+    module = importlib.import_module("numpy_cae.motion.io.bvh_writer")
     monkeypatch.setattr(module, "_frame_lines", full_disk)
     with pytest.raises(MotionFileError, match="cannot be written: No space left") as failed:
         write_bvh(drawn_motion(0), path)

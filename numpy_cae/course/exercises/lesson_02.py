@@ -16,7 +16,7 @@ from numpy_cae.course.exercises.exercise import (
     same_as,
     unaltered,
 )
-from numpy_cae.motion import JOINTS, Place, features_to_positions
+from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
 
@@ -111,7 +111,7 @@ def _elsewhere(function: Callable, case: Case) -> None:
 
 
 def from_features(features: np.ndarray, x: float, z: float, heading: float) -> np.ndarray:
-    return features_to_positions(features, Place(x, z, heading))
+    return features_to_positions(features, RootTransform(x, z, heading))
 
 
 def _features(case: Case) -> dict[str, object]:

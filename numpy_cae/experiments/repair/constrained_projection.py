@@ -18,7 +18,7 @@ from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import bone_length_error, position_error
-from numpy_cae.motion import JOINTS, PARENTS, Place, features_to_positions
+from numpy_cae.motion import JOINTS, PARENTS, RootTransform, features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, save_figure, save_gif, strip_figure
@@ -65,7 +65,7 @@ class ConstrainedProjection:
     tables: dict[str, dict[str, Row]]
     pinned: dict[str, dict[str, PinnedRow]]
     shown: dict[str, np.ndarray]
-    start: Place
+    start: RootTransform
     rate: float
     title: str = "Constrained projection: bones, feet, ground and pins"
 
@@ -226,7 +226,7 @@ def _row(
     manifold: MotionManifold,
     motion: np.ndarray,
     truth: np.ndarray,
-    start: Place,
+    start: RootTransform,
     contacts: np.ndarray,
 ) -> tuple[float, float, float, float]:
     positions = features_to_positions(motion, start)

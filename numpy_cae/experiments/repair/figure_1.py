@@ -12,7 +12,7 @@ import numpy as np
 from numpy_cae.experiments.repair.half_zeroed import P
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import position_error
-from numpy_cae.motion import PARENTS, POSITIONS, Place, features_to_positions
+from numpy_cae.motion import PARENTS, POSITIONS, RootTransform, features_to_positions
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, Actor, save_figure, save_gif, strip_figure
 
@@ -26,7 +26,7 @@ class Figure1:
     corrupted: np.ndarray
     projected: np.ndarray
     truth: np.ndarray
-    start: Place
+    start: RootTransform
     rate: float
 
     def positions(self, name: str) -> np.ndarray:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from numpy_cae.motion.io.amc import read_amc
+from numpy_cae.motion.io.bvh import read_bvh
 from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.read_amc import read_amc
-from numpy_cae.motion.io.read_bvh import read_bvh
-from numpy_cae.motion.io.read_expmap import is_expmap_text, read_expmap
+from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.motion import Motion
 
 SUPPORTED = (

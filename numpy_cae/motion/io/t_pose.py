@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion.joints import JOINTS, body_positions
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
 
 STRAIGHT = np.cos(np.radians(20.0))
 """Of the angle between a limb and where a T has it: less than that is no T-pose."""

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.io.read_amc import CMU_RATE
+from numpy_cae.motion.io.amc import CMU_RATE
 from numpy_cae.motion.io.units import CMU_UNIT, INCH, require_unit
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton

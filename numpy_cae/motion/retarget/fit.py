@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.turns import fan, swing
+from numpy_cae.motion.retarget.rotations import fan, swing
 from numpy_cae.motion.skeleton import Skeleton
 
 _TIPS = {

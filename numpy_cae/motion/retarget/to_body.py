@@ -8,8 +8,8 @@ import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
 from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.joints import UnknownRigError, body_positions
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
 
 RATE = 30.0
 """Frames a second of holden2015, section 4."""
@@ -43,7 +43,7 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
     ValueError
         If there are more poses or fewer.
     """
-    moments = motion.moments(RATE)
+    moments = motion.source_frames(RATE)
     if len(positions) != len(moments):
         raise ValueError(
             f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(moments)}"

@@ -21,9 +21,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion.joints import JOINTS, UnknownRigError, find_joints
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.turns import fan, swing
+from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
+from numpy_cae.motion.retarget.rotations import fan, swing
 from numpy_cae.motion.skeleton import Skeleton
 
 _TURNED = 1e-9
@@ -50,7 +51,9 @@ class _Bone:
     end: int
 
 
-def follow(motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None = None) -> Motion:
+def retarget(
+    motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None = None
+) -> Motion:
     """The motion, changed as little as makes its twenty joints follow new positions.
 
     Parameters

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf
 from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.read_asf import AcclaimSkeleton, read_asf
 from numpy_cae.motion.io.text_file import SLOWEST, TextFile, parsed, shortened, whole_number
 from numpy_cae.motion.io.units import stature, unit_name
 from numpy_cae.motion.motion import Motion, whole_step

@@ -22,11 +22,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.motion.io.amc import find_skeleton
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.io.read_amc import find_skeleton
-from numpy_cae.motion.joints import UnknownRigError, body_positions
 from numpy_cae.motion.lengths import require_legs
+from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
 from numpy_cae.motion.retarget.to_body import RATE
 
 VERSION = "numpy_cae take 2"
