@@ -1,7 +1,8 @@
-"""Write a file wholly or not at all.
+"""Write a file completely or not at all.
 
-What is half written when a disk fills up or a person presses Ctrl-C must never stand in the place
-of a good file, so it is written beside its place and moved there at the end.
+A file that is half written when the disk fills up or the process is killed must never replace a
+good one. So it is written under another name in the same folder, brought to the disk (fsync) and
+then renamed, which the operating system does in one step.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from numpy_cae.errors import FileError
 
 @contextmanager
 def atomic_write(path: str | Path) -> Iterator[Path]:
-    """A path beside `path`, of the same suffix, to write to; it is moved to `path` at the end.
+    """Yield a temporary path with the suffix of `path` to write to; rename it to `path` at the end.
 
-    If the block raises, nothing is moved and what it wrote is removed.
+    If the block raises, nothing is renamed and the temporary file is removed.
 
     Raises
     ------
@@ -27,25 +28,38 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         If the folder of `path` is missing, `path` is a folder, or writing fails.
     """
     path = Path(path)
-    # os.path, unlike pathlib, has an answer for every name, too long ones included.
+    # os.path returns False for names that are too long, where pathlib raises.
     if os.path.isdir(path):
         raise FileError(path, None, "cannot be written: there is a folder of this name")
     if not os.path.isdir(path.parent):
         raise FileError(path, None, f"cannot be written: there is no folder {path.parent}")
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        yield beside
-        os.replace(beside, path)
+        yield temporary
+        with temporary.open("r+b") as file:
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
     except OSError as error:
         raise FileError(path, None, f"cannot be written: {error.strerror}") from error
     finally:
         with suppress(OSError):
-            beside.unlink()
+            temporary.unlink()
+    _sync_folder(path.parent)
 
 
 def remove_leftovers(path: str | Path) -> None:
-    """Remove what processes that were killed left beside `path`; for its only writer to call."""
+    """Remove the temporary files of `path` that killed processes left; call it under its lock."""
     path = Path(path)
     for left in path.parent.glob(f".{escape(path.stem)}.*.part{escape(path.suffix)}"):
         with suppress(OSError):
             left.unlink()
+
+
+def _sync_folder(folder: Path) -> None:
+    """Bring the new name to the disk too, where the system can open a folder (not Windows)."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,7 +1,7 @@
-"""The command `numpy-cae`: one file a subcommand.
+"""The command `numpy-cae`: one module a subcommand, imported when that subcommand is chosen.
 
-What a person can mend (a damaged file, a missing joint, a wrong number) ends in one line on
-standard error and exit status 2, never in a traceback.
+Errors that a user can correct (a damaged file, a missing joint, a wrong number) end in one line on
+standard error and exit status 2, without a traceback.
 """
 
 from __future__ import annotations
@@ -9,56 +9,55 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
-from numpy_cae.cli import (
-    bench,
-    compare,
-    demo,
-    download,
-    fill,
-    interpolate,
-    lessons,
-    repair,
-    report,
-    sample,
-    show,
-    study,
-    train,
-    verify,
-)
+from numpy_cae import __version__
+from numpy_cae.errors import NumpyCaeError
 
-SUBCOMMANDS = (
-    demo,
-    download,
-    train,
-    repair,
-    fill,
-    interpolate,
-    compare,
-    sample,
-    show,
-    report,
-    study,
-    lessons,
-    verify,
-    bench,
-)
+SUBCOMMANDS = {
+    "demo": "make motions, learn from them and repair one, in about a minute; needs no files",
+    "download": "download motion files of the CMU database",
+    "train": "learn a manifold from folders of motion files",
+    "repair": "repair a motion by projecting it onto a manifold",
+    "fill": "fill in a missing joint, or the frames between keyframes",
+    "interpolate": "interpolate between two motions along a manifold",
+    "compare": "compute the distances between motions",
+    "sample": "sample new motions from a manifold",
+    "show": "draw a motion file as a strip of poses and an animation",
+    "report": "run every experiment of holden2015 and write one page of results",
+    "study": "run every experiment of jang2018 and write its results",
+    "lessons": "write student copies of the lessons, or run the originals",
+    "verify": "check and grade the operations in a Python file",
+    "bench": "measure the speed of training and projection",
+}
+"""Each subcommand, which is the module of that name, with its help in one line."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run `numpy-cae` with these arguments (the command line's where None); the exit status."""
-    parser = argparse.ArgumentParser(
-        prog="numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
-    )
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for subcommand in SUBCOMMANDS:
-        subcommand.add_parser(subparsers)
-    args = parser.parse_args(argv)
+    """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
+    argv = sys.argv[1:] if argv is None else list(argv)
+    args = _parser(argv).parse_args(argv)
     try:
         return args.run(args)
-    except (ValueError, ArithmeticError, OSError) as error:
+    except (NumpyCaeError, ValueError, OSError) as error:
         print(f"numpy-cae {args.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"numpy-cae {args.command}: interrupted, nothing more was written", file=sys.stderr)
         return 130
+
+
+def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser, with the options of the subcommand that `argv` names and of no other."""
+    parser = argparse.ArgumentParser(
+        prog="numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
+    )
+    parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    chosen = next((word for word in argv if not word.startswith("-")), None)
+    for name, help_line in SUBCOMMANDS.items():
+        if name == chosen:
+            import_module(f"numpy_cae.cli.{name}").add_parser(subparsers)
+        else:
+            subparsers.add_parser(name, help=help_line, add_help=False)
+    return parser

@@ -11,7 +11,7 @@ from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold, s
 from numpy_cae.motion import angles_of, body_of, write_bvh
 from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
-NAMES = [each.__name__.rsplit(".", 1)[1] for each in SUBCOMMANDS]
+NAMES = list(SUBCOMMANDS)
 
 # WALK is a motion, FOLDER holds it, MODEL suits it; OUT.xyz can be written. Each case replaces one.
 COMMANDS = {
