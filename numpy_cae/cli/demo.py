@@ -8,8 +8,8 @@ from pathlib import Path
 from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed, typical
-from numpy_cae.experiments.repair.figure_1 import COLOURS
+from numpy_cae.experiments.repair.figure_1 import COLOURS, figure_1, typical
+from numpy_cae.experiments.repair.half_zeroed import half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage

@@ -12,8 +12,9 @@ from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.cli.one_run import add_arguments as add_run_arguments
 from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments import figure_1, half_zeroed, typical
 from numpy_cae.experiments.material import is_test
+from numpy_cae.experiments.repair.figure_1 import figure_1, typical
+from numpy_cae.experiments.repair.half_zeroed import half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files

@@ -1,10 +1,11 @@
-"""Skeletons drawn and animated, and numbers as curves."""
+"""Pictures of motions and of numbers. Matplotlib is imported when something is drawn."""
 
+from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, bars_figure, curves_figure
 from numpy_cae.viz.notebook import in_notebook
-from numpy_cae.viz.strip import Actor, save_figure, strip_figure
+from numpy_cae.viz.strip import save_figure, strip_figure
 
 __all__ = [
     "CORRUPTED",

@@ -5,13 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.camera import below, bones, seen
-from numpy_cae.viz.strip import Actor
 
 
 def save_gif(
@@ -37,6 +34,9 @@ def save_gif(
     seconds : float
         Of a longer motion only the beginning is shown.
     """
+    from matplotlib.animation import FuncAnimation, PillowWriter
+    from matplotlib.figure import Figure
+
     step = max(1, round(rate / fps))
     moments = range(0, min(len(actors[0].positions), int(seconds * rate)), step)
     half = _half_width(actors, moments, azimuth)
@@ -68,6 +68,8 @@ class _Panel:
     _TILE = 0.5  # metres between two lines of the floor
 
     def __init__(self, axes, actor: Actor, azimuth: float, half: float):
+        from matplotlib.collections import LineCollection
+
         self.actor, self.azimuth = actor, azimuth
         self.floor = axes.add_collection(LineCollection([], colors="#dddddd", linewidths=0.8))
         self.body = axes.add_collection(

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,8 @@ def curves_figure(
         What the axes show, with units.
     size : (width, height) in inches
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.add_subplot()
     for curve in curves:
@@ -70,6 +75,8 @@ def bars_figure(
         What the heights are, with the unit.
     size : (width, height) in inches
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.add_subplot()
     places, width = np.arange(len(names)), 0.8 / len(groups)

@@ -8,10 +8,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image, ImageSequence
-
+from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.animation import save_gif
-from numpy_cae.viz.strip import Actor
 
 COLOURS = 32
 
@@ -53,6 +51,8 @@ def in_notebook(
 
 def _few_colours(path: Path) -> bytes:
     """The same GIF in 32 colours, about half the size; lines on white need no more."""
+    from PIL import Image, ImageSequence
+
     with Image.open(path) as gif:
         frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(gif)]
         duration = gif.info["duration"]

@@ -2,35 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.camera import below, bones, seen
-from numpy_cae.viz.colours import PLAIN
 
-
-@dataclass(frozen=True)
-class Actor:
-    """One motion to be drawn.
-
-    Parameters
-    ----------
-    positions : (F, J, 3) array of float
-        World positions in metres.
-    parents : tuple of J int
-    label : str
-    colour : str
-    """
-
-    positions: np.ndarray
-    parents: tuple[int, ...]
-    label: str = ""
-    colour: str = PLAIN
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
@@ -48,6 +30,9 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     azimuth : float
         Degrees from which the camera looks, 0 from the front of a body that faces +Z.
     """
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
     frames = len(actors[0].positions)
     moments = np.unique(np.linspace(0, frames - 1, poses).round().astype(int))
     drawn = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]

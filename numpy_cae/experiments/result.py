@@ -1,0 +1,208 @@
+"""The result of an experiment, as text, JSON, PNG and GIF; `page` makes HTML of it."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from numpy_cae.atomic_write import atomic_write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from numpy_cae.viz import Actor
+
+
+@dataclass(frozen=True)
+class Table:
+    """Plain values with a heading for each column.
+
+    Parameters
+    ----------
+    caption : str
+        What the table shows, in a sentence that ends with a colon; may be empty.
+    header : sequence of str
+    rows : sequence of sequences
+        The first value of a row is its name, a str. A value that is None or not a number (nan) is
+        an empty cell; a str or an int is printed as it is.
+    formats : str or sequence of str
+        Of the floats: one format for all columns, or one for each.
+    """
+
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[object]]
+    formats: str | Sequence[str] = ".2f"
+
+    def cells(self) -> list[list[str]]:
+        """The rows as printed, without the header."""
+        formats = self.formats
+        if isinstance(formats, str):
+            formats = [formats] * len(self.header)
+        return [
+            [_printed(value, form) for value, form in zip(row, formats, strict=True)]
+            for row in self.rows
+        ]
+
+    def text(self) -> str:
+        """The caption and the table in Markdown's form, padded for a terminal."""
+        table = text_table(self.header, self.cells())
+        return f"{self.caption}\n\n{table}" if self.caption else table
+
+    def value(self, row: str, column: str) -> object:
+        """The value in the row of that name, the column of that heading."""
+        values = next(values for values in self.rows if values[0] == row)
+        return values[list(self.header).index(column)]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence about the method and whether it held in this measurement.
+
+    Parameters
+    ----------
+    sentence : str
+        With its source: "Projection recovers the motion (holden2015, section 7)."
+    held : bool
+    figures : str
+        The measured figures that decide, in a sentence.
+    """
+
+    sentence: str
+    held: bool
+    figures: str
+
+    def text(self) -> str:
+        """One line for a terminal."""
+        status = "held" if self.held else "not held"
+        return f"{status}: {self.sentence} Measured: {self.figures}"
+
+
+@dataclass(frozen=True)
+class Animation:
+    """Motions side by side, for a GIF; the parameters are those of `numpy_cae.viz.save_gif`."""
+
+    actors: Sequence[Actor]
+    rate: float
+    azimuth: float = 40.0
+    seconds: float = 10.0
+
+
+@dataclass(frozen=True)
+class Result:
+    """What an experiment measured.
+
+    Parameters
+    ----------
+    title : str
+    tables : sequence of Table
+    claims : sequence of Claim
+    figure : function without arguments that returns a Matplotlib figure, optional
+        Called when a picture is requested, so that text needs no Matplotlib.
+    animation : Animation, optional
+    note : str
+        What was measured on which data; printed after the tables.
+    """
+
+    title: str
+    tables: Sequence[Table]
+    claims: Sequence[Claim] = ()
+    figure: Callable[[], Figure] | None = None
+    animation: Animation | None = None
+    note: str = ""
+
+    def text(self) -> str:
+        """The tables in Markdown's form, then the note."""
+        parts = [table.text() for table in self.tables]
+        return "\n\n".join([*parts, self.note] if self.note else parts)
+
+    def data(self) -> dict:
+        """Everything but the pictures, in what JSON knows; null where a value is not finite."""
+        return {
+            "title": self.title,
+            "tables": [
+                {
+                    "caption": table.caption,
+                    "header": list(table.header),
+                    "rows": [[_plain(value) for value in row] for row in table.rows],
+                }
+                for table in self.tables
+            ],
+            "claims": [
+                {"sentence": claim.sentence, "held": bool(claim.held), "figures": claim.figures}
+                for claim in self.claims
+            ],
+            "note": self.note,
+        }
+
+    def png(self) -> bytes:
+        """The figure as PNG; empty where there is none."""
+        if self.figure is None:
+            return b""
+        picture = io.BytesIO()
+        self.figure().savefig(picture, format="png", dpi=110, facecolor="white")
+        return picture.getvalue()
+
+    def gif(self) -> bytes:
+        """The animation as GIF; empty where there is none."""
+        if self.animation is None:
+            return b""
+        from numpy_cae.viz import save_gif
+
+        moving = self.animation
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "animation.gif")
+            save_gif(
+                list(moving.actors),
+                path,
+                moving.rate,
+                azimuth=moving.azimuth,
+                seconds=moving.seconds,
+            )
+            return path.read_bytes()
+
+    def save_picture(self, path: str | Path) -> None:
+        """Write the figure as a PNG file."""
+        _save(self.png(), path)
+
+    def save_gif(self, path: str | Path) -> None:
+        """Write the animation as a GIF file."""
+        _save(self.gif(), path)
+
+
+def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns in Markdown's form, padded: the first left-aligned, the others right-aligned."""
+    cells = [list(header), *[list(row) for row in rows]]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(header))]
+
+    def line(row: Sequence[str]) -> str:
+        padded = [row[0].ljust(widths[0])]
+        padded += [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
+        return "| " + " | ".join(padded) + " |"
+
+    rule = "|" + "|".join("-" * (width + 1) + (":" if n else "-") for n, width in enumerate(widths))
+    return "\n".join([line(cells[0]), rule + "|", *[line(row) for row in cells[1:]]])
+
+
+def _printed(value: object, form: str) -> str:
+    if value is None or (isinstance(value, float | np.floating) and np.isnan(value)):
+        return ""
+    if isinstance(value, float | np.floating):
+        return format(float(value), form)
+    return str(value)
+
+
+def _plain(value: object) -> object:
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _save(content: bytes, path: str | Path) -> None:
+    with atomic_write(path) as beside:
+        Path(beside).write_bytes(content)
