@@ -1,0 +1,167 @@
+"""The structure of the package: imports point inwards, sizes stay within budgets, the map is complete."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "numpy_cae"
+
+FOUNDATION = {"errors", "atomic_write", "lock", "array_file"}
+"""Modules of the root that every package may import."""
+
+ALLOWED = {
+    "ops": set(),
+    "models": {"ops"},
+    "training": {"ops", "models"},
+    "motion": set(),
+    "manifold": {"ops", "models", "training", "motion", "fast"},
+    "fast": {"ops", "models"},
+    "verify": {"ops", "models"},
+    "measures": {"motion"},
+    "baselines": {"motion"},
+    "viz": {"motion"},
+}
+RING_1 = {"ops", "models", "training", "motion", "manifold"}
+RING_2 = {"fast", "verify", "measures", "baselines", "viz"}
+INNER = RING_1 | RING_2
+RING_3 = {
+    "beyond": INNER,
+    "experiments": INNER | {"beyond", "bench"},
+    "course": INNER | {"beyond", "experiments", "bench"},
+    "download": INNER,
+    "bench": INNER,
+    "cli": INNER | {"beyond", "experiments", "course", "download", "bench"},
+}
+ALLOWED |= RING_3
+"""What each package may import besides itself and `FOUNDATION`."""
+
+BUDGET = {
+    "ops": 850,
+    "models": 800,
+    "training": 850,
+    "motion": 3700,
+    "manifold": 1300,
+    "fast": 1900,
+    "verify": 2800,
+    "measures baselines viz": 1700,
+    "beyond": 800,
+    "experiments": 4000,
+    "course": 3000,
+    "cli": 1700,
+    "bench download": 900,
+}
+"""Lines of Python."""
+
+
+def python_files(*folders: str) -> list[Path]:
+    return [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py"))]
+
+
+def count_lines(paths: list[Path]) -> int:
+    return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in paths)
+
+
+def imported_modules(path: Path) -> set[str]:
+    """Dotted names of this project that a file imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            if node.module == "numpy_cae":
+                found |= {f"numpy_cae.{alias.name}" for alias in node.names}
+            else:
+                found.add(node.module)
+    return {name for name in found if name.split(".")[0] in ("numpy_cae", "data_synth")}
+
+
+def test_every_package_has_a_ring():
+    packages = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert packages == set(ALLOWED)
+
+
+@pytest.mark.parametrize("package", sorted(ALLOWED))
+def test_imports_point_inwards(package):
+    allowed = ALLOWED[package] | FOUNDATION | {package, "__version__"}
+    wrong = defaultdict(set)
+    for path in python_files(f"numpy_cae/{package}"):
+        for name in imported_modules(path):
+            part = name.split(".")[1] if "." in name else name
+            if name.startswith("numpy_cae") and part not in allowed:
+                wrong[str(path.relative_to(ROOT))].add(name)
+            if name.startswith("data_synth") and package not in RING_3:
+                wrong[str(path.relative_to(ROOT))].add(name)
+    assert not wrong, dict(wrong)
+
+
+def test_ops_imports_nothing_of_the_project_but_itself():
+    for path in python_files("numpy_cae/ops"):
+        assert all(name.startswith("numpy_cae.ops") for name in imported_modules(path)), path
+
+
+def test_foundation_imports_nothing_but_itself():
+    for name in FOUNDATION:
+        imported = imported_modules(PACKAGE / f"{name}.py")
+        assert imported <= {f"numpy_cae.{other}" for other in FOUNDATION}, (name, imported)
+
+
+@pytest.mark.parametrize("packages", BUDGET)
+def test_packages_keep_their_budget(packages):
+    lines = count_lines(python_files(*(f"numpy_cae/{name}" for name in packages.split())))
+    assert lines <= BUDGET[packages], f"{packages}: {lines} lines"
+
+
+def test_data_synth_and_tests_keep_their_budget():
+    assert count_lines(python_files("data_synth")) <= 3900
+    assert count_lines(python_files("tests")) <= 10_500
+
+
+MAP = (ROOT / "docs" / "map.md").read_text(encoding="utf-8")
+MAP_NAMES = sorted(set(re.findall(r"`(numpy_cae[\w.]+)`", MAP)))
+
+
+def resolve(name: str) -> object:
+    """The object with this dotted name."""
+    parts = name.split(".")
+    for split in range(len(parts), 0, -1):
+        try:
+            found = importlib.import_module(".".join(parts[:split]))
+        except ModuleNotFoundError:
+            continue
+        for attribute in parts[split:]:
+            found = getattr(found, attribute)
+        return found
+    raise ImportError(name)
+
+
+@pytest.mark.parametrize("name", MAP_NAMES)
+def test_a_name_in_the_map_exists(name):
+    assert resolve(name) is not None
+
+
+@pytest.mark.parametrize("package", sorted(RING_1))
+def test_every_public_name_of_ring_1_is_in_the_map(package):
+    module = importlib.import_module(f"numpy_cae.{package}")
+    words = set(re.findall(r"\w+", MAP))
+    assert sorted(set(module.__all__) - words) == []
+
+
+@pytest.mark.parametrize("equation", ["eq. 1", "eq. 2", "eq. 3", "eq. 4"])
+def test_every_equation_is_in_the_map(equation):
+    assert any(equation in row and "`numpy_cae." in row for row in MAP.splitlines())
+
+
+def test_the_files_of_the_reading_list_exist():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    reading = readme.split("## An afternoon's reading")[1].split("\n## ")[0]
+    files = re.findall(r"`(numpy_cae/[\w/]+\.py)`", reading)
+    assert 1 <= len(files) <= 12
+    assert all((ROOT / file).is_file() for file in files)
+    assert len(readme.splitlines()) <= 150
