@@ -1,18 +1,27 @@
-"""The lessons as notebooks: one source gives the instructor's copy, executed, and the student's,
-and a picture of each for the gallery."""
+"""The course: exercises and their checks, and the lessons as notebooks.
 
+One source gives the instructor's copy, executed, and the student's, and a picture of each for the
+gallery. `report` and `solved` are what the check cells call.
+"""
+
+from numpy_cae.course.catalogue import CATALOGUE, example, properties, report, solved
 from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.course.student_copy import student_copy
 
 __all__ = [
+    "CATALOGUE",
+    "example",
     "execute",
     "find_lessons",
     "is_current",
     "picture_of",
     "picture_path",
+    "properties",
     "read_notebook",
+    "report",
+    "solved",
     "source_hash",
     "student_copy",
     "write_notebook",

@@ -9,8 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy_cae.verify.property import Property
 
 WORTH_PRINTING = 24
 
@@ -54,9 +58,23 @@ def described(name: str, case: Case, arguments: Mapping[str, object]) -> str:
     arrays = [a for a in arguments.values() if isinstance(a, np.ndarray)]
     if sum(a.size for a in arrays) > WORTH_PRINTING:
         numbers = ", ".join(f"{size}={number}" for size, number in case.sizes)
-        return f'{case}\nverify.example("{name}", {numbers}, seed={case.seed})'
+        return f'{case}\nexample("{name}", {numbers}, seed={case.seed})'
     lines = [f"{argument} = {_written(value)}" for argument, value in arguments.items()]
     return "\n".join([str(case), *lines])
+
+
+def example_of(stated: Property, seed: int, sizes: Mapping[str, int]) -> dict[str, object]:
+    """The arguments of a case of a property.
+
+    Raises
+    ------
+    ValueError
+        If these are not the sizes of the property.
+    """
+    if set(sizes) != set(stated.sizes):
+        known, got = ", ".join(stated.sizes), ", ".join(sizes)
+        raise ValueError(f"{stated.operation} has the sizes {known}, got {got}")
+    return stated.arguments(Case(tuple(sizes.items()), seed))
 
 
 def _written(value: object) -> str:

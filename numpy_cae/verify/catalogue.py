@@ -1,11 +1,51 @@
-"""The properties of every operation, as data: what the tests, the lessons and a grader all run."""
+"""Catalogues: what may be tested under which name, as data for tests, lessons and the grader.
+
+`CATALOGUE` holds the operations of `numpy_cae.ops` and the tied layer. Another package can make a
+larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of the lessons.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+
+from numpy_cae import ops
 from numpy_cae.verify.convention import PYTORCH, Convention
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.particulars import particular_properties
 from numpy_cae.verify.property import Property, shared_properties
+from numpy_cae.verify.tied import tied_layer
+
+
+@dataclass(frozen=True)
+class Task:
+    """One function to be written, and the properties that it is tested for.
+
+    Parameters
+    ----------
+    name : str
+    solution : callable
+        The project's own implementation.
+    properties : tuple of Property
+    hint : str
+        Shown where a property does not hold.
+    given : tuple of str
+        Names in the catalogue that an implementation may call without defining them.
+    """
+
+    name: str
+    solution: Callable = field(repr=False)
+    properties: tuple[Property, ...] = field(repr=False)
+    hint: str = ""
+    given: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> int:
+        return sum(stated.points for stated in self.properties)
+
+
+Catalogue = Mapping[str, Task]
 
 
 def properties_of(name: str, convention: Convention = PYTORCH) -> tuple[Property, ...]:
@@ -16,4 +56,24 @@ def properties_of(name: str, convention: Convention = PYTORCH) -> tuple[Property
     return (*shared_properties(operation), *particular_properties(operation))
 
 
-properties: dict[str, tuple[Property, ...]] = {name: properties_of(name) for name in OPERATIONS}
+CATALOGUE: dict[str, Task] = {
+    name: Task(name, getattr(ops, name, tied_layer), properties_of(name)) for name in OPERATIONS
+}
+
+
+def load_catalogue(module: str) -> Catalogue:
+    """The `CATALOGUE` of a module, which is imported."""
+    return import_module(module).CATALOGUE
+
+
+def find_task(catalogue: Catalogue, name: str) -> Task:
+    """The task of this name.
+
+    Raises
+    ------
+    ValueError
+        If there is none; the message lists the names there are.
+    """
+    if name not in catalogue:
+        raise ValueError(f"no operation is called {name!r}; there are {', '.join(catalogue)}")
+    return catalogue[name]

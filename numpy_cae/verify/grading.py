@@ -10,11 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from numpy_cae import ops
-from numpy_cae.course.exercises import EXERCISES
-from numpy_cae.verify.catalogue import properties
+from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.catalogue import Catalogue, find_task, load_catalogue
 from numpy_cae.verify.notebook import exercise_source
-from numpy_cae.verify.reporting import WIDTH, Report, report_on, require_operation
+from numpy_cae.verify.reporting import WIDTH, Report, report_on
 from numpy_cae.verify.sandbox.refusal import refused_imports
 from numpy_cae.verify.sandbox.student import Fault, Student
 
@@ -65,6 +64,7 @@ class FileReport:
 
 def grade(
     path: Path,
+    catalogue: str = "numpy_cae.verify.catalogue",
     named: Mapping[str, str] | None = None,
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
@@ -76,6 +76,8 @@ def grade(
     path : Path
         A Python file: functions that bear an operation's name are tried as that operation. Or a
         lesson's notebook: the functions in its exercise cells are tried as those exercises.
+    catalogue : str
+        The module whose `CATALOGUE` says what is tested.
     named : mapping of operation to function name, optional
         Functions with other names.
     seconds, megabytes : number
@@ -94,17 +96,18 @@ def grade(
         If `named` names an operation that does not exist.
     """
     named = dict(named or {})
+    known = load_catalogue(catalogue)
     for operation in named:
-        require_operation(operation)
+        find_task(known, operation)
     graded = FileReport(path)
     text = path.read_bytes()
     if path.suffix == ".ipynb":
-        return _grade_notebook(graded, text, named, seconds, megabytes)
-    _grade_program(graded, path, text, list(properties), named, seconds, megabytes)
+        return _grade_notebook(graded, text, known, named, seconds, megabytes)
+    _grade_program(graded, path, text, known, list(OPERATIONS), named, seconds, megabytes)
     return graded
 
 
-def _grade_notebook(graded: FileReport, text: bytes, *options) -> FileReport:
+def _grade_notebook(graded: FileReport, text: bytes, catalogue: Catalogue, *options) -> FileReport:
     """The exercise cells alone, as a program."""
     try:
         program = exercise_source(text.decode())
@@ -114,12 +117,13 @@ def _grade_notebook(graded: FileReport, text: bytes, *options) -> FileReport:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "notebook.py")
         path.write_text(program, encoding="utf-8")
-        known = [*properties, *EXERCISES]
-        _grade_program(graded, path, program.encode(), known, *options, given=_given(program))
+        given = _given(program, catalogue)
+        known = list(catalogue)
+        _grade_program(graded, path, program.encode(), catalogue, known, *options, given=given)
     return graded
 
 
-def _given(program: str) -> dict[str, Callable]:
+def _given(program: str, catalogue: Catalogue) -> dict[str, Callable]:
     """What the exercises that a program solves may call of earlier lessons, as a lesson imports it.
 
     Never what the program is to define itself.
@@ -128,17 +132,15 @@ def _given(program: str) -> dict[str, Callable]:
         defined = {node.name for node in ast.parse(program).body if hasattr(node, "name")}
     except (SyntaxError, ValueError, RecursionError):  # which grading reports
         return {}
-    wanted = {name for own in defined & set(EXERCISES) for name in EXERCISES[own].given}
-    return {
-        name: getattr(ops, name) if hasattr(ops, name) else EXERCISES[name].solution
-        for name in wanted - defined
-    }
+    wanted = {name for own in defined & set(catalogue) for name in catalogue[own].given}
+    return {name: catalogue[name].solution for name in wanted - defined}
 
 
 def _grade_program(
     graded: FileReport,
     path: Path,
     text: bytes,
+    catalogue: Catalogue,
     known: list[str],
     named: dict[str, str],
     seconds: float,
@@ -165,7 +167,7 @@ def _grade_program(
                 student.load(given)
                 todo = _functions(set(student.functions), known, named) if todo is None else todo
                 while todo and not student.ended:
-                    _grade_function(graded, student, *todo.pop(0))
+                    _grade_function(graded, student, catalogue, *todo.pop(0))
     except Fault as fault:
         graded.faults.append(str(fault))
 
@@ -178,15 +180,17 @@ def _functions(there: set[str], known: list[str], named: dict[str, str]) -> list
     wanted = {name: name for name in known if name in there} | named
     if not wanted:
         raise Fault(
-            f"no function bears an operation's name ({', '.join(properties)}); "
+            f"no function bears an operation's name ({', '.join(OPERATIONS)}); "
             "name one with --as conv1d=my_conv"
         )
     return list(wanted.items())
 
 
-def _grade_function(graded: FileReport, student: Student, operation: str, function: str) -> None:
-    tried = student.function(function, numbers_only=operation in properties)
-    graded.reports.append(report_on(tried, operation, function, between=student.forget))
+def _grade_function(
+    graded: FileReport, student: Student, catalogue: Catalogue, operation: str, function: str
+) -> None:
+    tried = student.function(function, numbers_only=operation in OPERATIONS)
+    graded.reports.append(report_on(catalogue[operation], tried, function, student.forget))
     if student.printed():
         raise Fault(
             f"{function} prints {student.printed()!r}: an operation returns, it does not print"

@@ -6,10 +6,8 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from numpy_cae.course.exercises import EXERCISES
-from numpy_cae.verify.catalogue import properties, properties_of
+from numpy_cae.verify.catalogue import Task, properties_of
 from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
-from numpy_cae.verify.property import Property
 from numpy_cae.verify.trial import Outcome, try_property
 
 WIDTH = 98
@@ -133,60 +131,38 @@ def _why(outcome: Outcome) -> Iterator[str]:
 
 
 def report_on(
+    task: Task,
     implementation: Callable,
-    operation: str,
-    called: str,
+    called: str | None = None,
     between: Callable[[], None] = lambda: None,
 ) -> Report:
-    """Hold an implementation to every property of an operation, or of an exercise of a lesson.
-
-    Calls `between` in between.
-    """
-    convention = _convention_of(implementation, operation)
+    """Test an implementation for every property of a task; `between` is called after each."""
+    called = called or getattr(implementation, "__name__", task.name)
+    convention = _convention_of(task, implementation)
+    stated = task.properties
+    if convention != PYTORCH:
+        stated = properties_of(task.name, convention)
     outcomes: list[Outcome] = []
-    for tried in stated_of(operation, convention):
+    for tried in stated:
         if outcomes and outcomes[0].problem.startswith(UNSOLVED):
             outcomes.append(Outcome(tried, held=False, problem=UNSOLVED))
             continue
         outcomes.append(try_property(tried, implementation))
         between()
-    hint = EXERCISES[operation].hint if operation in EXERCISES else ""
-    return Report(operation, called, tuple(outcomes), convention, hint)
+    return Report(task.name, called, tuple(outcomes), convention, task.hint)
 
 
-def stated_of(operation: str, convention: Convention = PYTORCH) -> tuple[Property, ...]:
-    """The properties, with the lesson's hints where it is an exercise."""
-    if operation in EXERCISES and convention == PYTORCH:
-        return EXERCISES[operation].properties
-    return properties_of(operation, convention)
+def holds(task: Task, implementation: Callable) -> bool:
+    """Whether every property holds; stops at the first that does not."""
+    return all(try_property(tried, implementation, shrink=False).held for tried in task.properties)
 
 
-def _convention_of(implementation: Callable, operation: str) -> Convention:
+def _convention_of(task: Task, implementation: Callable) -> Convention:
     """The convention whose values a GRU has; PyTorch's where it has those of none."""
-    if operation not in ("gru", "gru_step"):
+    if task.name not in ("gru", "gru_step"):
         return PYTORCH
     for convention in (PYTORCH, *other_conventions()):
-        value = properties_of(operation, convention)[0]
+        value = properties_of(task.name, convention)[0]
         if try_property(value, implementation, EXAMPLES_OF_A_CONVENTION, shrink=False).held:
             return convention
     return PYTORCH
-
-
-def solved(implementation: Callable, name: str) -> bool:
-    """Whether every property holds; stops at the first that does not."""
-    return all(try_property(tried, implementation, shrink=False).held for tried in stated_of(name))
-
-
-def require_operation(name: str) -> None:
-    """Raise unless an operation or an exercise of this name has properties.
-
-    Raises
-    ------
-    ValueError
-        With the names there are.
-    """
-    if name not in properties and name not in EXERCISES:
-        exercises = [exercise for exercise in EXERCISES if exercise not in properties]
-        raise ValueError(
-            f"no operation is called {name!r}; there are {', '.join([*properties, *exercises])}"
-        )

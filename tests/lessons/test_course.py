@@ -9,14 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from numpy_cae import ops, verify, viz
+from numpy_cae import course, ops, viz
 from numpy_cae.cli import main
 from numpy_cae.course import read_notebook, source_hash, student_copy, write_notebook
-from numpy_cae.motion import PARENTS
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.exercises.exercise import Claim, exercise, require_same, unaltered
+from numpy_cae.motion import PARENTS
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.trial import try_property
+
+COURSE = "numpy_cae.course.catalogue"
 
 
 def unsolved(*arguments):
@@ -40,9 +42,9 @@ def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTIO
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_the_package_solves_its_own_exercises_and_a_stub_solves_none(name):
-    report = verify.report(EXERCISES[name].solution, as_=name)
+    report = course.report(name, EXERCISES[name].solution)
     assert report.held and report.possible == EXERCISES[name].points, str(report)
-    stub = verify.report(unsolved, as_=name)
+    stub = course.report(name, unsolved)
     assert stub.unsolved and stub.points == 0
     assert "not solved yet" in str(stub) and f"hint: {EXERCISES[name].hint[:20]}" in str(stub)
 
@@ -50,7 +52,7 @@ def test_the_package_solves_its_own_exercises_and_a_stub_solves_none(name):
 @pytest.mark.parametrize("name", EXERCISES)
 def test_returning_the_first_argument_or_nothing_fails_every_exercise(name):
     for cheat in (lambda *arguments: arguments[0], lambda *arguments: None):
-        report = verify.report(cheat, as_=name)
+        report = course.report(name, cheat)
         assert not report.held and not report.unsolved
         assert report.points < report.possible / 2, str(report)
 
@@ -63,15 +65,15 @@ def test_a_wrong_solution_is_told_the_counterexample_and_a_hint():
     def speeds(positions, rate):
         return np.linalg.norm(np.diff(positions, axis=0), axis=-1) / rate
 
-    text = str(verify.report(speeds))
+    text = str(course.report("speeds", speeds))
     assert "FAILED  value" in text and "smallest: frames 2, joints 1" in text
     assert "hint: the distance to the next frame" in text
 
 
 def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
-    assert verify.solved(ops.tanh, as_="conv1d") is not ops.tanh
+    assert course.solved("conv1d", ops.tanh) is not ops.tanh
     assert "the package's own" in capsys.readouterr().out
-    stand_in = verify.solved(unsolved, as_="conv1d")
+    stand_in = course.solved("conv1d", unsolved)
     capsys.readouterr()
     x, w, b = np.ones((1, 4, 2)), np.ones((3, 2, 1)), np.zeros(1)
     np.testing.assert_array_equal(stand_in(x, w, b)[0], ops.conv1d(x, w, b)[0])
@@ -79,27 +81,27 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     def mine(x, w, b):
         return ops.conv1d(x, w, b)
 
-    assert verify.solved(mine, as_="conv1d") is mine
+    assert course.solved("conv1d", mine) is mine
     assert capsys.readouterr().out == "conv1d: from here on, yours\n"
 
 
 def test_a_stand_in_is_never_taken_for_the_students(capsys):
-    stand_in = verify.solved(unsolved, as_="conv1d")
-    report = verify.report(stand_in, as_="conv1d")
+    stand_in = course.solved("conv1d", unsolved)
+    report = course.report("conv1d", stand_in)
     assert report.unsolved and report.points == 0
     assert "run the cell with yours again first" in capsys.readouterr().out
 
 
 def test_no_such_exercise_is_an_error_with_the_names():
     with pytest.raises(ValueError, match="no exercise is called 'conv'; there are chain_to_root"):
-        verify.solved(ops.tanh, as_="conv")
+        course.solved("conv", ops.tanh)
 
 
 def test_to_nbgrader_a_check_that_fails_raises(monkeypatch):
     monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
     with pytest.raises(AssertionError, match="0 of 16 points"):
-        verify.report(unsolved, as_="conv1d")
-    assert verify.report(ops.conv1d).held
+        course.report("conv1d", unsolved)
+    assert course.report("conv1d", ops.conv1d).held
 
 
 def test_a_claim_of_purity_catches_an_altered_argument():
@@ -143,14 +145,14 @@ def test_a_counterexample_too_long_to_print_can_be_had():
                 positions[:, joint] = positions[:, parent] + reach[..., 0]
         return positions
 
-    text = str(verify.report(locally, as_="forward_kinematics"))
-    assert 'verify.example("forward_kinematics", frames=1, joints=3, seed=0)' in text
-    example = verify.example("forward_kinematics", frames=1, joints=3, seed=0)
+    text = str(course.report("forward_kinematics", locally))
+    assert 'example("forward_kinematics", frames=1, joints=3, seed=0)' in text
+    example = course.example("forward_kinematics", frames=1, joints=3, seed=0)
     assert list(example) == ["parents", "rotations", "translations"]
     right = EXERCISES["forward_kinematics"].solution(**example)
     assert np.abs(locally(**example) - right).max() > 0.1
     with pytest.raises(ValueError, match="forward_kinematics has the sizes frames, joints, got fr"):
-        verify.example("forward_kinematics", frames=1, seed=0)
+        course.example("forward_kinematics", frames=1, seed=0)
 
 
 def test_hints_of_a_claim_stand_where_it_fails():
@@ -256,10 +258,10 @@ def test_a_notebook_is_graded_by_its_exercise_cells(tmp_path):
     lesson["cells"].append({"cell_type": "code", "metadata": {}, "source": "import numpy_cae; 1/0"})
     path = tmp_path / "01_somebody.ipynb"
     path.write_text(json.dumps(lesson))
-    report = grade(path)
+    report = grade(path, COURSE)
     assert report.held and report.points == right.points, str(report)
     path.write_text(json.dumps(lesson).replace("rate * np", "np"))
-    assert 0 < len(grade(path).reports) and not grade(path).held
+    assert 0 < len(grade(path, COURSE).reports) and not grade(path, COURSE).held
 
 
 @pytest.mark.parametrize(
@@ -273,7 +275,7 @@ def test_a_notebook_is_graded_by_its_exercise_cells(tmp_path):
 def test_a_file_that_is_no_lesson_fails_and_not_the_grader(text, said, tmp_path):
     path = tmp_path / "somebody.ipynb"
     path.write_text(text)
-    assert said in grade(path).faults[0]
+    assert said in grade(path, COURSE).faults[0]
 
 
 def test_an_animation_shows_itself_and_is_small():

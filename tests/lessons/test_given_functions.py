@@ -12,6 +12,8 @@ from numpy_cae.course import find_lessons, read_notebook
 from numpy_cae.course.exercises import LESSONS
 from numpy_cae.verify.grading import grade
 
+COURSE = "numpy_cae.course.catalogue"
+
 ENCODE = """
 def encode_layer(x, w, b):
     convolved, convolve_back = conv1d(x, w, b)
@@ -56,43 +58,43 @@ def report_on(graded, operation):
 
 
 def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
-    graded = grade(notebook(tmp_path, TANH, ENCODE))
+    graded = grade(notebook(tmp_path, TANH, ENCODE), COURSE)
     assert report_on(graded, "encode_layer").held, str(graded)
     assert {report.operation for report in graded.reports} == {"tanh", "encode_layer"}
 
 
 def test_an_exercise_of_the_same_lesson_is_not_given(tmp_path):
-    graded = grade(notebook(tmp_path, ENCODE))
+    graded = grade(notebook(tmp_path, ENCODE), COURSE)
     assert not report_on(graded, "encode_layer").points
     assert "name 'tanh' is not defined" in str(graded)
 
 
 def test_a_pullback_may_return_gradients_by_name(tmp_path):
-    graded = grade(notebook(tmp_path, READ_CLIPS))
+    graded = grade(notebook(tmp_path, READ_CLIPS), COURSE)
     assert report_on(graded, "read_clips").held, str(graded)
-    without = grade(notebook(tmp_path, READ_CLIPS.replace(', "latent_b": db', "")))
+    without = grade(notebook(tmp_path, READ_CLIPS.replace(', "latent_b": db', "")), COURSE)
     assert "no gradient for latent_b" in str(without)
 
 
 def test_a_later_exercise_is_not_given(tmp_path):
-    assert "name 'decode_layer' is not defined" in str(grade(notebook(tmp_path, TAKEN)))
+    assert "name 'decode_layer' is not defined" in str(grade(notebook(tmp_path, TAKEN), COURSE))
 
 
 def test_the_students_own_goes_before_what_is_given(tmp_path):
     own = "def conv1d(x, w, b):\n    raise ValueError('mine')"
-    graded = grade(notebook(tmp_path, TANH, own, ENCODE))
+    graded = grade(notebook(tmp_path, TANH, own, ENCODE), COURSE)
     assert "mine" in str(report_on(graded, "encode_layer"))
 
 
 def test_a_program_that_is_no_notebook_is_given_nothing(tmp_path):
     path = tmp_path / "student.py"
     path.write_text("import numpy as np\n" + TANH.replace("np.tanh(x)", "conv1d(x)"))
-    assert "name 'conv1d' is not defined" in str(grade(path))
+    assert "name 'conv1d' is not defined" in str(grade(path, COURSE))
 
 
 @pytest.mark.parametrize("broken", ["def encode_layer(", "\0"])
 def test_what_is_no_python_is_still_said(tmp_path, broken):
-    assert "not Python" in str(grade(notebook(tmp_path, broken)))
+    assert "not Python" in str(grade(notebook(tmp_path, broken), COURSE))
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from numpy_cae.course.exercises import EXERCISES, Exercise
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.notebook import is_exercise
 
+COURSE = "numpy_cae.course.catalogue"
+
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
 SECONDS = 60
@@ -90,10 +92,10 @@ def test_marked_for_nbgrader(path):
         marks, check = cells[place]["metadata"]["nbgrader"], cells[place + 1]
         name = marks["grade_id"]
         assert f"def {name}(" in cells[place]["source"] and '"""' in cells[place]["source"]
-        assert check["source"] == f'verify.report({name}, as_="{name}")'
+        assert check["source"] == f'course.report("{name}", {name})'
         assert check["metadata"]["nbgrader"]["points"] == EXERCISES[name].points
         assert check["metadata"]["nbgrader"]["locked"]
-        assert cells[place + 2]["source"] == f'{name} = verify.solved({name}, as_="{name}")'
+        assert cells[place + 2]["source"] == f'{name} = course.solved("{name}", {name})'
     assert len(checks(notebook)) == len(exercises)
 
 
@@ -133,7 +135,7 @@ def test_the_student_copy_runs_and_every_check_fails(path):
 @pytest.mark.lessons
 @every_lesson
 def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, tmp_path):
-    solved = grade(path)
+    solved = grade(path, COURSE)
     assert solved.held and solved.points == solved.possible, str(solved)
     assert {r.operation for r in solved.reports} == {
         cell["metadata"]["nbgrader"]["grade_id"]
@@ -142,5 +144,5 @@ def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, 
     }
     unsolved = tmp_path / path.name
     unsolved.write_text(json.dumps(student_copy(read_notebook(path))), encoding="utf-8")
-    report = grade(unsolved)
+    report = grade(unsolved, COURSE)
     assert report.points == 0 and report.possible == solved.possible and not report.faults

@@ -1,25 +1,25 @@
 """Every operation is held to every property that is known of it.
 
 Finite differences for every argument, the exact adjoint of the linear ones, the definition loop by
-loop, untouched arguments, dtype, strides: `numpy_cae.verify.properties` says what and how.
+loop, untouched arguments, dtype, strides: `numpy_cae.verify.catalogue` says what and how.
 """
 
 import pytest
 from hypothesis import settings
 
 from numpy_cae import ops
-from numpy_cae.verify import properties
+from numpy_cae.verify.catalogue import CATALOGUE
 from numpy_cae.verify.tied import tied_layer
 from numpy_cae.verify.trial import try_property
 
 
 def test_no_operation_is_left_out():
-    assert set(properties) == set(ops.__all__) | {"tied_layer"}
+    assert set(CATALOGUE) == set(ops.__all__) | {"tied_layer"}
 
 
 @pytest.mark.parametrize(
     "tried",
-    [tried for listed in properties.values() for tried in listed],
+    [tried for task in CATALOGUE.values() for tried in task.properties],
     ids=lambda tried: f"{tried.operation}: {tried.name}",
 )
 def test_it_holds(tried):

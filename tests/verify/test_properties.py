@@ -5,8 +5,7 @@ from hypothesis import settings
 from written_otherwise import CONVENTIONS, RIGHT, gru_in
 
 from numpy_cae import ops
-from numpy_cae.verify import properties
-from numpy_cae.verify.catalogue import properties_of
+from numpy_cae.verify.catalogue import CATALOGUE, properties_of
 from numpy_cae.verify.convention import gru_step_in
 from numpy_cae.verify.trial import try_property
 
@@ -17,11 +16,12 @@ def require_held(tried, implementation):
 
 
 def test_every_operation_has_properties():
-    assert set(ops.__all__) | {"tied_layer"} == set(properties)
+    assert set(ops.__all__) | {"tied_layer"} == set(CATALOGUE)
 
 
 def test_properties_are_data():
-    for name, listed in properties.items():
+    for name, task in CATALOGUE.items():
+        listed = task.properties
         assert len({tried.name for tried in listed}) == len(listed) >= 8
         assert all(tried.operation == name and tried.statement for tried in listed)
 
@@ -31,7 +31,7 @@ def test_properties_are_data():
     [
         pytest.param(tried, function, id=f"{function.__name__}: {tried.name}")
         for name, function in RIGHT
-        for tried in properties[name]
+        for tried in CATALOGUE[name].properties
     ],
 )
 def test_what_is_written_otherwise_holds(tried, implementation):
@@ -48,5 +48,5 @@ def test_other_conventions_hold_by_their_own_definitions(convention):
 
 @pytest.mark.parametrize("convention", CONVENTIONS, ids=str)
 def test_other_conventions_have_other_values(convention):
-    value = properties["gru_step"][0]
+    value = CATALOGUE["gru_step"].properties[0]
     assert not try_property(value, gru_step_in(convention), 20, shrink=False).held

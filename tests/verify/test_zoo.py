@@ -2,7 +2,7 @@
 
 import pytest
 
-from numpy_cae.verify import properties
+from numpy_cae.verify.catalogue import CATALOGUE
 from numpy_cae.verify.trial import try_property
 from numpy_cae.verify.zoo import BUGS, bugs_of
 
@@ -10,13 +10,13 @@ EXAMPLES = 25  # what a report tries
 
 
 def property_of(operation, name):
-    return next(tried for tried in properties[operation] if tried.name == name)
+    return next(tried for tried in CATALOGUE[operation].properties if tried.name == name)
 
 
 def test_the_zoo_is_large_and_every_operation_has_its_bugs():
     assert len(BUGS) >= 60
     assert len({bug.name for bug in BUGS}) == len(BUGS)
-    assert all(bugs_of(operation) for operation in properties)
+    assert all(bugs_of(operation) for operation in CATALOGUE)
 
 
 @pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.name)
@@ -35,7 +35,7 @@ def test_a_wrong_gradient_leaves_the_value_alone(bug):
     assert try_property(value, bug.implementation, EXAMPLES, shrink=False).held
 
 
-@pytest.mark.parametrize("operation", properties)
+@pytest.mark.parametrize("operation", CATALOGUE)
 def test_every_bug_is_told_from_the_others(operation):
     """The likely mistake is the bug's own sentence, though it was found by behaviour alone."""
     taken_for = {}
