@@ -1,4 +1,4 @@
-"""What jang2018's network is learned from: motions of one action, in joint space, split by take."""
+"""Actions: motions in joint space to train jang2018's network on and to measure it on."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ PERIODIC = ("walking", "walking_extra")
 
 @dataclass(frozen=True)
 class Action:
-    """Motions of one action to learn from and others to measure on.
+    """Motions of one action, split by take.
 
     Parameters
     ----------
     name : str
     training, testing : lists of AngleSequence
     periodic : bool
-        Whether it repeats itself, as walking does.
+        Whether the motion repeats itself, as walking does.
     styles : tuple of str
-        In which data_synth can make more of it; none where the motions are real.
+        The styles that data_synth knows of this action; empty for recorded motions.
     """
 
     name: str
@@ -38,10 +38,10 @@ class Action:
 def synthetic_action(
     kind: str, minutes: float = 180.0, test_minutes: float = 180.0, seed: int = 0
 ) -> Action:
-    """One of jang2018's three actions, made by formula, every take of another person.
+    """Synthesise one of jang2018's three actions; every take is of another person.
 
-    So that nobody is both trained on and tested, and a thousand held-out clips are of many: of few,
-    who they are would show in the discrepancy more than how the network encodes them.
+    With few people, the discrepancy of the held-out clips would measure who these people are
+    rather than how the network encodes them.
 
     Parameters
     ----------
@@ -51,13 +51,13 @@ def synthetic_action(
     seed : int
     """
     if kind not in JANG2018_KINDS:
-        raise ValueError(f"no action {kind!r}; there are {', '.join(JANG2018_KINDS)}")
+        raise ValueError(f"unknown action {kind!r}; the actions are {', '.join(JANG2018_KINDS)}")
     halves = [
         [
             angles_of(replace(plan, person=plan.number).make(ANGLE_RATE).motion)
-            for plan in plan_takes(long, number, [kind])
+            for plan in plan_takes(total, number, [kind])
         ]
-        for long, number in ((minutes, 2 * seed + 1), (test_minutes, 2 * seed + 2))
+        for total, number in ((minutes, 2 * seed + 1), (test_minutes, 2 * seed + 2))
     ]
     return Action(kind, *halves, periodic=kind in PERIODIC, styles=styles_of(kind))
 
@@ -69,7 +69,7 @@ def read_action(
     mapping: dict[str, str] | None = None,
     unit: float | None = None,
 ) -> Action:
-    """The motions of every file below the folders.
+    """Read every motion file below the folders as one action.
 
     Parameters
     ----------
@@ -78,12 +78,7 @@ def read_action(
     patterns : sequence of str
         Files whose name matches one of them are for testing.
     mapping, unit
-        As `load_angles` takes them.
-
-    Raises
-    ------
-    MotionFileError, UnknownRigError
-        As `load_angles` does.
+        As for `load_angles`, which also lists the errors.
     """
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
     for path in (path for folder in folders for path in find_motion_files(folder)):
