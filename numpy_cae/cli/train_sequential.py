@@ -111,7 +111,7 @@ def run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     if args.picture:
         figure_3(trained).save_picture(args.picture)
     if args.json:
-        print_json({"model": args.output, "settings": manifold.settings, "test": table})
+        print_json({"model": args.output, "settings": manifold.settings, "test": table and table.data()})
         return 0
     print(f"{args.output}: learned clips of {args.frames} frames of {len(action.training)} motions")
     if table:

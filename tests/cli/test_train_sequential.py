@@ -50,17 +50,17 @@ def test_exponential_map_text_is_learned_from(tmp_path):
 
 
 def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys, monkeypatch):
-    for name, fewer in (("reconstruction.SEEN", 200), ("uses.PAIRS", 10)):
+    for name, fewer in (("reconstruction.PCA_CLIPS", 200), ("uses.PAIRS", 10)):
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
     assert main([*(str(word) for word in argv), "--json"]) == 0
     tables = json.loads(capsys.readouterr().out)
     said = (tmp_path / "study/study.txt").read_text(encoding="utf-8")
     assert "held: " in said and "teacher-forced" in said
-    assert all(table["title"] in said and table["text"] in said for table in tables)
+    assert all(table["title"] in said and table["tables"] for table in tables)
     claims = [claim for table in tables for claim in table["claims"]]
     assert said.count("held: ") == len(claims)
-    assert all(claim["claim"] in said and claim["measured"] in said for claim in claims)
+    assert all(claim["sentence"] in said and claim["figures"] in said for claim in claims)
     written = {path.name for path in (tmp_path / "study").iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
     assert {"walking_uses.png", "walking_uses.gif"} <= written

@@ -1,4 +1,4 @@
-"""The experiments of jang2018 on tiny networks: that they measure what they say."""
+"""The experiments of jang2018 on tiny networks: that they measure what they state."""
 
 from dataclasses import replace
 
@@ -7,26 +7,27 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
-from numpy_cae.experiments.sequences.figure_2 import Figure2, figure_2
+from numpy_cae.experiments.sequences.figure_2 import figure_2
 from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
-from numpy_cae.experiments.sequences.regulariser import _whitened, regulariser
-from numpy_cae.experiments.sequences.long_takes import BLENDED, GLUED, long_takes
+from numpy_cae.experiments.sequences.long_takes import BLENDED, GLUED, HEADER, long_takes
 from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
     MEAN,
     NETWORK,
+    SQUARED,
     reconstruction,
 )
+from numpy_cae.experiments.sequences.regulariser import regulariser, whitened
 from numpy_cae.experiments.sequences.samples import samples
 from numpy_cae.experiments.sequences.study import (
     Curve,
-    between_draws_of_the_prior,
     discrepancy,
-    study,
+    prior_discrepancy,
+    train_study,
 )
-from numpy_cae.experiments.sequences.uses import uses
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
+from numpy_cae.experiments.sequences.uses import STRAIGHT, uses
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
@@ -43,7 +44,7 @@ def studies():
         takes = [angles_of(make_take(kind, seed, 4.0, 25.0).motion) for seed in range(4)]
         styles = ("neutral", "tired", "brisk", "old") if kind == "walking" else ()
         action = Action(kind, takes[:2], takes[2:], kind == "walking", styles)
-        found.append(study(action, SHORT, **SIZES))
+        found.append(train_study(action, SHORT, **SIZES))
     return found
 
 
@@ -59,72 +60,70 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     assert curve.error[-1] == pytest.approx(error, rel=0.03)
 
 
-def test_the_discrepancy_of_the_prior_itself_is_the_floor():
+def test_the_discrepancy_of_the_prior_itself_is_the_smallest():
     rng = np.random.default_rng(0)
-    floor = between_draws_of_the_prior(4)
-    assert discrepancy(rng.standard_normal((1000, 4)), rng) == pytest.approx(floor, rel=0.6)
-    assert discrepancy(1 + rng.standard_normal((1000, 4)), rng) > 20 * floor
+    smallest = prior_discrepancy(4)
+    assert discrepancy(rng.standard_normal((1000, 4)), rng) == pytest.approx(smallest, rel=0.6)
+    assert discrepancy(1 + rng.standard_normal((1000, 4)), rng) > 20 * smallest
 
 
-def test_figure_2_weighs_first_and_last_tenth(tmp_path):
+def test_figure_2_compares_the_first_and_the_last_tenth(studies):
     falling = Curve(np.arange(20), np.linspace(2, 0.2, 20), np.geomspace(1, 0.01, 20))
-    still = replace(falling, error=np.ones(20))
-    figure = Figure2({"walking": falling})
-    assert figure.ends("walking", "error") == pytest.approx(
-        (np.mean(falling.error[:2]), np.mean(falling.error[-2:]))
+    flat = replace(falling, error=np.ones(20))
+    one, other = (
+        replace(study, curve=curve) for study, curve in zip(studies, (falling, flat), strict=True)
     )
-    assert all(finding.held for finding in figure.findings())
-    held = [f.held for f in Figure2({"walking": falling, "waiting": still}).findings()]
-    assert held == [False, True]
-    figure.save_picture(tmp_path / "figure.png")
-    assert (tmp_path / "figure.png").stat().st_size > 1000
-    assert "walking" in figure.text()
+    result = figure_2([one])
+    row = "walking: reconstruction error, rad"
+    assert result.tables[0].value(row, "first tenth") == np.mean(falling.error[:2])
+    assert result.tables[0].value(row, "last tenth") == np.mean(falling.error[-2:])
+    assert [claim.held for claim in result.claims] == [True, True]
+    assert [claim.held for claim in figure_2([one, other]).claims] == [False, True]
+    assert len(result.png()) > 1000
 
 
-def test_figure_3_samples_sixteen_from_each(studies, tmp_path):
-    figure = figure_3(studies[0])
+def test_figure_3_draws_samples_of_each_source(studies):
     for source in (FITTED, PRIOR, REAL):
-        assert figure.positions[source].shape == (16, 50, 20, 3)
-    figure.save_picture(tmp_path / "samples.png")
-    figure.save_gif(tmp_path / "samples.gif", PRIOR, count=1)
+        result = figure_3(studies[0], source=source)
+        assert (result.animation is None) == (source != FITTED)
+    assert len(result.png()) > 10_000
     z = fitted_latents(studies[0], 4000, 0)
-    seen = studies[0].manifold.network.encode(studies[0].drawn(1000, 0))
-    assert np.allclose(np.cov(z, rowvar=False), np.cov(seen, rowvar=False), atol=0.05)
+    encoded = studies[0].manifold.network.encode(studies[0].drawn(1000, 0))
+    assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)
 
 
-def test_reconstruction_beside_simpler_ones(studies):
-    table = reconstruction(studies[:1])
+def test_reconstruction_beside_simpler_methods(studies):
+    result = reconstruction(studies[:1])
+    errors = {
+        method: result.tables[0].value(f"walking: {method}", SQUARED)
+        for method in (MEAN, HELD, LINEAR, NETWORK)
+    }
     x = studies[0].held_out()
-    assert table.row("walking", MEAN).squared == pytest.approx(np.mean(x.astype(float) ** 2))
-    held = np.mean((x - x[:, :1]).astype(float) ** 2)
-    assert table.row("walking", HELD).squared == pytest.approx(held, rel=1e-5)
-    assert table.row("walking", LINEAR).squared < table.row("walking", MEAN).squared
-    (finding,) = table.findings()
-    assert finding.held == (
-        table.row("walking", NETWORK).squared < table.row("walking", LINEAR).squared
-    )
+    assert errors[MEAN] == pytest.approx(np.mean(x.astype(float) ** 2))
+    assert errors[HELD] == pytest.approx(np.mean((x - x[:, :1]).astype(float) ** 2), rel=1e-5)
+    assert errors[NETWORK] == pytest.approx(studies[0].squared_error())
+    assert errors[LINEAR] < errors[MEAN]
+    assert result.claims[0].held == (errors[NETWORK] < errors[LINEAR])
 
 
-def test_real_clips_are_at_the_measure_of_samples(studies):
-    table = samples(studies, count=20)
+def test_samples_are_measured_relative_to_real_clips(studies):
+    result = samples(studies, count=20)
     for action in ("walking", "waiting"):
-        assert table.row(action, REAL).near == pytest.approx(1)
-    assert 0.5 < table.row("walking", REAL).stride < 2
-    assert np.isnan(table.row("waiting", FITTED).stride)
-    assert len(table.findings()) == 3 and "told apart" in table.text()
+        assert result.tables[0].value(f"{action}: {REAL}", "near") == pytest.approx(1)
+    assert 0.5 < result.tables[0].value(f"walking: {REAL}", "stride / real") < 2
+    assert np.isnan(result.tables[0].value(f"waiting: {FITTED}", "stride / real"))
+    assert len(result.claims) == 3
 
 
 def test_the_regulariser_with_and_without(studies):
-    free = [study(each.action, replace(SHORT, weight=0.0), **SIZES) for each in studies[:1]]
-    table = regulariser(studies[:1], free)
-    assert table.rows[0].error_without == pytest.approx(
-        np.mean((free[0].manifold.network.denoise(free[0].held_out()) - free[0].held_out()) ** 2)
-    )
-    assert len(table.findings()) == 3 and "walking" in table.text()
-    z = np.random.default_rng(0).normal(3, 2, (500, 3)) @ np.random.default_rng(1).normal(
-        size=(3, 3)
-    )
-    assert np.allclose(np.cov(_whitened(z, z), rowvar=False), np.eye(3))
+    free = train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
+    result = regulariser(studies[:1], [free])
+    _, error, error_without, *_ = result.tables[0].rows[0]
+    assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
+    assert result.claims[1].held == (error < error_without)
+    rng = np.random.default_rng(0)
+    z = rng.normal(3, 2, (500, 3)) @ rng.normal(size=(3, 3))
+    assert np.allclose(np.cov(whitened(z, z), rowvar=False), np.eye(3))
 
 
 def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(studies):
@@ -139,46 +138,46 @@ def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(st
         return np.float64(losses.total), lambda dy=1.0: dy * gradients["decoder_u"]
 
     check_gradients(loss, model.weights["decoder_u"].copy())
-    forced = study(studies[0].action, SHORT, network=TeacherForced, **SIZES)
-    table = teacher_forcing(studies[0], forced)
-    assert table.findings()[0].held == (table.self_fed < table.teacher_forced)
+    forced = train_study(studies[0].action, SHORT, network=TeacherForced, **SIZES)
+    own, given = (study.manifold.network.weights["decoder_u"] for study in (studies[0], forced))
+    assert not np.array_equal(own, given)
+    (claim,) = teacher_forcing(studies[0], forced).claims
+    assert claim.held == (studies[0].squared_error() < forced.squared_error())
 
 
-def test_denoising_interpolation_and_analogy(studies, tmp_path, monkeypatch):
-    for name, fewer in (("uses.ANALOGIES", 2), ("uses.PAIRS", 10), ("reconstruction.SEEN", 300)):
+def test_denoising_interpolation_and_analogy(studies, monkeypatch):
+    changes = {"uses.ANALOGIES": 2, "uses.PAIRS": 10, "reconstruction.PCA_CLIPS": 300}
+    for name, fewer in changes.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
-    found = uses(studies[0])
-    for sigma, errors in found.denoised.items():
-        assert errors["doing nothing"] == pytest.approx(sigma**2, rel=0.1)
-        assert errors["low-pass"] < errors["doing nothing"]
-    assert found.between["real training clips"] == 1
-    assert min(found.between.values()) > 0
-    assert 0.1 < found.chance < 0.3 and set(found.analogies) >= {"c itself"}
-    denoises, between, analogy = found.findings()
-    assert not denoises.held  # four steps of training
-    assert between.held == (found.between["the network"] < found.between["straight line of clips"])
-    assert "walking" in analogy.claim and "tired" in found.text()
-    found.save_picture(tmp_path / "a.png")
-    assert (tmp_path / "a.png").stat().st_size > 10_000
+    result = uses(studies[0])
+    denoising, between, analogy = result.tables
+    for sigma in (0.25, 0.5, 1.0):
+        error = denoising.value(f"{sigma:g}", "doing nothing")
+        assert error == pytest.approx(sigma**2, rel=0.1)
+        assert denoising.value(f"{sigma:g}", "low-pass") < error
+    assert between.value("real training clips", "near") == 1
+    assert "c itself" in dict(analogy.rows)
+    assert not result.claims[0].held  # four steps of training
+    assert result.claims[1].held == (
+        between.value(NETWORK, "near") < between.value(STRAIGHT, "near")
+    )
+    assert len(uses(studies[1]).tables) == 2  # no styles, no analogies
+    assert len(result.png()) > 10_000
 
 
 def test_whole_takes_have_no_seam_where_clips_are_blended():
     takes = [angles_of(make_take("walking", seed, 7.0, 25.0).motion) for seed in range(2)]
-    result = long_takes(study(Action("walking", takes[:1], takes[1:]), SHORT, **SIZES))
-    glued, blended = (result.rows[name] for name in (GLUED, BLENDED))
-    assert glued.seam > 3 > blended.seam
-    assert result.findings()[0].held == (blended.seam <= 1.1)
-    assert "glued" in result.text()
+    action = Action("walking", takes[:1], takes[1:])
+    result = long_takes(train_study(action, SHORT, **SIZES))
+    glued, blended = (result.tables[0].value(name, HEADER[-1]) for name in (GLUED, BLENDED))
+    assert glued > 3 > blended
+    assert result.claims[0].held == (blended <= 1.1)
 
 
-def test_actions_are_split_by_people_or_by_pattern(data_folder):
+def test_actions_are_split_by_person_or_by_pattern(data_folder):
     made = synthetic_action("walking", 0.2, 0.1)
     assert made.periodic and len(made.training) and len(made.testing)
-    with pytest.raises(ValueError, match="no action 'flying'"):
+    with pytest.raises(ValueError, match="unknown action 'flying'"):
         synthetic_action("flying")
     read = read_action("walking", [data_folder / "cmu/expmap/walking"], ["walking_5.txt"])
     assert (len(read.training), len(read.testing)) == (4, 1)
-
-
-def test_the_figure_is_made_of_studies(studies):
-    assert set(figure_2(studies).curves) == {"walking", "waiting"}

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.sequences.study import Curve, Study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MEASURES = {"error": "reconstruction error, rad", "discrepancy": "discrepancy to the prior"}
 
@@ -48,6 +51,8 @@ def _claim(table: Table, name: str, actions: Sequence[str]) -> Claim:
 
 def _draw(curves: dict[str, Curve]) -> Figure:
     """Two panels with a line for each action."""
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(9, 3.4), layout="constrained")
     for axes, (measure, name) in zip(figure.subplots(1, 2), MEASURES.items(), strict=True):
         for action, curve in curves.items():

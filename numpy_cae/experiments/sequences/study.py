@@ -95,7 +95,9 @@ def train_study(
         error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
         measured.append((step, error, discrepancy(z, rng)))
 
-    manifold = learn_sequences(action.training, schedule, seed, frames=frames, watch=watch, **options)
+    manifold = learn_sequences(
+        action.training, schedule, seed, frames=frames, watch=watch, **options
+    )
     return Study(action, manifold, Curve(*map(np.array, zip(*measured, strict=True))))
 
 

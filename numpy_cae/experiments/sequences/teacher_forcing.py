@@ -1,40 +1,36 @@
-"""Self-fed against teacher-forced training: what jang2018's "sampling-based method" is for.
+"""Self-fed against teacher-forced training: the benefit of jang2018's "sampling-based method".
 
-Under teacher forcing the decoder's next input is the true frame, not its own. It exists in this
-file and nowhere in the network: a contrast, to be measured as the network is used, fed with its
-own frames.
+Under teacher forcing the decoder's next input is the true frame instead of its own. Both networks
+are measured in the way they are used: fed with their own frames.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.experiments.finding import Finding
+from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.sequences.study import Study
-from numpy_cae.experiments.table import text_table
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.composed_sequence import Losses, encode
 from numpy_cae.models.sequence_weights import Weights, gru_weights
 
 
 class TeacherForced(SequentialAutoencoder):
-    """The same network with another loss: true frames go into the decoder while it is trained."""
+    """The same network whose loss feeds the decoder the true frames."""
 
     def loss_and_gradients(
         self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
     ) -> tuple[Losses, Weights]:
-        """As the parent's, of the decoder that is given x_T, …, x_2 where it would feed itself."""
+        """As the parent's, but the decoder's inputs are 0, x_T, …, x_2."""
         weights = self.weights
         z, encode_back = encode(weights, x)
         first, state_back = ops.linear(z, weights["state_w"], weights["state_b"])
-        written = x[:, ::-1]  # the decoder writes the last frame first
-        given = np.concatenate([np.zeros_like(x[:, :1]), written[:, :-1]], axis=1)
-        states, gru_back = ops.gru(given, first, *gru_weights(weights, "decoder"))
+        target = x[:, ::-1]  # the decoder writes the last frame first
+        inputs = np.concatenate([np.zeros_like(x[:, :1]), target[:, :-1]], axis=1)
+        states, gru_back = ops.gru(inputs, first, *gru_weights(weights, "decoder"))
         frames, frame_back = ops.linear(states, weights["frame_w"], weights["frame_b"])
-        error, error_back = ops.mean_squared_error(frames, written)
+        error, error_back = ops.mean_squared_error(frames, target)
         distance, distance_back = ops.sliced_wasserstein(z, prior, directions)
 
         d_states, frame_w, frame_b = frame_back(error_back())
@@ -48,39 +44,15 @@ class TeacherForced(SequentialAutoencoder):
         return losses, {name: gradients[name] for name in weights}
 
 
-@dataclass(frozen=True)
-class TeacherForcing:
-    """Held-out error of both, mean square of standardised numbers, decoders fed by themselves."""
-
-    action: str
-    self_fed: float
-    teacher_forced: float
-    title: str = "Self-fed against teacher-forced training"
-
-    def text(self) -> str:
-        """For a terminal."""
-        rows = [
-            ["self-fed", f"{self.self_fed:.3f}"],
-            ["teacher-forced", f"{self.teacher_forced:.3f}"],
-        ]
-        return text_table([f"{self.action}, trained", "mean square, standardised"], rows)
-
-    def findings(self) -> list[Finding]:
-        """Whether feeding the decoder its own frames in training is worth it."""
-        return [
-            Finding(
-                "A decoder that is fed its own frames should be trained so (MBR17, jang2018).",
-                self.self_fed < self.teacher_forced,
-                f"{self.action}: {self.self_fed:.3f} of unit variance trained self-fed, "
-                f"{self.teacher_forced:.3f} teacher-forced.",
-            )
-        ]
-
-
-def teacher_forcing(self_fed: Study, forced: Study) -> TeacherForcing:
-    """Compare two studies of one action; the second was made with `network=TeacherForced`."""
-    errors = []
-    for each in (self_fed, forced):
-        x = each.held_out()
-        errors.append(float(np.mean((each.manifold.network.denoise(x) - x) ** 2)))
-    return TeacherForcing(self_fed.action.name, *errors)
+def teacher_forcing(self_fed: Study, forced: Study) -> Result:
+    """Compare two studies of one action; the second was trained with `network=TeacherForced`."""
+    action = self_fed.action.name
+    own, given = self_fed.squared_error(), forced.squared_error()
+    rows = [["self-fed", own], ["teacher-forced", given]]
+    claim = Claim(
+        "A decoder that is fed its own frames should be trained so (MBR17, jang2018).",
+        own < given,
+        f"{action}: {own:.3f} of unit variance trained self-fed, {given:.3f} teacher-forced.",
+    )
+    table = Table("", [f"{action}, trained", "mean square, standardised"], rows, ".3f")
+    return Result("Self-fed against teacher-forced training", [table], [claim])
