@@ -46,14 +46,21 @@ class ModelFileError(NumpyCaeError, ValueError):
     """A model file that cannot be used as it stands."""
 
 
-def save_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
-    """Write the arrays as `.npz`, beside first and then moved into place."""
+def save_arrays(arrays: dict[str, np.ndarray], path: str | Path, compressed: bool = True) -> None:
+    """Write the arrays as `.npz`, atomically.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
     # In memory first: an archive that Ctrl-C leaves open writes its end when it is collected, and
     # would find the file closed.
     archive = io.BytesIO()
-    np.savez_compressed(archive, **arrays)
-    with atomic_write(path) as beside:
-        beside.write_bytes(archive.getbuffer())
+    save: Callable = np.savez_compressed if compressed else np.savez
+    save(archive, **arrays)
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(archive.getbuffer())
 
 
 def load_arrays(

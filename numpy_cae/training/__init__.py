@@ -1,16 +1,28 @@
-"""Descent and its decay, and the training of both networks, holden2015's and jang2018's."""
+"""Training of both networks, holden2015's and jang2018's.
 
+Read `step` first: one step of each. `layerwise` and `sequential` describe the stages, `loop` runs
+them; `checkpoint`, `progress` and `divergence` are called by the loop between its steps.
+"""
+
+from numpy_cae.training.adam import Adam
 from numpy_cae.training.checkpoint import Checkpoint, CheckpointError
 from numpy_cae.training.clipping import clip_norm
 from numpy_cae.training.corruption import zero_values
 from numpy_cae.training.directions import unit_directions
 from numpy_cae.training.divergence import DivergedError
 from numpy_cae.training.layerwise import History, train_autoencoder
-from numpy_cae.training.schedule import Schedule, SequenceSchedule, Stage
+from numpy_cae.training.schedule import (
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    decayed_rate,
+    one_cycle,
+)
 from numpy_cae.training.sequential import SequenceHistory, train_sequential
-from numpy_cae.training.sgd import decayed_rate, descend, descend_with_momentum
+from numpy_cae.training.sgd import Sgd, descend, descend_with_momentum
 
 __all__ = [
+    "Adam",
     "Checkpoint",
     "CheckpointError",
     "DivergedError",
@@ -18,11 +30,13 @@ __all__ = [
     "Schedule",
     "SequenceHistory",
     "SequenceSchedule",
+    "Sgd",
     "Stage",
     "clip_norm",
     "decayed_rate",
     "descend",
     "descend_with_momentum",
+    "one_cycle",
     "train_autoencoder",
     "train_sequential",
     "unit_directions",

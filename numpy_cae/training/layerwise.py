@@ -7,38 +7,52 @@ corrupted motion to clean motion.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training.checkpoint import Checkpoint, State, run_of
-from numpy_cae.training.corruption import corrupt
-from numpy_cae.training.divergence import DivergedError, first_layer_gone, gone, shown
+from numpy_cae.models import ConvLayer
+from numpy_cae.training.callback import Callback
+from numpy_cae.training.checkpoint import Checkpoint, fingerprint
+from numpy_cae.training.divergence import DivergenceCheck, SaveState, nonfinite
+from numpy_cae.training.loop import Loop, Task
 from numpy_cae.training.progress import Progress
-from numpy_cae.training.schedule import EVEN, Schedule, Stage
-from numpy_cae.training.sgd import decayed_rate, descend, descend_with_momentum
+from numpy_cae.training.schedule import Schedule, Stage, rate_at
+from numpy_cae.training.step import denoising_step, make_optimiser
 
 ADVICE = "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
 
 
 @dataclass
-class History:
+class History(Callback):
     """What happened in each stage: "layer 1", …, "fine tuning".
 
     Attributes
     ----------
-    losses : stage to the mean loss of every epoch
-    seconds : stage to the time that its epochs took
+    losses : dict
+        Name of a stage to the mean loss of each of its epochs.
+    seconds : dict
+        Name of a stage to the time that its epochs took.
     """
 
     losses: dict[str, list[float]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
 
+    def begin(self, loop: Loop) -> None:
+        """List the stage."""
+        self.losses.setdefault(loop.task.name, [])
+        self.seconds.setdefault(loop.task.name, 0.0)
+
+    def after_epoch(self, loop: Loop, loss: float) -> None:
+        """Add the epoch."""
+        self.losses[loop.task.name].append(loss)
+        self.seconds[loop.task.name] = loop.at.seconds
+
 
 def train_autoencoder(
-    model: ConvAutoencoder,
+    model: Any,
     windows: np.ndarray,
     schedule: Schedule | None = None,
     rng: np.random.Generator | None = None,
@@ -49,18 +63,17 @@ def train_autoencoder(
 
     Parameters
     ----------
-    model : ConvAutoencoder
+    model : ConvAutoencoder, or what `fast.accelerate` makes of it
     windows : (N, T, C) array in the dtype of the model
         Normalised windows; T is a multiple of `model.frames_per_unit`.
     schedule : Schedule, optional
-        The paper's where none is given.
+        The paper's by default.
     rng : numpy.random.Generator, optional
         Draws the order of the windows, the corruption and the unpooling. Two runs from the same
         seed on the same number of threads are equal to the bit.
     show_progress : bool
     checkpoint : Checkpoint, optional
-        Where the state is kept after every epoch and as often as it says, and where an
-        interrupted run is gone on from: to the same bits.
+        Where the state is saved, and where an interrupted run continues from, to the same bits.
 
     Returns
     -------
@@ -75,201 +88,86 @@ def train_autoencoder(
     """
     schedule = schedule or Schedule()
     rng = rng or np.random.default_rng(0)
-    model.thaw()
-    run = _Run(model, rng, show_progress, checkpoint)
-    begin = run.resumed(windows, schedule)
+    weights = _weights(dict(enumerate(model.layers)))
+    history = History()
+    check = DivergenceCheck("window", ADVICE, checkpoint)
+    callbacks: list[Callback] = [check, history, Progress(show_progress)]
+    loop = Loop(weights, rng, history)
+    if checkpoint is not None:
+        callbacks.append(SaveState(checkpoint, check))
+        bounds = [layer.bound for layer in model.layers]
+        data = [*weights.values(), windows]
+        loop.resume(checkpoint, fingerprint(data, schedule, bounds, rng.bit_generator.state))
+
     inputs = windows
-    for number, layer in enumerate((*range(len(model.layers)), None)):
-        if number >= begin.stage:
-            stage = schedule.fine_tuning if layer is None else schedule.layer
-            state = begin if number == begin.stage else run.state(number)
-            run.train(windows if layer is None else inputs, stage, layer, state)
-        if layer is not None and layer + 1 < len(model.layers):
-            inputs = _encoded(model.layers[layer], inputs)
-    return run.history
+    for number, layer in enumerate(model.layers):
+        loop.run(_task(model, inputs, schedule.layer, rng, number), callbacks)
+        if schedule.layer.epochs and layer is not model.layers[-1]:
+            inputs = _encode(layer, inputs)
+    loop.run(_task(model, windows, schedule.fine_tuning, rng, None), callbacks)
+    return history
 
 
-@dataclass
-class _Run:
-    """One training, from its beginning or from where a checkpoint says."""
-
-    model: ConvAutoencoder
-    rng: np.random.Generator
-    show_progress: bool
-    checkpoint: Checkpoint | None
-    history: History = field(default_factory=History)
-    velocities: dict[str, np.ndarray] = field(init=False)
-
-    def __post_init__(self):
-        self.velocities = {name: np.zeros_like(w) for name, w in self.weights().items()}
-
-    def weights(self) -> dict[str, np.ndarray]:
-        return {
-            f"{letter}{number}": array
-            for number, layer in enumerate(self.model.layers, start=1)
-            for letter, array in layer.parameters.items()
-        }
-
-    def state(self, stage: int, epoch: int = 0, step: int = 0, total: float = 0.0) -> State:
-        """How far it is now."""
-        return State(
-            self.weights() | self._named_velocities(),
-            self.rng.bit_generator.state,
-            stage,
-            epoch,
-            step,
-            total,
-            history={"losses": self.history.losses, "seconds": self.history.seconds},
-        )
-
-    def _named_velocities(self) -> dict[str, np.ndarray]:
-        return {f"velocity of {name}": array for name, array in self.velocities.items()}
-
-    def resumed(self, windows: np.ndarray, schedule: Schedule) -> State:
-        """Where to begin; the weights, the random numbers and the history are brought there."""
-        kept = None
-        if self.checkpoint is not None:
-            own = [*self.weights().values(), windows]
-            bounds = [layer.bound for layer in self.model.layers]
-            name = run_of(own, schedule, bounds, self.rng.bit_generator.state)
-            kept = self.checkpoint.begin(name)
-        if kept is None:
-            return self.state(0)
-        for name, array in (self.weights() | self._named_velocities()).items():
-            array[...] = kept.weights[name]
-        self.rng.bit_generator.state = kept.rng
-        self.history = History(**kept.history)
-        return kept
-
-    def train(self, inputs: np.ndarray, stage: Stage, layer: int | None, at: State) -> None:
-        """One stage: a layer, or (None) all of them."""
-        name = "fine tuning" if layer is None else f"layer {layer + 1}"
-        steps = -(-len(inputs) // stage.batch)
-        losses = self.history.losses.setdefault(name, [])
-        before = self.history.seconds.setdefault(name, 0.0)
-        start = time.perf_counter()
-        progress = Progress(name, stage.epochs, steps, self.show_progress)
-        if at.epoch or at.step:
-            progress.begin_at(at.epoch * steps + at.step)
-        else:
-            for velocity in self.velocities.values():
-                velocity[...] = 0
-        try:
-            for epoch in range(at.epoch, stage.epochs):
-                losses.append(self._epoch(inputs, stage, layer, at, name, epoch, progress))
-                self.history.seconds[name] = before + time.perf_counter() - start
-                at = self.state(at.stage, epoch + 1)
-                if self.checkpoint is not None:
-                    self.checkpoint.save(at)
-                progress.epoch(epoch, losses[-1])
-        except DivergedError as error:
-            if self.checkpoint is not None:
-                error.kept = self.checkpoint.said()
-            raise
-        finally:
-            progress.close()
-
-    def _epoch(
-        self,
-        inputs: np.ndarray,
-        stage: Stage,
-        layer: int | None,
-        at: State,
-        name: str,
-        epoch: int,
-        progress: Progress,
-    ) -> float:
-        """Every window once, in a new order, `batch` at a time; returns the mean loss."""
-        rate = decayed_rate(stage.rate, stage.decay, epoch)
-        order = at.order if at.step else self.rng.permutation(len(inputs))
-        batches = _batches(order, stage.batch)
-        total = at.total
-        for step, chosen in enumerate(batches[at.step :], start=at.step):
-            x = inputs[chosen]
-            loss = _step(self.model, x, stage, rate, self.rng, layer, self.velocities)
-            if not np.isfinite(loss):
-                raise DivergedError(
-                    f"{name}, epoch {epoch + 1}, {shown(chosen)}",
-                    first_layer_gone(self.model, x, layer),
-                    f"the loss is {loss} at rate {rate:.4g}",
-                    ADVICE,
-                )
-            total += loss * len(chosen)
-            progress.step()
-            if self.checkpoint is not None and self.checkpoint.is_due():
-                state = self.state(at.stage, epoch, step + 1, total)
-                state.order = order
-                self._require_finite(name, epoch, rate)
-                self.checkpoint.save(state)
-        self._require_finite(name, epoch, rate)
-        return total / len(inputs)
-
-    def _require_finite(self, name: str, epoch: int, rate: float) -> None:
-        """A loss can be finite and the step after it not: such weights are never kept."""
-        lost = gone(self.weights())
-        if lost:
-            raise DivergedError(
-                f"{name}, epoch {epoch + 1}",
-                f"{lost[0]} (layer {lost[0][1:]})",
-                f"weights are no longer finite at rate {rate:.4g}",
-                ADVICE,
-            )
+def _task(
+    model: Any, inputs: np.ndarray, stage: Stage, rng: np.random.Generator, layer: int | None
+) -> Task:
+    """The training of one layer, or (None) of all: each window once an epoch, in a new order."""
+    trained = dict(enumerate(model.layers))
+    if layer is not None:
+        trained = {layer: model.layers[layer]}
+    optimiser = make_optimiser(stage, _weights(trained))
+    return Task(
+        name="fine tuning" if layer is None else f"layer {layer + 1}",
+        epochs=stage.epochs,
+        count=len(inputs),
+        batch=stage.batch,
+        draw_order=lambda: rng.permutation(len(inputs)),
+        rate=partial(rate_at, stage),
+        step=lambda chosen, rate: denoising_step(
+            model, inputs[chosen], stage, rate, rng, optimiser, layer
+        ),
+        optimiser=optimiser,
+        culprit=lambda chosen: _first_nonfinite(model, inputs[chosen], layer),
+    )
 
 
-def _batches(order: np.ndarray, batch: int) -> list[np.ndarray]:
-    """The windows in this order, `batch` at a time."""
-    return [order[start : start + batch] for start in range(0, len(order), batch)]
+def _weights(layers: dict[int, ConvLayer]) -> dict[str, np.ndarray]:
+    """The weights of layers by name: "w1", "b1", …; the layers are numbered from 0."""
+    return {
+        f"{letter}{number + 1}": array
+        for number, layer in layers.items()
+        for letter, array in layer.parameters.items()
+    }
 
 
-def _step(
-    model: ConvAutoencoder,
-    x: np.ndarray,
-    stage: Stage,
-    rate: float,
-    rng: np.random.Generator,
-    layer: int | None,
-    velocities: dict[str, np.ndarray],
-) -> float:
-    """Corrupt, compare, descend: one step on one batch, for one layer or (None) for all."""
-    corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
-    numbers = range(len(model.layers)) if layer is None else [layer]
-    first = _drawn_masks(model, x, stage, layer, rng)
-    loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
-    for number, gradient in zip(numbers, gradients, strict=True):
-        parameters = model.layers[number].parameters
-        if stage.momentum:
-            own = [velocities[f"{letter}{number + 1}"] for letter in parameters]
-            descend_with_momentum(parameters.values(), own, gradient, rate, stage.momentum)
-        else:
-            descend(parameters.values(), gradient, rate)
-    return loss
-
-
-def _drawn_masks(
-    model: ConvAutoencoder,
-    x: np.ndarray,
-    stage: Stage,
-    layer: int | None,
-    rng: np.random.Generator,
-) -> list[np.ndarray] | None:
-    """A mask for each layer in training, lowest first; None for unpooling evenly."""
-    if stage.unpooling == EVEN or (stage.unpooling is None and layer is None):
-        return None
-    layers = model.layers if layer is None else [model.layers[layer]]
-    return [_drawn_mask(x[:, :: 2**k], each.b.size, rng) for k, each in enumerate(layers)]
-
-
-def _drawn_mask(x: np.ndarray, filters: int, rng: np.random.Generator) -> np.ndarray:
-    """Where each unpooled value goes: to the first frame of its pair in half of all cases."""
-    batch, frames, _ = x.shape
-    return rng.random((batch, frames // 2, filters), dtype=np.float32) < 0.5
-
-
-def _encoded(layer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:
-    """What the layer makes of clean input, a part at a time to spare memory."""
+def _encode(layer: ConvLayer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:
+    """The layer's hidden units for clean input, `at_once` windows at a time to save memory."""
     windows, frames, _ = inputs.shape
     encoded = np.empty((windows, frames // 2, layer.b.size), dtype=inputs.dtype)
     for start in range(0, windows, at_once):
         part = slice(start, start + at_once)
         encoded[part], _ = layer.encode(inputs[part])
     return encoded
+
+
+def _first_nonfinite(model: Any, x: np.ndarray, layer: int | None) -> str:
+    """The first part of the network that is not finite, on the path of the input x.
+
+    tanh keeps what the encoders return within ±1 if the weights are finite; what the decoders
+    return has no bound, so they are checked from the top down.
+    """
+    if not np.isfinite(x).all():
+        return "the input"
+    if layer is not None:
+        return f"layer {layer + 1}"
+    names = nonfinite(_weights(dict(enumerate(model.layers))))
+    if names:
+        return f"the weights {names[0]}"
+    with np.errstate(all="ignore"):
+        for each in model.layers:
+            x, _ = each.encode(x)
+        for number, each in reversed(list(enumerate(model.layers, start=1))):
+            x, _ = each.decode(x)
+            if not np.isfinite(x).all():
+                return f"the output of decoding layer {number}"
+    return "the gradient of the last step"

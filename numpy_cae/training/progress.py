@@ -1,67 +1,69 @@
-"""How far training has come: a bar where tqdm is installed, a line an epoch where it is not."""
+"""Progress on standard error: a bar where tqdm is installed, else a line for each epoch."""
 
 from __future__ import annotations
 
 import sys
 import time
+from typing import TYPE_CHECKING, Any
+
+from numpy_cae.training.callback import Callback
 
 try:
     from tqdm import tqdm
 except ImportError:  # the extra `progress` is optional
     tqdm = None
 
+if TYPE_CHECKING:
+    from numpy_cae.training.loop import Loop
 
-class Progress:
-    """Follows one stage of training on standard error.
+
+class Progress(Callback):
+    """Shows the progress of each stage.
 
     Parameters
     ----------
-    stage : str
-        What is being trained, such as "layer 1 of 3".
-    epochs, steps : int
-        Epochs of the stage, steps of descent in an epoch.
-    shown : bool
-        False keeps silent.
+    show : bool
+        False prints nothing.
     bar : bool
         False prints lines even where tqdm is installed.
     """
 
-    def __init__(self, stage: str, epochs: int, steps: int, shown: bool = True, bar: bool = True):
-        self.stage, self.epochs, self.shown = stage, epochs, shown
-        self.started = time.monotonic()
-        self.before = 0.0
-        self.bar = None
-        if shown and bar and tqdm is not None and epochs:
-            self.bar = tqdm(total=epochs * steps, desc=stage, unit=" steps", file=sys.stderr)
-        self.steps = steps
+    def __init__(self, show: bool = True, bar: bool = True):
+        self.show, self.with_bar = show, bar
+        self.bar: Any = None
 
-    def begin_at(self, done: int) -> None:
-        """So many steps were done before an interruption."""
-        self.before = done / self.steps
-        if self.bar is not None:
-            self.bar.initial = done
-            self.bar.reset(self.bar.total)
+    def begin(self, loop: Loop) -> None:
+        """Start the clock; open a bar, at the steps that were done before an interruption."""
+        done, task = loop.at.epoch * loop.steps + loop.at.step, loop.task
+        self.started, self.epochs_before = time.monotonic(), done / loop.steps
+        if self.show and self.with_bar and tqdm is not None and task.epochs:
+            total = task.epochs * loop.steps
+            self.bar = tqdm(
+                total=total, initial=done, desc=task.name, unit=" steps", file=sys.stderr
+            )
 
-    def step(self) -> None:
-        """One step of descent was made."""
+    def after_step(self, loop: Loop) -> None:
+        """Move the bar."""
         if self.bar is not None:
             self.bar.update()
 
-    def epoch(self, epoch: int, loss: float) -> None:
-        """An epoch ended with this mean loss; epochs count from 0."""
+    def after_epoch(self, loop: Loop, loss: float) -> None:
+        """Show the mean loss."""
+        done, epochs = loop.at.epoch, loop.task.epochs
         if self.bar is not None:
-            self.bar.set_postfix_str(f"epoch {epoch + 1}/{self.epochs}, loss {loss:.5f}")
-        elif self.shown:
+            self.bar.set_postfix_str(f"epoch {done}/{epochs}, loss {loss:.5f}")
+        elif self.show:
             seconds = time.monotonic() - self.started
-            left = seconds / (epoch + 1 - self.before) * (self.epochs - epoch - 1)
+            left = seconds / (done - self.epochs_before) * (epochs - done)
             print(
-                f"{self.stage}, epoch {epoch + 1}/{self.epochs}: loss {loss:.5f}, "
-                f"{seconds:.0f} s gone, {left:.0f} s to go",
+                f"{loop.task.name}, epoch {done}/{epochs}: loss {loss:.5f}, "
+                f"{seconds:.0f} s elapsed, {left:.0f} s left",
                 file=sys.stderr,
                 flush=True,
             )
 
-    def close(self) -> None:
-        """The stage has ended."""
+    def end(self) -> None:
+        """Close the bar."""
         if self.bar is not None:
             self.bar.close()
+            self.bar = None

@@ -1,11 +1,16 @@
-"""How long and how fast: the numbers of holden2015, section 6, as defaults."""
+"""How long and how fast to train; the defaults are the numbers of holden2015, section 6."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
 RANDOM, EVEN = "random", "even"
+WARM_UP = 0.3
+"""Share of a one-cycle schedule in which the rate rises."""
+FIRST, LAST = 1 / 25, 1e-5
+"""The rate of a one-cycle schedule at its start and at its end, as shares of its peak."""
 
 
 @dataclass(frozen=True)
@@ -15,24 +20,26 @@ class Stage:
     Parameters
     ----------
     epochs : int
-        How often every window is shown.
+        Number of times that every window is used.
     rate : float
-        The learning rate of the first epoch.
+        Learning rate: of the first epoch, or the peak of a one-cycle schedule.
     decay : float
-        What the rate is multiplied by after each epoch.
+        Factor applied to the rate after each epoch.
     alpha : float
         Weight of the sparsity term of equation 3.
     batch : int
         Windows in one step of descent; 1 is "iteratively input each data point".
     zeroed : float or (float, float)
-        The probability p with which a value of the input is set to zero; two, and p is drawn
-        between them, anew for each window in each step.
+        The probability p with which a value of the input is set to zero. If two numbers are given,
+        each window draws its own p between them in each step.
     rescaled : bool
         Whether the corrupted input is divided by 1 - p: see `training.corruption`.
     momentum : float
-        μ of `training.descend_with_momentum`, at least 0 and below 1; the paper's descent has none.
+        μ of `training.descend_with_momentum`, at least 0 and below 1; the paper has none.
     unpooling : "random", "even" or None
-        None is the paper's: at random while a layer is trained by itself, evenly for all together.
+        None is the paper's: random while a layer is trained by itself, even for all together.
+    optimiser : "sgd" or "adam"
+    rate_schedule : "decay" or "one-cycle"
     """
 
     epochs: int = 25
@@ -44,16 +51,18 @@ class Stage:
     rescaled: bool = False
     momentum: float = 0.0
     unpooling: Literal["random", "even"] | None = None
+    optimiser: Literal["sgd", "adam"] = "sgd"
+    rate_schedule: Literal["decay", "one-cycle"] = "decay"
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """The whole training: each layer by itself, then all of them together.
+    """Training of the convolutional autoencoder: each layer by itself, then all of them together.
 
     Parameters
     ----------
     layer : Stage
-        For each layer in turn, unpooling at random.
+        For each layer in turn, unpooling at random. With 0 epochs training is end to end.
     fine_tuning : Stage
         For the whole stack, unpooling evenly. The paper does not state its epochs; we take as
         many as for a layer.
@@ -65,32 +74,30 @@ class Schedule:
 
 @dataclass(frozen=True)
 class SequenceSchedule:
-    """The training of jang2018's network; the paper states none of these numbers.
+    """Training of jang2018's network; the paper states none of these numbers.
 
     Parameters
     ----------
     epochs, steps : int
-        Steps of descent in an epoch; an epoch is no more than what the rate decays by, since the
-        clips are drawn anew at every step.
-    rate : float
-        The learning rate of the first epoch.
-    decay : float
-        What the rate is multiplied by after each epoch.
+        Number of epochs, and of steps of descent in each. Clips are drawn anew at every step, so
+        an epoch is only the period of the decay.
+    rate, decay, optimiser, rate_schedule
+        As in `Stage`.
     batch : int
-        Clips in one step. The distance between two draws of the prior itself falls with their size
-        (2.1 for one point, 0.28 for 16, 0.08 for 64), so below 64 the regulariser sees mostly that.
+        Clips in one step. The distance between two draws of the prior itself falls with their
+        number (2.1 for one point, 0.28 for 16, 0.08 for 64), so below 64 it dominates the
+        regulariser.
     weight : float
         λ of the sliced Wasserstein distance.
     directions : int
-        That it projects on, drawn anew at every step.
+        Number of directions it projects on, drawn anew at every step.
     norm : float
         The bound on the gradient's norm.
     momentum : float
         μ of `training.descend_with_momentum`, at least 0 and below 1.
     posture : float
-        Each clip gets a constant added to each of its numbers, drawn anew, normal with this many
-        deviations. Few motions are few people, and each holds itself in its own way: so the network
-        learns to encode how somebody stands.
+        Standard deviation of a constant that is added to each number of a clip, drawn anew for
+        each clip, so that the network learns postures that the few people of the data do not have.
     """
 
     epochs: int = 40
@@ -103,3 +110,42 @@ class SequenceSchedule:
     norm: float = 1.0
     momentum: float = 0.9
     posture: float = 0.0
+    optimiser: Literal["sgd", "adam"] = "sgd"
+    rate_schedule: Literal["decay", "one-cycle"] = "decay"
+
+
+def decayed_rate(initial: float, decay: float, epoch: int) -> float:
+    """η_e = η_0 · decay^e: "initially set to the value of 0.5 and slowly decayed by a factor of
+    0.9 at each epoch". Epochs count from 0.
+    """
+    return initial * decay**epoch
+
+
+def one_cycle(peak: float, share: float) -> float:
+    """The rate when a share of all steps is done: half a cosine up to the peak, then one down.
+
+    It starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small first
+    rates let Adam's estimates settle, the small last ones let the weights settle.
+
+    Parameters
+    ----------
+    peak : float
+    share : float
+        Between 0 and 1.
+
+    References
+    ----------
+    Smith and Topin, "Super-convergence", 2018; the cosines are those of PyTorch's OneCycleLR.
+    """
+    if share < WARM_UP:
+        start, end, share = FIRST, 1.0, share / WARM_UP
+    else:
+        start, end, share = 1.0, LAST, (share - WARM_UP) / (1 - WARM_UP)
+    return peak * (end + (start - end) * (1 + math.cos(math.pi * share)) / 2)
+
+
+def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) -> float:
+    """The learning rate of a step; epochs and the `steps` steps of each count from 0."""
+    if stage.rate_schedule == "one-cycle":
+        return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
+    return decayed_rate(stage.rate, stage.decay, epoch)

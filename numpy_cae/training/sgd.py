@@ -1,17 +1,10 @@
-"""Stochastic gradient descent and its decay (holden2015, section 6)."""
+"""Stochastic gradient descent (holden2015, section 6), and the same with momentum."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 import numpy as np
-
-
-def decayed_rate(initial: float, decay: float, epoch: int) -> float:
-    """η_e = η_0 · decay^e: "initially set to the value of 0.5 and slowly decayed by a factor of
-    0.9 at each epoch". Epochs count from 0.
-    """
-    return initial * decay**epoch
 
 
 def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], rate: float) -> None:
@@ -29,11 +22,42 @@ def descend_with_momentum(
 ) -> None:
     """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place.
 
-    Along a direction in which the gradient keeps its sign steps add up to 1 / (1 - μ) of one; where
-    it changes its sign they cancel. Not in holden2015: see "The network that repairs best" in
-    lessons/papers_to_code.md.
+    Steps along a direction in which the gradient keeps its sign add up to 1 / (1 - μ) times one
+    step; where the gradient changes its sign they cancel. holden2015 has no momentum: see "The
+    network that repairs best" in docs/lab_book.md.
     """
     for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
         velocity *= momentum
         velocity -= rate * gradient
         parameter += velocity
+
+
+class Sgd:
+    """Gradient descent on named parameters.
+
+    Parameters
+    ----------
+    parameters : dict of name to array
+        Changed in place by `update`.
+    momentum : float
+        μ, at least 0 and below 1; 0 is plain descent.
+
+    Attributes
+    ----------
+    state : dict of name to array
+        The velocities; empty without momentum. A checkpoint keeps them.
+    """
+
+    def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):
+        self.parameters, self.momentum = parameters, momentum
+        moving = parameters if momentum else {}
+        self.state = {f"velocity of {name}": np.zeros_like(w) for name, w in moving.items()}
+
+    def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
+        """Take one step; the gradients are in the order of the parameters."""
+        parameters = self.parameters.values()
+        if self.momentum:
+            velocities = self.state.values()
+            descend_with_momentum(parameters, velocities, gradients, rate, self.momentum)
+        else:
+            descend(parameters, gradients, rate)

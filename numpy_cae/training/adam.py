@@ -1,0 +1,60 @@
+"""Adam: steps whose length does not depend on the size of the gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
+
+
+class Adam:
+    """Adam on named parameters, with the constants of the paper.
+
+        m ← β₁ m + (1 - β₁) g              v ← β₂ v + (1 - β₂) g²          g = dL/dθ
+        θ ← θ - η · m̂ / (√v̂ + ε)           m̂ = m / (1 - β₁ᵗ),   v̂ = v / (1 - β₂ᵗ)
+
+    m and v estimate the mean of g and of g². They start at 0, so they are too small at first. Where
+    every g_i has the same mean E[g], step t has
+
+        m_t = (1 - β₁) Σ_i β₁^(t-i) g_i      (i = 1, …, t)
+        E[m_t] = E[g] · (1 - β₁) Σ_i β₁^(t-i) = E[g] · (1 - β₁ᵗ)
+
+    by the geometric series. Dividing by 1 - β₁ᵗ corrects this bias; v likewise. The first step is
+    therefore η · g / (|g| + ε), of length η in every coordinate.
+
+    Parameters
+    ----------
+    parameters : dict of name to array
+        Changed in place by `update`.
+
+    Attributes
+    ----------
+    state : dict of name to array
+        The estimates m and v and the number of steps t. A checkpoint keeps them.
+
+    References
+    ----------
+    Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
+    """
+
+    def __init__(self, parameters: dict[str, np.ndarray]):
+        self.parameters = parameters
+        self.means = {f"mean of {name}": np.zeros_like(w) for name, w in parameters.items()}
+        self.squares = {f"square of {name}": np.zeros_like(w) for name, w in parameters.items()}
+        self.count = np.zeros((), dtype=np.int64)
+        self.state = {**self.means, **self.squares, "steps of Adam": self.count}
+
+    def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
+        """Take one step; the gradients are in the order of the parameters."""
+        self.count += 1
+        mean_share = 1 - BETA_1 ** int(self.count)
+        square_share = 1 - BETA_2 ** int(self.count)
+        arrays = self.parameters.values(), self.means.values(), self.squares.values(), gradients
+        for parameter, mean, square, gradient in zip(*arrays, strict=True):
+            mean *= BETA_1
+            mean += (1 - BETA_1) * gradient
+            square *= BETA_2
+            square += (1 - BETA_2) * gradient**2
+            parameter -= rate * (mean / mean_share) / (np.sqrt(square / square_share) + EPSILON)
