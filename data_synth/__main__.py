@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from data_synth.kinds import KINDS, require_kinds
 from data_synth.series import Plan, plan_cmu_scale, plan_takes
-from data_synth.write_series import FORMATS, write_series
+from data_synth.write_series import write_series
 
 try:
     from tqdm import tqdm
@@ -24,7 +24,7 @@ _EPILOG = f"""kinds: {", ".join(KINDS)}
 
 examples:
   python -m data_synth motions --minutes 30 --seed 1
-  python -m data_synth walks --minutes 5 --kinds walk,run --format asfamc
+  python -m data_synth walks --minutes 5 --kinds walk,run
   python -m data_synth cmu --cmu-scale --rate 30"""
 
 
@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         else:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
         with _Progress(plans, shown=not args.quiet) as progress:
-            labels = write_series(plans, args.out, args.format, args.rate, progress.take_done)
+            labels = write_series(plans, args.out, args.rate, progress.take_done)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
         return 2
@@ -64,7 +64,6 @@ def _parser() -> argparse.ArgumentParser:
         help="as much as the CMU database: 2605 takes that make 9673 windows",
     )
     parser.add_argument("--seed", type=_seed, default=0, help="default: 0")
-    parser.add_argument("--format", choices=FORMATS, default="bvh", help="default: bvh")
     parser.add_argument(
         "--rate", type=_above_zero, default=120.0, help="frames a second, default: 120"
     )

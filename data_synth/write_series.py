@@ -10,9 +10,8 @@ from pathlib import Path
 from data_synth.series import Plan
 from data_synth.take import Take
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion import MotionFileError, write_amc, write_asf, write_bvh
+from numpy_cae.motion import MotionFileError, write_bvh
 
-FORMATS = ("bvh", "asfamc")
 _CENTIMETRE = 0.01
 _COLUMNS = ("file", "kind", "style", "person", "stature_m", "seconds", "rate_hz", "frames", "seed",
             "take")  # fmt: skip
@@ -21,22 +20,19 @@ _COLUMNS = ("file", "kind", "style", "person", "stature_m", "seconds", "rate_hz"
 def write_series(
     plans: Sequence[Plan],
     folder: str | Path,
-    file_format: str = "bvh",
     rate: float = 120.0,
     each: Callable[[Plan, Take], None] | None = None,
 ) -> Path:
     """Make and write every planned take, then the labels.
 
-    Files are laid out as in the CMU database: ``02/02_01.bvh``, or ``02/02.asf`` and
-    ``02/02_01.amc``. Each is written beside its place and moved there. A file of the same name is
-    replaced; others are left alone.
+    Files are in centimetres and named as in the CMU database: ``02/02_01.bvh``. A file of the same
+    name is replaced; others are left alone.
 
     Parameters
     ----------
     plans : sequence of Plan
     folder : path
         Made if it is not there.
-    file_format : "bvh" (centimetres) or "asfamc" (the units of the CMU database)
     rate : float
         Frames a second.
     each : function, optional
@@ -49,30 +45,19 @@ def write_series(
 
     Raises
     ------
-    ValueError
-        If the format is not known.
     MotionFileError
         If a file or folder cannot be written.
     """
-    if file_format not in FORMATS:
-        raise ValueError(f"format is {file_format!r}, expected one of {', '.join(FORMATS)}")
     folder = Path(folder)
     table = io.StringIO()
     rows = csv.writer(table, lineterminator="\n")
     rows.writerow(_COLUMNS)
-    has_skeleton: set[int] = set()
     for plan in plans:
         person = f"{plan.person:02d}"
         _make_folder(folder / person)
         take = plan.make(rate)
-        path = folder / person / (plan.name + (".bvh" if file_format == "bvh" else ".amc"))
-        if file_format == "bvh":
-            write_bvh(take.motion, path, _CENTIMETRE)
-        else:
-            if plan.person not in has_skeleton:
-                write_asf(take.motion.skeleton, folder / person / f"{person}.asf")
-                has_skeleton.add(plan.person)
-            write_amc(take.motion, path)
+        path = folder / person / f"{plan.name}.bvh"
+        write_bvh(take.motion, path, _CENTIMETRE)
         rows.writerow(
             [path.relative_to(folder).as_posix(), take.kind, take.style, plan.person,
              f"{take.stature:.3f}", f"{take.motion.seconds:.4f}", f"{rate:g}", len(take.motion),

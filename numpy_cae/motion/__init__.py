@@ -32,7 +32,6 @@ from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.expmap import read_expmap
 from numpy_cae.motion.io.load import find_motion_files, load_motion
 from numpy_cae.motion.io.t_pose import without_t_pose
-from numpy_cae.motion.io.write_acclaim import write_acclaim, write_amc, write_asf
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.load_windows import FileWindows, load_windows
@@ -100,8 +99,5 @@ __all__ = [
     "retarget",
     "unwrapped",
     "without_t_pose",
-    "write_acclaim",
-    "write_amc",
-    "write_asf",
     "write_bvh",
 ]

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from acclaim_files import write_acclaim
 
 from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.manifold import MotionManifold, save_manifold
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import body_of, bone_lengths, load_motion, write_acclaim, write_bvh
+from numpy_cae.motion import body_of, bone_lengths, load_motion, write_bvh
 
 
 @pytest.fixture(scope="module")

@@ -92,10 +92,9 @@ def test_windows_say_what_they_are():
     assert 0.02 < np.median(speed) < 0.07
 
 
-@pytest.mark.parametrize("file_format", ["bvh", "asfamc"])
-def test_files_read_back_to_the_same_positions(tmp_path, file_format):
+def test_files_read_back_to_the_same_positions(tmp_path):
     plans = [Plan(9, n, (n - 1) // 12 + 1, kind, 0.8) for n, kind in enumerate(KINDS, start=1)]
-    write_series(plans, tmp_path, file_format, rate=60.0)
+    write_series(plans, tmp_path, rate=60.0)
     with (tmp_path / "labels.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == list(KINDS)
@@ -108,11 +107,10 @@ def test_files_read_back_to_the_same_positions(tmp_path, file_format):
         assert np.abs(off).max() < 1e-3
 
 
-@pytest.mark.parametrize("file_format", ["bvh", "asfamc"])
-def test_same_seed_same_bytes_other_seed_other_takes(tmp_path, file_format):
+def test_same_seed_same_bytes_other_seed_other_takes(tmp_path):
     for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
         plans = plan_takes(0.3, seed)
-        write_series(plans, tmp_path / folder, file_format, rate=30.0)
+        write_series(plans, tmp_path / folder, rate=30.0)
     one, same, other = (fingerprint(tmp_path / folder) for folder in "abc")
     assert one == same
     assert not set(one.values()) & set(other.values())
@@ -127,8 +125,6 @@ def test_wrong_series_are_refused():
         make_takes(1, kinds=["walk", "fly"])
     with pytest.raises(ValueError, match="no kind is given"):
         plan_takes(1, kinds=[])
-    with pytest.raises(ValueError, match="format is 'fbx'"):
-        write_series([], "nowhere", "fbx")
 
 
 def test_the_command_writes_a_folder(tmp_path, capsys):
@@ -169,7 +165,6 @@ def test_a_folder_that_cannot_be_made_is_one_line(tmp_path):
         (["--kinds", "fly"], "no kind 'fly'"),
         (["--seed", "-1"], "is below 0"),
         (["--rate", "nan"], "is not a number above 0"),
-        (["--format", "fbx"], "invalid choice"),
         (["--minutes", "3", "--cmu-scale"], "not allowed with"),
     ],
 )

@@ -6,13 +6,14 @@ import io
 import zipfile
 
 import pytest
+from acclaim_files import write_amc, write_asf
 from misbehaving_site import Site, serve
 
 from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
-from numpy_cae.motion import MotionFileError, find_motion_files, load_motion, write_amc, write_asf
 from numpy_cae.lock import lock
+from numpy_cae.motion import MotionFileError, find_motion_files, load_motion
 
 PAGE = """<TD><A HREF="http://other:8080/subjects/07/07.asf">asf</A>
 <a href="subjects/07/07_01.amc">amc</a><A HREF="subjects/07/07_02.amc">amc</A>

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from acclaim_files import write_amc, write_asf
 from mutations import mutated, stiff_joints_and_short_lines
 
 from data_synth import make_take
-from numpy_cae.motion import MotionFileError, load_motion, write_amc, write_asf, write_bvh
+from numpy_cae.motion import MotionFileError, load_motion, write_bvh
 
 KINDS = ["bvh", "asf", "amc", "txt"]
 TIMES_SIZE = 80

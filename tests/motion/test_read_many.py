@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from acclaim_files import write_acclaim
 
 from data_synth import make_take
-from numpy_cae.motion import load_body, load_motion, write_acclaim, write_bvh
+from numpy_cae.motion import load_body, load_motion, write_bvh
 from numpy_cae.motion.io.cache import read_bodies
 
 
@@ -40,7 +41,7 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
             assert body.note == motion.unit_note
         else:
             assert body.path.name == "bad.bvh"
-    sparse = load_motion(paths[0], wanted=30.0)
+    sparse = load_motion(paths[0], max_rate=30.0)
     assert (len(sparse), sparse.rate) == (30, 30.0)
 
 

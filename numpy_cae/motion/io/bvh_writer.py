@@ -53,7 +53,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     ValueError
         If the motion has no frames, values that are not finite or names that BVH cannot hold, or
         `unit` is not above 0.
-    MotionFileError
+    FileError
         If the file cannot be written.
     """
     unit = require_unit(motion.unit if unit is None else unit)

@@ -119,7 +119,7 @@ def _body(
             body = _known(path, known)
             if body is not None:
                 return body
-        motion = load_motion(path, unit=unit, wanted=RATE)
+        motion = load_motion(path, unit=unit, max_rate=RATE)
         try:
             positions = body_positions(motion.resampled(RATE), mapping)
         except UnknownRigError as error:

@@ -153,4 +153,4 @@ HUMAN36M = ExpmapRig(
     rate=50.0,
 )
 
-RIGS_OF_TEXT = (CMU, HUMAN36M)
+EXPMAP_RIGS = (CMU, HUMAN36M)

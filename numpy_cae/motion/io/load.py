@@ -21,7 +21,7 @@ def load_motion(
     path: str | Path,
     unit: float | None = None,
     skeleton: str | Path | None = None,
-    wanted: float | None = None,
+    max_rate: float | None = None,
 ) -> Motion:
     """Read a motion from any supported file.
 
@@ -34,7 +34,7 @@ def load_motion(
         `Motion.unit_note`.
     skeleton : path, optional
         The .asf file of an .amc file; by default looked for beside it.
-    wanted : float, optional
+    max_rate : float, optional
         Frames a second that are enough: where frames can be left out for it, they are not parsed.
 
     Returns
@@ -58,7 +58,7 @@ def load_motion(
             path, None, "is a skeleton without motion, expected the .amc file that moves it"
         )
     if suffix == ".amc":
-        return read_amc(path, skeleton, unit=unit, wanted=wanted)
+        return read_amc(path, skeleton, unit=unit, max_rate=max_rate)
     if suffix not in (".bvh", ".txt"):
         raise MotionFileError(
             path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
@@ -66,7 +66,7 @@ def load_motion(
     if skeleton is not None:
         holder = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
         raise MotionFileError(path, None, f"{holder} skeleton, expected no .asf file")
-    return read_bvh(path, unit, wanted) if suffix == ".bvh" else read_expmap(path, unit)
+    return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
