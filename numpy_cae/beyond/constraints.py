@@ -21,6 +21,7 @@ from numpy_cae.motion.features import (
     RootTransform,
     features_to_positions,
 )
+from numpy_cae.motion.heading import rotate_on_floor
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 CENTIMETRES = 1e4
@@ -77,7 +78,7 @@ def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullb
     q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
     feet = q[:, FEET][..., [_X, _Z]]
     velocity, turn = features[:-1, None, VELOCITY], features[:-1, TURN]
-    carried = _turned(feet[1:], turn)
+    carried = rotate_on_floor(feet[1:], turn)
     stays = (contacts[1:] & contacts[:-1])[..., None]
     moved = stays * (velocity + carried - feet[:-1])
     count = max(int(stays.sum()), 1)
@@ -89,7 +90,7 @@ def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullb
         d[:-1, TURN.start] = np.sum(d_moved * _quarter_turned(carried), axis=(1, 2))
         dq = np.zeros_like(q)
         for n, foot in enumerate(FEET):
-            dq[1:, foot, [_X, _Z]] += _turned(d_moved, -turn)[:, n]
+            dq[1:, foot, [_X, _Z]] += rotate_on_floor(d_moved, -turn)[:, n]
             dq[:-1, foot, [_X, _Z]] -= d_moved[:, n]
         return d + _only_positions(features, dq)
 
@@ -175,13 +176,13 @@ def out_of_place(
         flat, angle = g[..., [_X, _Z]], theta[:, None]
         local = positions[..., [_X, _Z]] - _floor(features, start, theta)[:, None]  # R(θ) q
         dq = g.copy()
-        dq[..., [_X, _Z]] = _turned(flat, -angle)
+        dq[..., [_X, _Z]] = rotate_on_floor(flat, -angle)
         later = _sum_of_later(flat.sum(axis=1))
-        step = _turned(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
+        step = rotate_on_floor(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
         d_theta = np.sum(flat * _quarter_turned(local), axis=(1, 2))
         d_theta += np.sum(later * _quarter_turned(step), axis=1)
         d = _only_positions(features, dq)
-        d[:-1, VELOCITY] = _turned(later[:, None], -angle)[:-1, 0]
+        d[:-1, VELOCITY] = rotate_on_floor(later[:, None], -angle)[:-1, 0]
         d[:-1, TURN.start] = _sum_of_later(d_theta)[:-1]
         return d
 
@@ -196,20 +197,13 @@ def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:
 
 def _floor(features: np.ndarray, start: RootTransform, theta: np.ndarray) -> np.ndarray:
     """h: where the hips stand, (F, 2)."""
-    steps = _turned(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
+    steps = rotate_on_floor(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
     return np.array([start.x, start.z]) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, 0)])
 
 
 def _sum_of_later(values: np.ndarray) -> np.ndarray:
     """For each t the sum over all s > t."""
     return np.cumsum(values[::-1], axis=0)[::-1] - values
-
-
-def _turned(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """R(θ) about Y of x and z (F, N, 2) by θ (F, 1): x cos θ + z sin θ, z cos θ - x sin θ."""
-    cos, sin = np.cos(angles), np.sin(angles)
-    x, z = vectors[..., 0], vectors[..., 1]
-    return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)
 
 
 def _quarter_turned(vectors: np.ndarray) -> np.ndarray:
