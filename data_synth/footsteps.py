@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth.body import Body
 from data_synth.curves import ease
-from data_synth.stride import pitched
-from numpy_cae.motion.heading import rotate_about_y
+from data_synth.stride import pitched, turned
 
 
 @dataclass
@@ -94,9 +93,9 @@ def stand(
     yaw = heading + np.radians(state[:, 2])
     pitch = -np.radians(heel)
     pivot = np.where((pitch > 0)[:, None], body.heel, body.ball)
-    rise = rotate_about_y(pivot - pitched(pivot, pitch), yaw)
+    rise = turned(pivot - pitched(pivot, pitch), yaw)
     zero = np.zeros(len(state))
-    ankle = rotate_about_y(np.stack([state[:, 0], zero, state[:, 1]], axis=-1), heading)
+    ankle = turned(np.stack([state[:, 0], zero, state[:, 1]], axis=-1), heading)
     ankle += rise
     ankle[:, 1] += body.ankle_height + height
     foot = Rotation.from_euler("YX", np.stack([yaw, -pitch], axis=-1))

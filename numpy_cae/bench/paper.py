@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Schedule, Stage, train_autoencoder
 
@@ -87,7 +88,7 @@ def run_paper(
     data = synthetic_windows(windows)
     start = time.perf_counter()
     history = train_autoencoder(
-        ConvAutoencoder(), data, schedule, np.random.default_rng(0), show_progress
+        accelerate(ConvAutoencoder()), data, schedule, np.random.default_rng(0), show_progress
     )
     seconds = time.perf_counter() - start
     minutes = {name: each * EPOCHS / epochs / 60 for name, each in history.seconds.items()}

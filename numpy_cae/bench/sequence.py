@@ -17,6 +17,7 @@ from numpy_cae.bench.sequence_twin import (
 from numpy_cae.bench.table import Row, peak_memory
 from numpy_cae.bench.timing import time_in_turns
 from numpy_cae.bench.torch_twin import torch
+from numpy_cae.fast import accelerate
 from numpy_cae.models import SequentialAutoencoder
 
 HIDDEN = (128, 512, 1024)
@@ -35,11 +36,13 @@ def rows(peak: float, batches: Sequence[int] = BATCHES, rounds: int = 21) -> Ite
     """
     if torch is not None:
         model = SequentialAutoencoder(hidden=CHECKED, latent=LATENT, dtype=np.float64)
+        model = accelerate(model)
         for batch in batches:
             require_agreement(model, SequenceCase.drawn(model, batch))
     for batch in batches:
         for units in HIDDEN:
-            yield _row(SequentialAutoencoder(hidden=units, latent=LATENT), batch, peak, rounds)
+            model = SequentialAutoencoder(hidden=units, latent=LATENT)
+            yield _row(accelerate(model), batch, peak, rounds)
 
 
 def _row(model: SequentialAutoencoder, batch: int, peak: float, rounds: int) -> Row:

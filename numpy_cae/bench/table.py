@@ -12,6 +12,7 @@ import numpy as np
 from numpy_cae.bench.cases import Case, cases
 from numpy_cae.bench.timing import Timing, time_in_turns
 from numpy_cae.bench.torch_twin import TorchTwin, require_agreement, torch
+from numpy_cae.fast import accelerate
 from numpy_cae.fast.blas import blas_threads
 from numpy_cae.models import ConvAutoencoder
 
@@ -91,10 +92,8 @@ def rows(peak: float, batches: Sequence[int] = BATCHES, rounds: int = 21) -> Ite
 
 
 def _row(model: ConvAutoencoder, case: Case, peak: float, rounds: int) -> Row:
-    # Whoever only encodes has weights that stay; whoever trains has not.
-    model = model.thaw() if case.kind == "step" else model.freeze()
     memory = _memory(case)
-    functions = {"ours": case.ours(model)}
+    functions = {"ours": case.ours(accelerate(model))}
     if torch is not None:
         functions["theirs"] = TorchTwin(model).theirs(case)
     times = time_in_turns(functions, rounds)
@@ -110,7 +109,7 @@ def _check() -> None:
 
 def _memory(case: Case) -> int:
     """The most that a model which has done nothing yet allocates for the case, bytes."""
-    return peak_memory(case.ours(ConvAutoencoder()))
+    return peak_memory(case.ours(accelerate(ConvAutoencoder())))
 
 
 def peak_memory(function: Callable[[], object]) -> int:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.bench.cases import Case, alpha
+from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 
 try:
@@ -88,7 +89,7 @@ def require_agreement(model: ConvAutoencoder, case: Case, tolerance: float = 1e-
     ArithmeticError
         Naming the case and the largest difference.
     """
-    ours = _flat_ours(case, case.ours(model)())
+    ours = _flat_ours(case, case.ours(accelerate(model))())
     theirs = _flat_theirs(case, TorchTwin(model).theirs(case)())
     for a, b in zip(ours, theirs, strict=True):
         difference = np.abs(a - b).max() / max(1.0, np.abs(a).max())

@@ -15,7 +15,6 @@ from data_synth import plan_takes
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.experiments.ablation.ablation import SEEDS, ablation
-from numpy_cae.experiments.ablation.result import Ablation
 from numpy_cae.experiments.ablation.choices import (
     FINE_EPOCHS,
     LAYER_EPOCHS,
@@ -25,6 +24,7 @@ from numpy_cae.experiments.ablation.choices import (
     choices,
 )
 from numpy_cae.experiments.ablation.evaluation import Evaluation
+from numpy_cae.experiments.ablation.result import Ablation
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import Section

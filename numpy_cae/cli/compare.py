@@ -1,4 +1,4 @@
-"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: compute distances between motions."""
+"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: how unlike motions are."""
 
 from __future__ import annotations
 
@@ -11,71 +11,82 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
 from numpy_cae.cli.as_json import add_json_argument, print_json
-from numpy_cae.manifold import distance_matrix, hidden_units, load_manifold, signature
+from numpy_cae.manifold import (
+    distance_matrix,
+    hidden_units,
+    load_manifold,
+    signature,
+)
 from numpy_cae.motion import find_motion_files, load_body
+from numpy_cae.viz import save_figure
+from numpy_cae.viz.matrix import matrix_figure
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand and its arguments."""
+    """Files or folders in, a table and its picture out."""
     parser = subparsers.add_parser(
         "compare",
-        help="compute the distances between motions",
-        description="Compute G, equation 4 of holden2015, between every two motions, and print "
-        "the nearest motion of each. G depends on what happens in a motion, not on when.",
+        help="measure how unlike motions are",
+        description="Compare every motion with every other by G, equation 4 of holden2015: what "
+        "happens counts, when it happens does not. "
+        "Prints the nearest of each.",
         epilog="example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png",
     )
     parser.add_argument(
-        "motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="a folder, or motion files"
+        "motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="a folder, or files"
     )
-    one_motion.add_model_arguments(parser)
-    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
+    parser.add_argument("-m", "--model", type=Path, required=True, help="from `numpy-cae train`")
+    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the matrix")
     parser.add_argument(
         "--picture",
         type=Path,
         metavar="PNG",
-        help="path of a picture of the matrix (√G) with similar motions side by side",
+        help="draw it (√G), motions that are alike side by side",
     )
     add_json_argument(parser)
+    kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compute, print and write the distances."""
-    model = load_manifold(args.model)
-    manifold = one_motion.require_convolutional(model, args.model, "compare")
+    """Read, encode, compare, write."""
+    manifold = load_manifold(args.model)
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
-    mapping, names = kinds.chosen_mapping(args), list(files)
+    mapping = kinds.chosen_mapping(args)
     clips = [
         manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files.values()
     ]
-    distances = distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips])
-    nearest, written = _nearest(names, distances), []
+    names, distances = (
+        list(files),
+        distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips]),
+    )
+    nearest, said = _nearest(names, distances), []
     if args.output:
         _write_csv(names, distances, args.output)
-        written.append(f"{args.output}: G of {len(names)} motions")
+        said.append(f"{args.output}: G of {len(names)} motions")
     if args.picture:
-        from numpy_cae.viz import save_figure
-        from numpy_cae.viz.matrix import matrix_figure
-
-        # G is a sum of squares; its root is comparable to a length.
+        # G is a sum of squares, and a length is none.
         save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
-        written.append(f"{args.picture}: √G of {len(names)} motions, clustered")
+        said.append(f"{args.picture}: √G of {len(names)} motions, clustered")
     if args.json:
         compared = {"distance": "G", "motions": names, "matrix": distances}
         print_json({**compared, "nearest": [other for other, _ in nearest]})
         return 0
-    for name, (other, distance) in zip(names, nearest, strict=True):
-        print(f"{name}: nearest is {other}, G = {distance:.3f}")
-    print("\n".join(written), end="\n" if written else "")
+    for name, (other, length) in zip(names, nearest, strict=True):
+        print(f"{name}: nearest is {other}, G = {length:.3f}")
+    for line in said:
+        print(line)
     return 0
 
 
 def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
-    """Every motion file by a unique name: its path below its folder, or its whole path."""
+    """Every motion file by a name that tells it from the others.
+
+    A file of a folder bears its path below that folder, where that is enough.
+    """
     short, whole = {}, {}
     count = 0
     for each in motions:
@@ -88,7 +99,7 @@ def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
 
 
 def _nearest(names: list[str], distances: np.ndarray) -> list[tuple[str, float]]:
-    """For each motion the nearest other one, and its distance."""
+    """Of each motion the other that is least unlike it, and how unlike."""
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     return [(names[int(np.argmin(row))], float(row.min())) for row in others]
 
@@ -97,5 +108,6 @@ def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
     with atomic_write(path) as beside, open(beside, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["", *names])
-        for name, row in zip(names, distances, strict=True):
-            rows.writerow([name, *[f"{g:.6g}" for g in row]])
+        rows.writerows(
+            [name, *[f"{g:.6g}" for g in row]] for name, row in zip(names, distances, strict=True)
+        )

@@ -20,6 +20,7 @@ from numpy_cae.experiments.comparison.distances import untrained
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.table import text_table
+from numpy_cae.fast import accelerate
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import Schedule, Stage, train_autoencoder
 from numpy_cae.viz import PLAIN, PROJECTED, save_figure
@@ -177,7 +178,7 @@ def times(manifold: MotionManifold, material: Material, seed: int = 0) -> Times:
     middle = material.testing[int(np.argsort(lengths)[len(lengths) // 2])].positions
     window = clips_of(manifold, [middle]).x[:1]
     features = manifold.features(middle)[0]
-    network = manifold.network.freeze()
+    network = accelerate(manifold.network)
     projection = time_in_turns(
         {
             _ENCODE: lambda: network.encode(window),

@@ -1,10 +1,10 @@
-"""How many threads a matrix product uses, told to the OpenBLAS that NumPy brings with it.
+"""Read and set the number of threads of the OpenBLAS library that NumPy's wheels contain.
 
 Two Python threads that each start two BLAS threads on two cores are slower than one, so a team sets
-BLAS to one thread while it works. NumPy has no call for that. Its wheels carry OpenBLAS as a
-shared library of their own, and asking that library directly takes a few lines of ctypes (the
-package `threadpoolctl` does the same for every BLAS there is, and would be a dependency more for
-one function). Where NumPy uses another BLAS, `blas_threads` is None and nothing is shared out.
+BLAS to one thread while it works. NumPy has no function for that; calling OpenBLAS takes a few
+lines of ctypes (the package `threadpoolctl` does the same for every BLAS, and would be one more
+dependency for one function). Where NumPy uses another BLAS, `blas_threads` is None and a team has
+one thread.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_", "openblas_{}")
-"""What wheels of NumPy have called these functions, newest first."""
+FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_", "openblas_{}")
+"""Names of these functions in NumPy's wheels, newest first."""
 
 
 @lru_cache(maxsize=1)
@@ -31,7 +31,7 @@ def _openblas():
             library = ctypes.CDLL(str(path))
         except OSError:
             continue
-        for name in NAMES:
+        for name in FUNCTION_NAMES:
             read = getattr(library, name.format("get_num_threads"), None)
             write = getattr(library, name.format("set_num_threads"), None)
             if read is not None and write is not None:
@@ -41,7 +41,7 @@ def _openblas():
 
 
 def blas_threads() -> int | None:
-    """How many threads a matrix product uses now, None where that cannot be told.
+    """The number of threads a matrix product uses now, None where it is unknown.
 
     It is the number of cores unless the environment says otherwise (OPENBLAS_NUM_THREADS).
     """
@@ -51,7 +51,7 @@ def blas_threads() -> int | None:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Matrix products in the body use the thread that asks for them and no other."""
+    """Matrix products in the `with` block use the calling thread only."""
     functions = _openblas()
     if functions is None:
         yield

@@ -1,8 +1,8 @@
 """Three constant matrices that make a convolution cheap: y = C ((A x) ∘ (G w)).
 
-A convolution of N numbers is a product of N spectra. Convolve a block of L frames with K taps, and
-the block needs N = L + K - 1 frames of input: one discrete Fourier transform of N points, which at
-this length is best written as what it is, a constant matrix.
+A convolution is a product of spectra. L frames of output of a filter of K taps need N = L + K - 1
+frames of input: a discrete Fourier transform of N points, which at this length is computed fastest
+as a product with a constant matrix.
 
 **The transform, in real numbers.** With c_f[n] = cos(2π f n / N) and s_f[n] = sin(2π f n / N), the
 spectrum of x at the frequency f is a + i b with a = Σ c_f x and b = -Σ s_f x. The filter slides
@@ -17,10 +17,10 @@ has four real products; three are enough (Gauss):
     real = k1 - k3        imaginary = k1 + k2
 
 So A has the three rows c_f - s_f, c_f and -s_f for each frequency, G the three rows c_f, s_f - c_f
-and c_f + s_f, and C holds what the inverse transform makes of k1, k2 and k3. The real frequencies
-(0, and N/2 where N is even) are one product each. Together that is S ≈ 3N/2 products.
+and c_f + s_f, and C holds the coefficients of k1, k2 and k3 in the inverse transform. The real
+frequencies (0, and N/2 where N is even) are one product each. Together that is S ≈ 3N/2 products.
 
-**Why it pays.** x and w are scalars only in this derivation. With C channels in and D filters
+**The cost.** x and w are scalars only in this derivation. With C channels in and D filters
 out, each of the S products ∘ is a product of matrices over the channels: S · C · D multiplications
 for L frames, where the sum over taps needs K · L · C · D. For 15 taps and blocks of 40 frames,
 S = 80 instead of 600. What A, G and C cost grows with C + D, not with C · D, and is a matrix
@@ -74,10 +74,12 @@ class Blocks:
 
 @lru_cache
 def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
-    """The matrices, computed in float64, in the dtype asked for; made once for each argument."""
+    """The matrices, computed in float64 and rounded to `dtype`; cached for each argument."""
     points = frames + taps - 1
     n, k, t = np.arange(points), np.arange(taps), np.arange(frames)
-    a, g, c = [], [], []
+    a: list[np.ndarray] = []
+    g: list[np.ndarray] = []
+    c: list[np.ndarray] = []
     for f in range(points // 2 + 1):
         angle = 2 * np.pi * f / points
         cos, sin = np.cos(angle * n), np.sin(angle * n)
@@ -87,7 +89,7 @@ def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
             a += [cos]
             g += [cos_k]
             c += [cos_t]
-        else:  # y = 2 (real · cos - imaginary · sin) / N: f stands for its mirror image -f as well
+        else:  # y = 2 (real · cos - imaginary · sin) / N: the factor 2 is for -f
             a += [cos - sin, cos, -sin]
             g += [cos_k, sin_k - cos_k, cos_k + sin_k]
             c += [2 * (cos_t - sin_t), -2 * sin_t, -2 * cos_t]
@@ -99,7 +101,7 @@ def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
 
 
 def block_length(frames: int, longest: int) -> tuple[int, int]:
-    """L and the number of blocks that hold so many frames, L even and at most about `longest`."""
+    """L and the number of blocks for so many frames; L is even, at most `longest` (also even)."""
     count = max(1, -(-frames // longest))
     length = -(-frames // count)
     return length + length % 2, count
@@ -118,13 +120,13 @@ def overlapping(padded: np.ndarray, blocks: Blocks, count: int) -> np.ndarray:
 
 
 def overlap_add(parts: np.ndarray, blocks: Blocks, out: np.ndarray) -> None:
-    """The adjoint of `overlapping`: where blocks share frames, their parts are added.
+    """The adjoint of `overlapping`: where blocks share frames, their values are added.
 
     Parameters
     ----------
     parts : (count, N, width) array
     out : (count · L + K - 1, width) array
-        Is overwritten.
+        Overwritten.
     """
     out[: blocks.points] = parts[0]
     out[blocks.points :] = 0

@@ -1,4 +1,4 @@
-"""`conv1d` with a quarter of the arithmetic: whole blocks of frames through their spectra."""
+"""`conv1d` with a quarter of the arithmetic: blocks of frames are convolved by their spectra."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from numpy_cae.fast.blocks import Blocks, block_length, blocks, overlap_add, ove
 from numpy_cae.ops.convolution import Pullback
 from numpy_cae.ops.shapes import require_shape
 
-LONGEST_BLOCK = 40
-"""Longer blocks save products and cost more in A and C; with 15 taps and some 64 channels both
-meet between 30 and 50 frames."""
+MAX_BLOCK_FRAMES = 40
+"""Longer blocks save products and cost more in A and C; with 15 taps and 64 channels the optimum
+lies between 30 and 50 frames."""
 
 
 def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """y[t] = Σ_k x[t + k - K//2] · w[k] + b: what `ops.conv1d` is, by y = C ((A x) ∘ (G w)) + b.
+    """y[t] = Σ_k x[t + k - K//2] · w[k] + b, as `ops.conv1d`, by y = C ((A x) ∘ (G w)) + b.
 
     A, G and C are the constant matrices of `numpy_cae.fast.blocks`, where they are derived. For
     every block j of L frames, in the order of the code:
@@ -30,8 +30,8 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
         dŵ[s]    = Σ_j u[s, j]ᵀ · dv[s, j]      dw[k] = Σ_s G[s, k] · dŵ[s]
         du[s, j] = dv[s, j] · ŵ[s]ᵀ             dx[j L + n] += Σ_s A[s, n] · du[s, j]
 
-    where the last adds up what overlapping blocks give to a frame that they share. With time as
-    the leading axis, each of these lines is a plain matrix product.
+    where the last line adds up the contributions of overlapping blocks to a frame that they share.
+    With time as the leading axis, each of these lines is a plain matrix product.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
 
     batch, frames, _ = x.shape
     dtype = np.result_type(x, w, b)
-    length, count = block_length(frames, LONGEST_BLOCK)
+    length, count = block_length(frames, MAX_BLOCK_FRAMES)
     matrices = blocks(taps, length, dtype.name)
     products = matrices.products
 
@@ -111,10 +111,10 @@ def _batch_first(rows: np.ndarray, batch: int, frames: int) -> np.ndarray:
 
 
 def _analyse(matrix: np.ndarray, frames: np.ndarray) -> np.ndarray:
-    """(S, n) by (count, n, width): every block transformed, (S, count, width)."""
+    """(S, n) by (count, n, width): the transform of every block, (S, count, width)."""
     return np.matmul(matrix, frames).transpose(1, 0, 2).copy()
 
 
 def _synthesise(matrix: np.ndarray, products: np.ndarray) -> np.ndarray:
-    """(n, S) by (S, count, width): every block brought back, (count, n, width)."""
+    """(n, S) by (S, count, width): the inverse for every block, (count, n, width)."""
     return np.matmul(matrix, products.transpose(1, 0, 2))

@@ -1,26 +1,25 @@
 """Many small matrix products, in pieces that BLAS multiplies at full speed.
 
-A large product is copied into a layout of BLAS's own before it is multiplied ("packing"). That is
-nothing beside n³ multiplications, and half of all work where one side has 30 rows. OpenBLAS
-leaves the copy out for products of up to a million multiplications: its kernels for
-small matrices then run at the peak, where the same product in one piece reaches half of it
-(measured at 30 rows by 128 by 256). So we cut. The values are the same sums; other BLAS libraries
-lose nothing.
+BLAS copies the factors of a large product into a layout of its own ("packing"). That is negligible
+beside n³ multiplications, and half of the work where one side has 30 rows. OpenBLAS omits the copy
+for products of up to a million multiplications: its kernels for small matrices then run at the
+peak, where the same product in one piece reaches half of it (measured at 30 rows by 128 by 256).
+So the products are cut. The values are the same sums; other BLAS libraries lose nothing.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-SMALL = 1_000_000
+MAX_UNPACKED = 1_000_000
 """Multiplications of a product that is not packed (OpenBLAS, `sgemm_small_matrix_permit`)."""
 
-SMALL_TRANSPOSED = 1200
-"""Elements of a result that is not packed, where the second factor is a transposed view."""
+MAX_UNPACKED_TRANSPOSED = 1200
+"""Elements of the result of a product that is not packed, its second factor transposed."""
 
 
 def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
-    """out[s] = a[s] · b[s], the rows of each a[s] some at a time.
+    """out[s] = a[s] · b[s], in groups of rows of each a[s].
 
     Parameters
     ----------
@@ -29,14 +28,14 @@ def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     out : (S, R, N) array
     """
     inner, columns = b.shape[1:]
-    rows = SMALL // max(inner * columns, 1)
+    rows = MAX_UNPACKED // max(inner * columns, 1)
     if b.strides[-1] != b.itemsize:
-        rows = min(rows, SMALL_TRANSPOSED // max(columns, 1))
+        rows = min(rows, MAX_UNPACKED_TRANSPOSED // max(columns, 1))
     _in_groups(a, b, out, max(rows, 1))
 
 
 def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
-    """out[j] = a · b[j] for one constant matrix a, the columns of each b[j] some at a time.
+    """out[j] = a · b[j] for one constant matrix a, in groups of columns of each b[j].
 
     Parameters
     ----------
@@ -45,7 +44,7 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     out : (J, M, W) array
     """
     width = b.shape[-1]
-    at_once = max(SMALL // max(a.size, 1) // 16 * 16, 16)
+    at_once = max(MAX_UNPACKED // max(a.size, 1) // 16 * 16, 16)
     whole = width // at_once * at_once
     if whole:
         pieces = _by_columns(out[..., :whole], at_once)
@@ -55,7 +54,7 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
 
 
 def _in_groups(a: np.ndarray, b: np.ndarray, out: np.ndarray, rows: int) -> None:
-    """Groups of `rows` rows, for each s one after the other while b[s] is in the cache."""
+    """Groups of `rows` rows; for each s they follow one another, while b[s] is in the cache."""
     products, total, _ = a.shape
     whole = total // rows * rows
     if whole:

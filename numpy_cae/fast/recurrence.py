@@ -1,19 +1,19 @@
-"""The steps of a GRU over a clip, in place: `ops.gru_step` without a temporary.
+"""The steps of a GRU over a clip, in place: `ops.gru_step` without temporary arrays.
 
-Forwards, a step leaves behind what the way back multiplies by and nothing else. With
+A step keeps the factors that its pullback multiplies by and nothing else. With
 a = W · x + b, s = U · h + c, d = h - n, and dh the gradient for the state after the step:
 
     kept:    p_n = (1 - z) ∘ (1 - n²),   p_z = d ∘ z ∘ (1 - z),   p_r = s_n ∘ r ∘ (1 - r),   r,   z
 
-    da_n, da_z = (p_n, p_z) ∘ dh            one call: both stand side by side
-    da_r, ds_n = (p_r, r) ∘ da_n            and these
+    da_n, da_z = (p_n, p_z) ∘ dh            one call, since they are adjacent in memory
+    da_r, ds_n = (p_r, r) ∘ da_n            likewise
     dh ← z ∘ dh + Uᵀ · (ds_z, ds_r, ds_n)
 
-The gradients of a step lie in the order da_n, da_z, da_r, ds_n. Since ds_z = da_z and ds_r = da_r,
-its first three are da and its last three ds, each ready for a product. So a comes in the order
-new, update, reset and s in the order update, reset, new: see `matrices`.
+The gradients of a step are stored in the order da_n, da_z, da_r, ds_n. Since ds_z = da_z and
+ds_r = da_r, the first three are da and the last three ds, each one factor of a matrix product. So a
+has the order new, update, reset and s the order update, reset, new: see `gru_matrices`.
 
-σ(v) = (1 + tanh(v / 2)) / 2, and the halves are already in the rows of W, U, b and c.
+σ(v) = (1 + tanh(v / 2)) / 2; the factor 1/2 of v is already in the rows of W, U, b and c.
 """
 
 from __future__ import annotations
@@ -28,23 +28,21 @@ class Recurrence:
     ----------
     hidden, batch, frames : int
     dtype : float32 or float64
-    kept : bool
-        Whether the way back will be wanted.
+    training : bool
+        Whether gradients will be computed.
 
     Attributes
     ----------
     states : (T + 1, H + 1, B) array
-        h_0 to h_T, each over a row of ones, so that U · h + c is one product.
-    z : list of (H, B) arrays
-        What is kept of the state, a step each.
+        h_0 to h_T, each with a row of ones below, so that U · h + c is one product.
     """
 
-    def __init__(self, hidden: int, batch: int, frames: int, dtype: np.dtype, kept: bool):
-        self.hidden, self.frames, self.kept = hidden, frames, kept
+    def __init__(self, hidden: int, batch: int, frames: int, dtype: np.dtype, training: bool):
+        self.hidden, self.frames, self.training = hidden, frames, training
         self.states = np.zeros((frames + 1, hidden + 1, batch), dtype)
         self.states[:, hidden] = 1
-        factors = np.empty((frames if kept else 1, 5, hidden, batch), dtype)
-        self._factors = [factors[k if kept else 0] for k in range(frames)]
+        factors = np.empty((frames if training else 1, 5, hidden, batch), dtype)
+        self._factors = [factors[k if training else 0] for k in range(frames)]
         self._h = [state[:hidden] for state in self.states]
         self._half, self._one = np.array(0.5, dtype), np.array(1, dtype)
         self._n, self._d = np.empty((2, hidden, batch), dtype)
@@ -54,7 +52,9 @@ class Recurrence:
         ]
         self._pairs = [(each[:2], each[2:4], each[4]) for each in self._factors]
 
-    def step(self, k: int, a: tuple[np.ndarray, np.ndarray], s: tuple[np.ndarray, np.ndarray]):
+    def step(
+        self, k: int, a: tuple[np.ndarray, np.ndarray], s: tuple[np.ndarray, np.ndarray]
+    ) -> None:
         """h_(k+1) from h_k; `a` and `s` are ((2, H, B) for update and reset, (H, B) for new)."""
         (a_zr, a_n), (s_zr, s_n) = a, s
         zr, r, z, p_n, p_z, p_r = self._views[k]
@@ -69,7 +69,7 @@ class Recurrence:
         np.subtract(h, n, d)
         np.multiply(z, d, h_next)
         np.add(h_next, n, h_next)  # n + z ∘ (h - n) = (1 - z) ∘ n + z ∘ h
-        if self.kept:
+        if self.training:
             slope = self._slope
             np.multiply(zr, zr, slope)
             np.subtract(zr, slope, slope)
@@ -80,8 +80,8 @@ class Recurrence:
             np.multiply(z, n, d)
             np.subtract(n, d, p_n)
 
-    def step_back(self, k: int, dh: np.ndarray, gradients: np.ndarray) -> None:
-        """The four parts of `gradients`, (4, H, B), from dh_(k+1); leaves z ∘ dh_(k+1) in dh."""
+    def step_pullback(self, k: int, dh: np.ndarray, gradients: np.ndarray) -> None:
+        """Compute the parts of `gradients`, (4, H, B), from dh_(k+1); dh becomes z ∘ dh_(k+1)."""
         of_state, of_new, z = self._pairs[k]
         np.multiply(of_state, dh, gradients[:2])
         np.multiply(of_new, gradients[0], gradients[2:])

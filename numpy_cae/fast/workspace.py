@@ -1,7 +1,7 @@
-"""Everything that a step needs, allocated once: each member's layers and what they share.
+"""Everything that a step needs, allocated once: the layers of each thread, and what they share.
 
-The members of a team share out the windows of a batch. They have ŵ in common, each transforming
-some of its rows, and add up at the end what each has found of its gradient.
+The threads divide the windows of a batch. They have ŵ in common, of which each transforms some
+rows, and at the end they add up their gradients for W.
 """
 
 from __future__ import annotations
@@ -10,64 +10,74 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from numpy_cae.fast.layer import FastLayer
+from numpy_cae.fast.fast_layer import FastLayer
 from numpy_cae.fast.products import multiply_columns
-from numpy_cae.fast.team import Team, share
+from numpy_cae.fast.thread_team import ThreadTeam, share
 from numpy_cae.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
 from numpy_cae.models.conv_layer import ConvLayer
 
 
-class Member:
-    """What one thread works with.
+class Worker:
+    """The buffers of one thread.
 
     Attributes
     ----------
     number : int
         The first is 0.
     windows : slice
-        Its share of the batch.
+        Its part of the batch.
     layers : list of FastLayer, lowest first
+    top, d_top : (t, B·D) arrays
+        Hidden units, and the gradient for them.
     dw : list of (K, C·D) arrays
-        What this member contributes to the gradient of W.
+        Its part of the gradient for W.
     db : list of (D,) arrays
     """
 
     def __init__(
-        self, number: int, windows: slice, convolutions: list[TiedConvolution], layers, halved
+        self,
+        number: int,
+        windows: slice,
+        convolutions: list[TiedConvolution],
+        layers: Sequence[ConvLayer],
+        unpooled_evenly: tuple[bool, ...],
     ):
         self.number, self.windows = number, windows
         batch = windows.stop - windows.start
-        top, dtype = layers[-1], convolutions[-1].w_hat.dtype
-        frames = len(convolutions[-1].x) // 2
-        places = [above.x for above in convolutions[1:]]
-        places.append(buffer(frames, batch * top.b.size, dtype))
+        dtype = convolutions[-1].w_hat.dtype
+        top_shape = len(convolutions[-1].x) // 2, batch * layers[-1].b.size
+        self.top, self.d_top = (buffer(*top_shape, dtype) for _ in range(2))
+        outputs = [above.x for above in convolutions[1:]] + [self.top]
         self.layers = [
-            FastLayer(convolution, layer.bound, place, even)
-            for convolution, layer, place, even in zip(
-                convolutions, layers, places, halved, strict=True
+            FastLayer(convolution, layer.bound, output, evenly)
+            for convolution, layer, output, evenly in zip(
+                convolutions, layers, outputs, unpooled_evenly, strict=True
             )
         ]
-        self.top = places[-1]
-        self.d_top = buffer(frames, batch * top.b.size, dtype)
         self.dw = [np.empty((len(layer.w), layer.w[0].size), dtype) for layer in layers]
         self.db = [np.empty(layer.b.size, dtype) for layer in layers]
         self.loss = 0.0
 
 
 class Workspace:
-    """The members of a team and their buffers, for one size of batch and window.
+    """The workers of a team, for one size of batch and window.
 
     Parameters
     ----------
     layers : sequence of ConvLayer
-        Of which only the shapes and the bounds are taken.
+        Only their shapes and bounds are used.
     batch, frames : int
     dtype : dtype
-    halved : tuple of bool
-        For each layer, whether unpooling is even.
-    team : Team
+    unpooled_evenly : tuple of bool, one for each layer
+    team : ThreadTeam
     training : bool
-        Whether gradients will be asked for; the blocks are as long as suits that.
+        Whether gradients for the weights will be computed: the blocks are as long as suits that,
+        and ŵ is transformed in every run, since every step changes the weights.
+
+    Attributes
+    ----------
+    content : object
+        A new one for each run, so that a caller can tell whether the buffers are still its own.
     """
 
     def __init__(
@@ -76,111 +86,132 @@ class Workspace:
         batch: int,
         frames: int,
         dtype: np.dtype,
-        halved: tuple[bool, ...],
-        team: Team,
+        unpooled_evenly: tuple[bool, ...],
+        team: ThreadTeam,
         training: bool,
     ):
-        self.team = team
-        self._transformed: list[np.ndarray] = []
-        self._up_to_date = False
-        windows = [share(batch, member, team.size) for member in range(team.size)]
+        self.team, self.training, self.content = team, training, object()
+        self._transformed: list[FilterCopy] = []
+        windows = [share(batch, number, team.size) for number in range(team.size)]
+        # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
+        together = batch if training else -(-batch // team.size)
         convolutions = [
-            _convolutions(
-                layers, each.stop - each.start, batch, team.size, frames, dtype, halved, training
-            )
+            [
+                _convolution(layer, each, together, frames >> k, dtype, evenly, training)
+                for k, (layer, evenly) in enumerate(zip(layers, unpooled_evenly, strict=True))
+            ]
             for each in windows
         ]
-        for peers in zip(*convolutions, strict=True):
-            for convolution in peers:
-                convolution.share_spectrum(peers)
-        self.members = [
-            Member(number, each, own, layers, halved)
+        for of_one_layer in zip(*convolutions, strict=True):
+            for convolution in of_one_layer[1:]:
+                convolution.share_spectra(of_one_layer[0])
+        self.workers = [
+            Worker(number, each, own, layers, unpooled_evenly)
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
 
     def run(
-        self, layers: Sequence[ConvLayer], work: Callable[[Member], None], again: bool = False
+        self,
+        layers: Sequence[ConvLayer],
+        work: Callable[[Worker], None],
+        same_weights: bool = False,
     ) -> None:
-        """work(member) for every member, with the ŵ of these layers in place.
+        """Call work(worker) for every worker, when ŵ is that of these layers.
 
-        `again` says that W is what it was at the last run.
+        Parameters
+        ----------
+        layers : sequence of ConvLayer
+        work : function of a Worker
+        same_weights : bool
+            The caller knows that W has not changed since the last run. Otherwise W is compared
+            with a copy, value by value: that takes a tenth of the time of transforming it.
         """
-        self._up_to_date = self._knows(layers, again)
-        if not self._up_to_date:
+        self.content = object()
+        unchanged = same_weights or self._has_spectra_of(layers)
+        copies = self._transformed
+        if not unchanged:
             self._transformed = []
+            copies = [] if self.training else [FilterCopy(layer.w) for layer in layers]
 
-        def with_filters(number: int) -> None:
-            self._transform_filters(layers, number)
-            work(self.members[number])
+        def with_spectra(number: int) -> None:
+            if not unchanged:
+                self._transform_filters(layers, number)
+            work(self.workers[number])
 
-        self.team.run(with_filters)
-        self._transformed = [layer.w for layer in layers]
+        self.team.run(with_spectra)
+        self._transformed = copies
 
-    def _transform_filters(self, layers: Sequence[ConvLayer], member: int) -> None:
-        """ŵ = G w of every layer, unless it is known and w cannot have changed since."""
-        if self._up_to_date:
-            return
-        for k, layer in enumerate(layers):
-            convolution = self.members[member].layers[k].convolution
-            convolution.transform_filters(layer.w, self._filter_rows(convolution, member))
-        self.team.wait(member)
-
-    def _knows(self, layers: Sequence[ConvLayer], again: bool) -> bool:
-        """Whether ŵ is that of these very arrays, and they cannot have changed since."""
+    def _has_spectra_of(self, layers: Sequence[ConvLayer]) -> bool:
+        """Whether ŵ is the transform of the filters as they are now."""
         return len(self._transformed) == len(layers) and all(
-            layer.w is known and (again or not known.flags.writeable)
-            for layer, known in zip(layers, self._transformed, strict=True)
+            copy.equals(layer.w) for copy, layer in zip(self._transformed, layers, strict=True)
         )
 
-    def filters_gradient(self, own: Member, out: Sequence[np.ndarray]) -> None:
-        """dw = Gᵀ dŵ of every layer into `out`, when all members have gone down and back up."""
-        member = own.number
+    def _transform_filters(self, layers: Sequence[ConvLayer], number: int) -> None:
+        """One worker's rows of ŵ = G w for every layer; then wait for the others."""
+        for k, layer in enumerate(layers):
+            convolution = self.workers[number].layers[k].convolution
+            convolution.transform_filters(layer.w, self._filter_rows(convolution, number))
+        self.team.wait(number)
+
+    def filters_gradient(self, own: Worker, out: Sequence[np.ndarray]) -> None:
+        """dw = Gᵀ dŵ of every layer into `out`, called by all workers after their pullbacks."""
         for layer in own.layers:
             layer.convolution.filters_gradient()
-        self.team.wait(member)
+        self.team.wait(own.number)
         for k, layer in enumerate(own.layers):
             convolution = layer.convolution
-            rows = self._filter_rows(convolution, member)
+            rows = self._filter_rows(convolution, own.number)
             dw_hat = convolution.dw_hat[rows]
-            for peer in self.members:
-                if peer is not own:
-                    dw_hat += peer.layers[k].convolution.dw_hat[rows]
+            for other in self.workers:
+                if other is not own:
+                    dw_hat += other.layers[k].convolution.dw_hat[rows]
             part = own.dw[k] if self.team.size > 1 else out[k].reshape(own.dw[k].shape)
             multiply_columns(convolution.g[rows].T, dw_hat[None], part[None])
         if self.team.size > 1:
-            self.team.wait(member)
-            self._add_up(member, out)
+            self.team.wait(own.number)
+            self._add_up(own.number, out)
 
-    def _add_up(self, member: int, out: Sequence[np.ndarray]) -> None:
-        """What all members contribute to dw; each member adds up some of the taps."""
+    def _add_up(self, number: int, out: Sequence[np.ndarray]) -> None:
+        """The sum of all workers' dw; each worker adds up some of the taps."""
         for k, dw in enumerate(out):
-            taps = share(len(dw), member, self.team.size)
+            taps = share(len(dw), number, self.team.size)
             total = dw.reshape(len(dw), -1)[taps]
-            one, two, *others = (peer.dw[k][taps] for peer in self.members)
+            one, two, *others = (worker.dw[k][taps] for worker in self.workers)
             np.add(one, two, out=total)
             for another in others:
                 total += another
 
-    def _filter_rows(self, convolution: TiedConvolution, member: int) -> slice:
-        """The rows of ŵ and dŵ that a member transforms."""
-        return share(len(convolution.w_hat), member, self.team.size)
+    def _filter_rows(self, convolution: TiedConvolution, number: int) -> slice:
+        """The rows of ŵ and dŵ that a worker transforms."""
+        return share(len(convolution.w_hat), number, self.team.size)
 
 
-def _convolutions(
-    layers: Sequence[ConvLayer],
-    windows: int,
-    batch: int,
-    members: int,
+class FilterCopy:
+    """A copy of an array, to find out whether the array has changed.
+
+    The comparison is `memcmp`, of the bytes: exact, also for NaN, and it stops at the first
+    difference. `np.array_equal` takes a third longer, because it stores the comparisons.
+    """
+
+    def __init__(self, array: np.ndarray):
+        self._dtype, self._bytes = array.dtype, bytearray(np.ascontiguousarray(array).data)
+
+    def equals(self, array: np.ndarray) -> bool:
+        """Whether the array has this dtype and these bytes."""
+        return array.dtype == self._dtype and self._bytes == np.ascontiguousarray(array).data
+
+
+def _convolution(
+    layer: ConvLayer,
+    windows: slice,
+    together: int,
     frames: int,
     dtype: np.dtype,
-    halved: tuple[bool, ...],
+    halved: bool,
     training: bool,
-) -> list[TiedConvolution]:
-    """A member's, for its windows out of a batch; the length of blocks is the same for all."""
-    made = []
-    # Every member reads all of ŵ for its own windows: without training's other work that decides.
-    together = batch if training else -(-batch // members)
-    for k, layer in enumerate(layers):
-        longest = cheapest_length(*layer.w.shape, together, frames >> k, training)
-        made.append(TiedConvolution(layer.w.shape, windows, frames >> k, longest, dtype, halved[k]))
-    return made
+) -> TiedConvolution:
+    """One layer's convolution for one thread; `together` windows determine the block length."""
+    longest = cheapest_length(*layer.w.shape, together, frames, training)
+    batch = windows.stop - windows.start
+    return TiedConvolution(layer.w.shape, batch, frames, longest, dtype, halved)

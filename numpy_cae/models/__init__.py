@@ -2,6 +2,6 @@
 
 from numpy_cae.models.conv_autoencoder import ConvAutoencoder
 from numpy_cae.models.conv_layer import ConvLayer
-from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder
+from numpy_cae.models.sequential_autoencoder import Losses, SequentialAutoencoder
 
-__all__ = ["ConvAutoencoder", "ConvLayer", "SequentialAutoencoder"]
+__all__ = ["ConvAutoencoder", "ConvLayer", "Losses", "SequentialAutoencoder"]

@@ -1,20 +1,23 @@
-"""The convolutional autoencoder of holden2015: three tied layers between motion and manifold.
+"""The convolutional autoencoder of holden2015: tied layers between motion and its manifold.
 
-What it computes is written down in `models.composed`, out of `numpy_cae.ops`. How it computes it
-is `models.fast`: the same numbers, up to rounding, in a third of the time and less.
+Encoding applies the layers' operations in order, decoding those of the layers in reverse order;
+a gradient applies the pullbacks of all of these in the opposite order. `numpy_cae.fast` computes
+the same numbers in less time (`accelerate(model)`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.fast.network import FastNetwork
-from numpy_cae.models.composed import Gradients, Objective
+from numpy_cae import ops
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
+
+Gradients = list[tuple[np.ndarray, np.ndarray]]
+"""(dw, db) of each layer, lowest first."""
 
 
 class ConvAutoencoder:
@@ -25,19 +28,18 @@ class ConvAutoencoder:
     features : int
         Degrees of freedom of a frame, 63 in the paper.
     filters : sequence of int
-        Filters of each layer, lowest first.
+        Number of filters of each layer, lowest first.
     taps : int
-        Frames that a filter sees, odd.
+        Frames that a filter covers, odd.
     bound : float
-        Where the decoder's arctanh clips: see "Where equation 2 breaks" in
-        lessons/papers_to_code.md.
+        Where the decoder's arctanh clips: see "Where equation 2 breaks" in docs/lab_book.md.
     rng : numpy.random.Generator, optional
-        For the first weights; seeded with 0 where none is given.
+        For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
 
     Attributes
     ----------
-    layers : list of ConvLayer
+    layers : list of ConvLayer, lowest first
     """
 
     def __init__(
@@ -55,7 +57,22 @@ class ConvAutoencoder:
             ConvLayer.initial(taps, below, above, bound, rng, dtype)
             for below, above in pairwise(channels)
         ]
-        self._fast = FastNetwork()
+
+    @classmethod
+    def from_layers(cls, layers: Sequence[ConvLayer]) -> ConvAutoencoder:
+        """The network of given layers, lowest first; the layers are not copied."""
+        model = cls.__new__(cls)
+        model.layers = list(layers)
+        return model
+
+    @property
+    def parameters(self) -> dict[str, np.ndarray]:
+        """The learned arrays themselves, by name: w1, b1 (the lowest layer), w2, b2, …"""
+        return {
+            f"{name}{number}": array
+            for number, layer in enumerate(self.layers, start=1)
+            for name, array in layer.parameters.items()
+        }
 
     @property
     def frames_per_unit(self) -> int:
@@ -63,48 +80,74 @@ class ConvAutoencoder:
         return 2 ** len(self.layers)
 
     def encode(self, x: np.ndarray) -> np.ndarray:
-        """Y = Φ(X): windows (B, T, features) to hidden units (B, T/8, 256) within [-1, 1].
+        """Y = Φ(X) = Φ_n(… Φ_1(X)).
+
+        Parameters
+        ----------
+        x : (B, T, features) array of float
+            T is a multiple of `frames_per_unit`.
+
+        Returns
+        -------
+        y : (B, T/8, 256) array, within [-1, 1]
+            Hidden units.
 
         Raises
         ------
         ValueError
-            If the features do not fit or T is not a multiple of `frames_per_unit`.
+            If the shape does not fit.
         """
-        _require_windows("x", x, self.layers)
-        return self._fast.encode(self.layers, x)
+        require_windows("x", x, self.layers)
+        for layer in self.layers:
+            x, _ = layer.encode_with_pullback(x)
+        return x
 
     def decode(self, y: np.ndarray) -> np.ndarray:
-        """X̂ = Φ†(Y), unpooling evenly: hidden units (B, T/8, 256) to windows (B, T, features).
-
-        Raises
-        ------
-        ValueError
-            If the hidden units do not fit.
-        """
-        require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
-        return self._fast.decode(self.layers, y)
-
-    def project(self, x: np.ndarray) -> np.ndarray:
-        """Φ†(Φ(X)): the motion on the manifold that stands for x, (B, T, features) to the same."""
-        return self.decode(self.encode(x))
-
-    def latent_gradient(self, y: np.ndarray, objective: Objective) -> tuple[float, np.ndarray]:
-        """L(Φ†(Y)) and dL/dY: how to move along the manifold so that the motion suits a wish.
+        """X̂ = Φ†(Y) = Φ_1†(… Φ_n†(Y)), unpooling evenly.
 
         Parameters
         ----------
         y : (B, T/8, 256) array of float
-            Hidden units; beyond the bound of arctanh nothing changes, and dL/dY is 0.
-        objective : function, X̂ (B, T, features) -> (L, dL/dX̂)
-            A loss of the decoded windows and its gradient; X̂ is not to be kept.
 
         Returns
         -------
-        loss : float
-        dy : array of the shape of y
+        x_hat : (B, T, features) array
+
+        Raises
+        ------
+        ValueError
+            If the shape does not fit.
+        """
+        x_hat, _ = self.decode_with_pullback(y)
+        return x_hat
+
+    def project(self, x: np.ndarray) -> np.ndarray:
+        """Φ†(Φ(X)): the motion on the manifold that represents x, (B, T, features) to the same."""
+        return self.decode(self.encode(x))
+
+    def decode_with_pullback(
+        self, y: np.ndarray
+    ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+        """X̂ = Φ†(Y) as `decode`, and the pullback that takes dX̂ to dY.
+
+        It is for minimising a loss of the motion over the hidden units: the weights get no
+        gradient. Where |Y| exceeds the bound of arctanh, X̂ does not depend on Y and dY is 0.
+
+        Returns
+        -------
+        x_hat : (B, T, features) array
+        pullback : dx_hat -> dy
         """
         require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
-        return self._fast.latent_gradient(self.layers, y, objective)
+        x_hat, pullbacks = _decode_layers(self.layers, y, [None] * len(self.layers))
+
+        def pullback(dx_hat: np.ndarray) -> np.ndarray:
+            d = dx_hat
+            for layer_pullback in reversed(pullbacks):
+                d, _, _ = layer_pullback(d)
+            return d
+
+        return x_hat, pullback
 
     def loss_and_gradients(
         self,
@@ -118,57 +161,115 @@ class ConvAutoencoder:
 
             Loss = mean((X - Φ†(Φ(X_c)))²) + α · mean(|Φ(X_c)|)
 
-        W and b stand in both directions of a layer, so each gradient is a sum of two.
+        W and b are used twice, in the encoder and in the decoder, so the gradient for each is the
+        sum of two shares: dL/dW = (dL/dW through Φ) + (dL/dW through Φ†). `loss_and_shares`
+        computes them.
 
         Parameters
         ----------
         x : (B, T, C) array of float
-            What is to be reproduced: windows of motion, or of the layer's input.
+            The windows to reproduce: motion, or the input of `layer`.
         corrupted : (B, T, C) array of float
             X_c.
         alpha : float
             Weight of the sparsity term.
         first : one (B, T_k, D_k) array of bool for each layer used, lowest first, optional
-            Masks for unpooling at random; evenly where None.
+            Masks for unpooling at random, drawn by the caller; a layer whose mask is None, or
+            every layer where `first` is None, unpools evenly.
         layer : int, optional
-            The one layer to use, 0 the lowest; all of them where None.
+            Use this layer alone, its own input being `x`; the whole stack where None.
 
         Returns
         -------
         loss : float
         gradients : list of (dw, db), one for each layer used, lowest first
 
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or there is no window.
+
         References
         ----------
         holden2015, section 6, equation 3.
         """
         layers = self.layers if layer is None else [self.layers[layer]]
-        _require_windows("x", x, layers)
-        require_shape("corrupted", corrupted, x.shape)
-        if x.size == 0:
-            raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
-        if first is not None:
-            _require_masks(first, x, layers)
-        return self._fast.loss_and_gradients(layers, x, corrupted, alpha, first)
-
-    def freeze(self) -> ConvAutoencoder:
-        """Make the weights read-only, so that the filters' spectra are computed once; returns self.
-
-        `encode`, `decode` and `project` of a single window then take about half the time. Training
-        makes the weights writeable again.
-        """
-        for layer in self.layers:
-            layer.w.flags.writeable = layer.b.flags.writeable = False
-        return self
-
-    def thaw(self) -> ConvAutoencoder:
-        """Give every layer weights of its own that can be changed; returns self."""
-        for layer in self.layers:
-            layer.w, layer.b = layer.w.copy(), layer.b.copy()
-        return self
+        require_loss_arguments(layers, x, corrupted, first)
+        loss, encoder_shares, decoder_shares = loss_and_shares(layers, x, corrupted, alpha, first)
+        gradients = [
+            (dw_encoder + dw_decoder, db_encoder + db_decoder)
+            for (dw_encoder, db_encoder), (dw_decoder, db_decoder) in zip(
+                encoder_shares, decoder_shares, strict=True
+            )
+        ]
+        return loss, gradients
 
 
-def _require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+def loss_and_shares(
+    layers: Sequence[ConvLayer],
+    x: np.ndarray,
+    corrupted: np.ndarray,
+    alpha: float,
+    first: Sequence[np.ndarray | None] | None,
+) -> tuple[float, Gradients, Gradients]:
+    """Equation 3, and the encoder's and the decoder's share of each layer's gradient.
+
+    With Y = Φ(X_c) and X̂ = Φ†(Y), the loss is a sum of two terms,
+
+        Loss = mean((X̂ - X)²) + α · mean(|Y|)
+
+    and Y acts on both: on the first through X̂, on the second directly. From the end to the start,
+
+        dX̂ = 2 (X̂ - X) / N                         pullback of the mean squared error
+        dY, decoder's shares   from dX̂              pullbacks of Φ_1†, Φ_2†, …, Φ_n†
+        dY += α · sign(Y) / N_Y                     pullback of the sparsity term
+        encoder's shares       from dY              pullbacks of Φ_n, …, Φ_2, Φ_1
+
+    X_c is data, so the gradient that Φ_1 returns for it is not used.
+
+    Returns
+    -------
+    loss : float
+    encoder_shares, decoder_shares : lists of (dw, db), lowest layer first
+    """
+    masks = [None] * len(layers) if first is None else list(first)
+
+    y = corrupted
+    encode_pullbacks = []
+    for layer in layers:
+        y, encode_pullback = layer.encode_with_pullback(y)
+        encode_pullbacks.append(encode_pullback)
+    x_hat, decode_pullbacks = _decode_layers(layers, y, masks)
+    error, error_pullback = ops.mean_squared_error(x_hat, x)
+    sparsity, sparsity_pullback = ops.mean_absolute(y)
+    loss = error + alpha * sparsity
+
+    decoder_shares = []  # the lowest layer decodes last, so its pullback is the first
+    d = error_pullback()
+    for decode_pullback in reversed(decode_pullbacks):
+        d, dw, db = decode_pullback(d)
+        decoder_shares.append((dw, db))
+    encoder_shares = []
+    d = d + sparsity_pullback(alpha)
+    for encode_pullback in reversed(encode_pullbacks):
+        d, dw, db = encode_pullback(d)
+        encoder_shares.append((dw, db))
+    return float(loss), encoder_shares[::-1], decoder_shares
+
+
+def _decode_layers(
+    layers: Sequence[ConvLayer], y: np.ndarray, masks: Sequence[np.ndarray | None]
+) -> tuple[np.ndarray, list[Callable]]:
+    """Φ†(Y) and the pullbacks of the layers in the order of decoding, the top layer first."""
+    pullbacks = []
+    for layer, mask in zip(reversed(layers), reversed(masks), strict=True):
+        y, pullback = layer.decode_with_pullback(y, mask)
+        pullbacks.append(pullback)
+    return y, pullbacks
+
+
+def require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+    """Raise ValueError unless the layers can encode x."""
     require_shape(name, x, ("batch", "frames", layers[0].w.shape[1]))
     if x.shape[1] % 2 ** len(layers):
         raise ValueError(
@@ -177,7 +278,19 @@ def _require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> N
         )
 
 
-def _require_masks(first: Sequence[np.ndarray], x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+def require_loss_arguments(
+    layers: Sequence[ConvLayer],
+    x: np.ndarray,
+    corrupted: np.ndarray,
+    first: Sequence[np.ndarray | None] | None,
+) -> None:
+    """Raise ValueError unless the arguments of `loss_and_gradients` fit the layers."""
+    require_windows("x", x, layers)
+    require_shape("corrupted", corrupted, x.shape)
+    if x.size == 0:
+        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
+    if first is None:
+        return
     if len(first) != len(layers):
         raise ValueError(f"first has {len(first)} masks, expected one for each of {len(layers)}")
     batch, frames, _ = x.shape

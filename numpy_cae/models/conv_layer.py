@@ -1,6 +1,6 @@
-"""One layer of holden2015's autoencoder: equation 1 up, equation 2 down, one W and one b for both.
+"""One layer of holden2015's autoencoder: equation 1 encodes, equation 2 decodes, with one W and b.
 
-Each direction is its operations in order; each pullback is theirs in reverse order.
+Each direction is its operations in order; each pullback is their pullbacks in reverse order.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ LayerPullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass
 class ConvLayer:
-    """Filters and biases, tied: the decoder has no others.
+    """Filters and biases that the encoder and the decoder share ("tied" weights).
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class ConvLayer:
     b : (D,) array of float
         b_k.
     bound : float
-        Where `arctanh` clips, below 1.
+        Where the decoder's `arctanh` clips, below 1.
     """
 
     w: np.ndarray
@@ -46,7 +46,7 @@ class ConvLayer:
         """Small random filters by fan-in and fan-out, zero biases (section 5).
 
         W is uniform within ±√(6 / (fan_in + fan_out)): wide enough that signals keep their size
-        going up (K·C inputs to a sum), narrow enough that gradients keep theirs going down (K·D).
+        in the encoder (sums of K·C products), narrow enough that gradients keep theirs (K·D).
         """
         width = np.sqrt(6 / (taps * channels + taps * filters))
         w = rng.uniform(-width, width, size=(taps, channels, filters)).astype(dtype)
@@ -54,10 +54,10 @@ class ConvLayer:
 
     @property
     def parameters(self) -> dict[str, np.ndarray]:
-        """What is learned, by name."""
+        """The learned arrays by name."""
         return {"w": self.w, "b": self.b}
 
-    def encode(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
         """Φ_k(X) = tanh(Ψ(X * W_k + b_k)), equation 1.
 
         Parameters
@@ -69,16 +69,16 @@ class ConvLayer:
         y : (B, T/2, D) array, within [-1, 1]
         pullback : dy -> (dx, dw, db)
         """
-        convolved, convolve_back = ops.conv1d(x, self.w, self.b)
-        pooled, pool_back = ops.max_pool(convolved)
-        y, tanh_back = ops.tanh(pooled)
+        convolved, convolve_pullback = ops.conv1d(x, self.w, self.b)
+        pooled, pool_pullback = ops.max_pool(convolved)
+        y, tanh_pullback = ops.tanh(pooled)
 
         def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            return convolve_back(pool_back(tanh_back(dy)))
+            return convolve_pullback(pool_pullback(tanh_pullback(dy)))
 
         return y, pullback
 
-    def decode(
+    def decode_with_pullback(
         self, y: np.ndarray, first: np.ndarray | None = None
     ) -> tuple[np.ndarray, LayerPullback]:
         """Φ_k†(Y) = (Ψ†(tanh⁻¹(Y)) - b_k) * W̃_k, equation 2.
@@ -94,20 +94,21 @@ class ConvLayer:
         x : (B, 2T, C) array
         pullback : dx -> (dy, dw, db)
         """
-        activated, arctanh_back = ops.arctanh(y, self.bound)
+        activated, arctanh_pullback = ops.arctanh(y, self.bound)
         if first is None:
-            unpooled, unpool_back = ops.unpool_even(activated)
+            unpooled, unpool_pullback = ops.unpool_even(activated)
         else:
-            unpooled, unpool_back = ops.unpool_random(activated, first)
-        w_tilde, transpose_back = ops.transpose_filters(self.w)
-        # Equation 2 adds nothing after its convolution: the bias is inside, subtracted.
-        nothing = np.zeros(self.w.shape[1], dtype=self.w.dtype)
-        x, convolve_back = ops.conv1d(unpooled - self.b, w_tilde, nothing)
+            unpooled, unpool_pullback = ops.unpool_random(activated, first)
+        w_tilde, transpose_pullback = ops.transpose_filters(self.w)
+        # Equation 2 adds nothing after its convolution: the bias is subtracted before it.
+        no_bias = np.zeros(self.w.shape[1], dtype=self.w.dtype)
+        x, convolve_pullback = ops.conv1d(unpooled - self.b, w_tilde, no_bias)
 
         def pullback(dx: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            d_unpooled, dw_tilde, _ = convolve_back(dx)
-            dy = arctanh_back(unpool_back(d_unpooled))
+            d_unpooled, dw_tilde, _ = convolve_pullback(dx)
+            dy = arctanh_pullback(unpool_pullback(d_unpooled))
+            dw = transpose_pullback(dw_tilde)
             db = -d_unpooled.sum(axis=(0, 1))
-            return dy, transpose_back(dw_tilde), db
+            return dy, dw, db
 
         return x, pullback

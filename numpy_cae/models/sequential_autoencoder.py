@@ -1,24 +1,59 @@
 """The sequential autoencoder of jang2018: one GRU reads a clip into z, another writes it from z.
 
-What it computes is written down in `models.composed_sequence`, out of `numpy_cae.ops`. How it
-computes it is `models.fast_sequence`: the same numbers, up to rounding, in a fraction of the time.
+The weights are a dict of arrays by name:
+
+    encoder_w, encoder_u, encoder_b, encoder_c    the GRU that reads a clip
+    latent_w, latent_b                            from its last state to z
+    state_w, state_b                              from z to the decoder's first state
+    decoder_w, decoder_u, decoder_b, decoder_c    the GRU that writes a clip
+    frame_w, frame_b                              from each of its states to a frame
+
+The four arrays of a GRU are arguments of `ops.gru_step`, the two of a map those of `ops.linear`.
+Every value is computed by `numpy_cae.ops`, every gradient by the pullbacks in reverse order.
+`numpy_cae.fast` computes the same numbers in less time (`accelerate(model)`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
-from numpy_cae.fast.sequence_network import FastSequence
-from numpy_cae.models.composed_sequence import Losses
-from numpy_cae.models.sequence_weights import Weights, initial_weights
+from numpy_cae import ops
 from numpy_cae.ops.shapes import require_shape
+
+Weights = dict[str, np.ndarray]
+EncodePullback = Callable[[np.ndarray], Weights]
+DecodePullback = Callable[[np.ndarray], tuple[np.ndarray, Weights]]
 
 FRAMES = 50
 """Frames of a clip in the paper."""
 
+GATES = 3
+"""Reset, update and new, side by side in the columns of a GRU's weights."""
+
+
+class Losses(NamedTuple):
+    """The training loss and its two terms.
+
+    Attributes
+    ----------
+    total : float
+        reconstruction + λ · discrepancy.
+    reconstruction : float
+        Mean squared error over every element, independent of the clip's length and the batch.
+    discrepancy : float
+        The sliced Wasserstein distance between the batch's latent vectors and draws of the prior.
+    """
+
+    total: float
+    reconstruction: float
+    discrepancy: float
+
 
 class SequentialAutoencoder:
-    """Clips of any length to a latent vector z each, and back; z is standard normal.
+    """Clips of any length to a latent vector z each, and back; the prior of z is standard normal.
 
     Parameters
     ----------
@@ -27,15 +62,15 @@ class SequentialAutoencoder:
     hidden : int
         Units of each GRU. The paper does not say; MBR17, whose decoder it takes, has 1024.
     latent : int
-        Numbers of z. The paper does not say.
+        Dimensions of z. The paper does not say.
     rng : numpy.random.Generator, optional
-        For the first weights; seeded with 0 where none is given.
+        For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
 
     Attributes
     ----------
     weights : dict of name to array
-        See `models.sequence_weights`; changed in place by training.
+        Training changes the arrays in place.
     """
 
     def __init__(
@@ -47,20 +82,40 @@ class SequentialAutoencoder:
         dtype: np.dtype | type = np.float32,
     ):
         rng = rng or np.random.default_rng(0)
-        self.features, self.hidden, self.latent = features, hidden, latent
         self.weights: Weights = initial_weights(features, hidden, latent, rng, dtype)
-        self._fast = FastSequence()
+
+    @classmethod
+    def from_weights(cls, weights: Weights) -> SequentialAutoencoder:
+        """The network of given weights; neither the dict nor the arrays are copied."""
+        model = cls.__new__(cls)
+        model.weights = weights
+        return model
+
+    @property
+    def features(self) -> int:
+        """Numbers of a frame."""
+        return self.weights["frame_b"].size
+
+    @property
+    def hidden(self) -> int:
+        """Units of each GRU."""
+        return self.weights["state_b"].size
+
+    @property
+    def latent(self) -> int:
+        """Dimensions of z."""
+        return self.weights["latent_b"].size
 
     def encode(self, x: np.ndarray) -> np.ndarray:
-        """Clips (B, T, features), normalised, in the order of time, to z (B, latent).
+        """Normalised clips (B, T, features), in the order of time, to z (B, latent).
 
         Raises
         ------
         ValueError
             If the features do not fit or there is no frame.
         """
-        self._require_clips("x", x)
-        return self._fast.encode(self.weights, x)
+        z, _ = self.encode_with_pullback(x)
+        return z
 
     def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
         """z (B, latent) to clips (B, frames, features) in the order of time.
@@ -70,13 +125,11 @@ class SequentialAutoencoder:
         ValueError
             If z does not fit or `frames` is below 1.
         """
-        require_shape("z", z, ("batch", self.latent))
-        if frames < 1:
-            raise ValueError(f"frames is {frames}, expected at least 1")
-        return self._fast.decode(self.weights, z, frames)
+        x_hat, _ = self.decode_with_pullback(z, frames)
+        return x_hat
 
     def denoise(self, x: np.ndarray) -> np.ndarray:
-        """The clip on the manifold that stands for x: (B, T, features) to the same."""
+        """The clip on the manifold that represents x: (B, T, features) to the same."""
         return self.decode(self.encode(x), x.shape[1])
 
     def sample(self, n: int, rng: np.random.Generator, frames: int = FRAMES) -> np.ndarray:
@@ -85,13 +138,13 @@ class SequentialAutoencoder:
         return self.decode(z, frames)
 
     def interpolate(self, x0: np.ndarray, x1: np.ndarray, shares: np.ndarray) -> np.ndarray:
-        """Clips on the way from x0 to x1, by z = (1 - share) · z_0 + share · z_1.
+        """Clips between x0 and x1, decoded from z = (1 - share) · z_0 + share · z_1.
 
         Parameters
         ----------
         x0, x1 : (B, T, features) arrays of float
         shares : (S,) array of float
-            0 is x0 as the network has it, 1 is x1.
+            0 is x0 as the network reconstructs it, 1 is x1.
 
         Returns
         -------
@@ -105,19 +158,128 @@ class SequentialAutoencoder:
         return clips.reshape(*z.shape[:2], *x0.shape[1:])
 
     def analogy(self, xa: np.ndarray, xb: np.ndarray, xc: np.ndarray) -> np.ndarray:
-        """What is to c as a is to b: clips (B, T, features) of z_a - z_b + z_c."""
+        """The clip that relates to c as a relates to b: clips of z_a - z_b + z_c."""
         require_shape("xb", xb, xa.shape)
         require_shape("xc", xc, xa.shape)
         return self.decode(self.encode(xa) - self.encode(xb) + self.encode(xc), xa.shape[1])
+
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, EncodePullback]:
+        """z = h_T · W + b, where h_1, …, h_T are the GRU's states over the clip and h_0 = 0.
+
+        z depends on the clip through the last state alone, so its gradient enters there:
+
+            dh_T = dz · Wᵀ,   dh_t = 0 from the loss for every t < T
+
+        and the pullback of `ops.gru` propagates it back through time. dx and dh_0 are not
+        returned: x is data, and h_0 is no parameter.
+
+        Parameters
+        ----------
+        x : (B, T, features) array of float
+
+        Returns
+        -------
+        z : (B, latent) array
+        pullback : dz -> gradients by name
+        """
+        weights = self.weights
+        require_clips("x", x, weights)
+        h0 = np.zeros((len(x), len(weights["encoder_u"])), weights["encoder_u"].dtype)
+        states, gru_pullback = ops.gru(x, h0, *gru_weights(weights, "encoder"))
+        z, latent_pullback = ops.linear(states[:, -1], weights["latent_w"], weights["latent_b"])
+
+        def pullback(dz: np.ndarray) -> Weights:
+            d_states = np.zeros_like(states)
+            d_states[:, -1], dw, db = latent_pullback(dz)
+            _, _, *gru_gradients = gru_pullback(d_states)
+            return {**_named("encoder", gru_gradients), "latent_w": dw, "latent_b": db}
+
+        return z, pullback
+
+    def decode_with_pullback(
+        self, z: np.ndarray, frames: int = FRAMES
+    ) -> tuple[np.ndarray, DecodePullback]:
+        """From z a clip, by a GRU that is fed its own frames; it writes the last frame first.
+
+            h_0 = z · W_state + b_state,   y_0 = 0
+            h_k = gru_step(y_(k-1), h_(k-1)),   y_k = h_k · W_frame + b_frame      for k = 1, …, T
+            x̂_t = y_(T+1-t)
+
+        y_0 is zero, the mean pose; no frame of a source is ever an input. The last line is the
+        reversal, which happens here and nowhere else: callers see clips in the order of time.
+
+        The frame y_k acts on the loss along two paths: it is compared with the source, and it is
+        the input of step k + 1. The state h_k also acts along two: through its frame y_k, and as
+        the state that step k + 1 starts from. So, from the last step to the first,
+
+            dy_k = dx̂_(T+1-k) + (the dx that step k + 1's pullback returns; 0 after the last)
+            dh_k = dy_k · W_frameᵀ + (the dh that step k + 1's pullback returns; 0 after the last)
+            dx, dh, dW, dU, db, dc    from the pullback of step k at dh_k
+
+        dx of step 1 is for the constant y_0 and is dropped; dh of step 1 is dh_0, and
+
+            dz = dh_0 · W_stateᵀ
+
+        Every step uses the same weights: their gradients are sums over the steps.
+
+        Parameters
+        ----------
+        z : (B, latent) array of float
+        frames : int
+            T, at least 1.
+
+        Returns
+        -------
+        x_hat : (B, T, features) array
+        pullback : dx_hat -> (dz, gradients by name)
+        """
+        weights = self.weights
+        require_latent(z, frames, weights)
+        frame_w, frame_b = weights["frame_w"], weights["frame_b"]
+        h, state_pullback = ops.linear(z, weights["state_w"], weights["state_b"])
+        y = np.zeros((len(z), len(frame_b)), h.dtype)
+        written, step_pullbacks, frame_pullbacks = [], [], []
+        for _ in range(frames):
+            h, step_pullback = ops.gru_step(y, h, *gru_weights(weights, "decoder"))
+            y, frame_pullback = ops.linear(h, frame_w, frame_b)
+            written.append(y)
+            step_pullbacks.append(step_pullback)
+            frame_pullbacks.append(frame_pullback)
+        x_hat = np.stack(written[::-1], axis=1)
+
+        def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
+            gru_totals = [np.zeros_like(weight) for weight in gru_weights(weights, "decoder")]
+            frame_totals = [np.zeros_like(frame_w), np.zeros_like(frame_b)]
+            dy_fed, dh = np.zeros_like(y), np.zeros_like(h)
+            d_written = [dx_hat[:, t] for t in reversed(range(frames))]
+            for k in reversed(range(frames)):
+                dh_through_frame, *frame_terms = frame_pullbacks[k](d_written[k] + dy_fed)
+                dy_fed, dh, *gru_terms = step_pullbacks[k](dh + dh_through_frame)
+                _add(frame_totals, frame_terms)
+                _add(gru_totals, gru_terms)
+            dz, d_state_w, d_state_b = state_pullback(dh)
+            return dz, {
+                "state_w": d_state_w,
+                "state_b": d_state_b,
+                **_named("decoder", gru_totals),
+                "frame_w": frame_totals[0],
+                "frame_b": frame_totals[1],
+            }
+
+        return x_hat, pullback
 
     def loss_and_gradients(
         self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
     ) -> tuple[Losses, Weights]:
         """mean((x̂ - x)²) + λ · sliced_wasserstein(z, prior, directions), and its derivatives.
 
+        z acts along two paths, as the input of the decoder and as a point that is compared with
+        the prior, so its gradient is the sum of both.
+
         Parameters
         ----------
         x : (B, T, features) array of float
+            The clips to reproduce.
         prior : (B, latent) array of float
             Draws of the prior.
         directions : (L, latent) array of float, rows of length 1
@@ -140,13 +302,97 @@ class SequentialAutoencoder:
         ----------
         jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer".
         """
-        self._require_clips("x", x)
-        if len(x) == 0:
-            raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
-        require_shape("prior", prior, (len(x), self.latent))
-        return self._fast.loss_and_gradients(self.weights, x, prior, directions, weight)
+        require_loss_arguments(x, prior, self.weights)
+        z, encode_pullback = self.encode_with_pullback(x)
+        x_hat, decode_pullback = self.decode_with_pullback(z, x.shape[1])
+        reconstruction, error_pullback = ops.mean_squared_error(x_hat, x)
+        discrepancy, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
+        total = reconstruction + weight * discrepancy
 
-    def _require_clips(self, name: str, x: np.ndarray) -> None:
-        require_shape(name, x, ("batch", "frames", self.features))
-        if x.shape[1] == 0:
-            raise ValueError(f"{name} has shape {x.shape}: a clip has at least one frame")
+        dz, decoder_gradients = decode_pullback(error_pullback())
+        encoder_gradients = encode_pullback(dz + prior_pullback(weight))
+        losses = Losses(float(total), float(reconstruction), float(discrepancy))
+        return losses, {**encoder_gradients, **decoder_gradients}
+
+
+def weight_shapes(features: int, hidden: int, latent: int) -> dict[str, tuple[int, ...]]:
+    """The shape of every weight by name, in the order in which they are kept."""
+    gates = GATES * hidden
+    gru_shapes = {"w": (features, gates), "u": (hidden, gates), "b": (gates,), "c": (gates,)}
+    return {
+        **{f"encoder_{letter}": shape for letter, shape in gru_shapes.items()},
+        "latent_w": (hidden, latent),
+        "latent_b": (latent,),
+        "state_w": (latent, hidden),
+        "state_b": (hidden,),
+        **{f"decoder_{letter}": shape for letter, shape in gru_shapes.items()},
+        "frame_w": (hidden, features),
+        "frame_b": (features,),
+    }
+
+
+def initial_weights(
+    features: int, hidden: int, latent: int, rng: np.random.Generator, dtype: np.dtype | type
+) -> Weights:
+    """Random matrices by fan-in and fan-out; orthogonal recurrent matrices; zero biases but one.
+
+    As in the first network, W is uniform within ±√(6 / (fan_in + fan_out)). Each gate is a map of
+    its own, so its fan-out is H and not the 3H columns that the three share. Two choices let a
+    gradient survive fifty steps: each gate's recurrent matrix is orthogonal (Saxe et al., 2014),
+    and the update gate's bias is 1, so that h' = (1 - z) ∘ n + z ∘ h mostly keeps h at first.
+    """
+    weights = {}
+    for name, shape in weight_shapes(features, hidden, latent).items():
+        if len(shape) == 1:
+            weights[name] = np.zeros(shape, dtype)
+            if name in ("encoder_b", "decoder_b"):
+                weights[name][hidden : 2 * hidden] = 1
+            continue
+        fan_in, fan_out = shape
+        if name in ("encoder_u", "decoder_u"):
+            gates = [np.linalg.qr(rng.standard_normal((hidden, hidden)))[0] for _ in range(GATES)]
+            weights[name] = np.hstack(gates).astype(dtype)
+            continue
+        if name.startswith(("encoder", "decoder")):
+            fan_out //= GATES
+        width = np.sqrt(6 / (fan_in + fan_out))
+        weights[name] = rng.uniform(-width, width, size=shape).astype(dtype)
+    return weights
+
+
+def gru_weights(weights: Weights, name: str) -> tuple[np.ndarray, ...]:
+    """W, U, b and c of the "encoder" or the "decoder", in the order of `ops.gru_step`."""
+    return tuple(weights[f"{name}_{letter}"] for letter in "wubc")
+
+
+def require_clips(name: str, x: np.ndarray, weights: Weights) -> None:
+    """Raise ValueError unless the encoder can read x."""
+    require_shape(name, x, ("batch", "frames", len(weights["encoder_w"])))
+    if x.shape[1] == 0:
+        raise ValueError(f"{name} has shape {x.shape}: a clip has at least one frame")
+
+
+def require_latent(z: np.ndarray, frames: int, weights: Weights) -> None:
+    """Raise ValueError unless the decoder can write so many frames from z."""
+    require_shape("z", z, ("batch", len(weights["state_w"])))
+    if frames < 1:
+        raise ValueError(f"frames is {frames}, expected at least 1")
+
+
+def require_loss_arguments(x: np.ndarray, prior: np.ndarray, weights: Weights) -> None:
+    """Raise ValueError unless the arguments of `loss_and_gradients` fit the weights."""
+    require_clips("x", x, weights)
+    if len(x) == 0:
+        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
+    require_shape("prior", prior, (len(x), weights["latent_b"].size))
+
+
+def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
+    """dW, dU, db and dc of the "encoder" or the "decoder", by name."""
+    return {f"{gru}_{letter}": each for letter, each in zip("wubc", gradients, strict=True)}
+
+
+def _add(totals: list[np.ndarray], terms: list[np.ndarray]) -> None:
+    """Add each term to its total, in place."""
+    for total, term in zip(totals, terms, strict=True):
+        total += term

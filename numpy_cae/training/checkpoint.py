@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays, text
 from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.errors import FileError, NumpyCaeError
-from numpy_cae.training.loop import Callback, Loop, Position
 
 FORMAT = "numpy_cae checkpoint 2"
 
@@ -23,14 +22,60 @@ class CheckpointError(NumpyCaeError, ValueError):
     """A checkpoint that cannot be continued from, or cannot be written."""
 
 
-class Checkpoint(Callback):
-    """The file of one run: the state after every epoch, and within one every so many seconds.
+@dataclass
+class Position:
+    """How far training is.
+
+    Parameters
+    ----------
+    stage, epoch, step : int
+        How many of each are done: stages, epochs of this stage, steps of this epoch.
+    total : float
+        The sum of the losses of this epoch's examples so far.
+    seconds : float
+        Time spent on this stage.
+    order : array of int
+        The examples in this epoch's order; empty between epochs.
+    """
+
+    stage: int = 0
+    epoch: int = 0
+    step: int = 0
+    total: float = 0.0
+    seconds: float = 0.0
+    order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+
+@dataclass
+class State:
+    """Everything that the rest of the training depends on.
+
+    Parameters
+    ----------
+    arrays : dict of name to array
+        The weights and the state of the optimiser.
+    rng : dict
+        `numpy.random.Generator.bit_generator.state`.
+    position : Position
+    history : dict
+        What has been measured, in types that JSON can hold.
+    """
+
+    arrays: dict[str, np.ndarray]
+    rng: dict
+    position: Position
+    history: dict
+
+
+class Checkpoint:
+    """The file of one run.
 
     Parameters
     ----------
     path : path
         Ends in .npz.
     seconds : float
+        Time between two states that are saved within an epoch; one is saved after every epoch.
     resume : bool
         Whether to continue from what the file holds. If False, an existing file is an error,
         since it may be hours of training.
@@ -39,13 +84,11 @@ class Checkpoint(Callback):
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
         self.path, self.seconds, self.resume = Path(path), seconds, resume
         self.run = ""
-        self.saved: Position | None = None
+        self.saved: str | None = None
         self.last = time.monotonic()
 
-    def attach(self, loop: Loop, run: str) -> None:
-        """Continue the loop from the file, where there is one, and save its states from now on.
-
-        `run` is its `fingerprint`: a file of another run is refused.
+    def begin(self, run: str) -> State | None:
+        """Return the state of this run (`fingerprint`) to continue from; None where there is none.
 
         Raises
         ------
@@ -55,9 +98,7 @@ class Checkpoint(Callback):
         self.run = run
         remove_leftovers(self.path)
         self.require_none_unless_resumed()
-        if self.path.exists():
-            loop.resume(*self._load())
-        loop.callbacks.append(self)
+        return self._load() if self.path.exists() else None
 
     def require_none_unless_resumed(self) -> None:
         """Raise CheckpointError if there is a file and `resume` is False."""
@@ -67,17 +108,11 @@ class Checkpoint(Callback):
                 "remove the file"
             )
 
-    def after_step(self, loop: Loop) -> None:
-        """Save the state if the last one is old, but never one whose weights are not finite."""
-        if loop.at.step < loop.steps and time.monotonic() - self.last >= self.seconds:
-            if all(np.isfinite(array).all() for array in loop.parameters.values()):
-                self.save(loop)
+    def is_due(self) -> bool:
+        """Whether the last state is older than `seconds`."""
+        return time.monotonic() - self.last >= self.seconds
 
-    def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Save the state; `DivergenceCheck` comes before and has checked the weights."""
-        self.save(loop)
-
-    def save(self, loop: Loop) -> None:
+    def save(self, state: State) -> None:
         """Replace the state in the file.
 
         Raises
@@ -85,23 +120,24 @@ class Checkpoint(Callback):
         CheckpointError
             If the disk is full or the folder is read-only; the file is then unchanged.
         """
-        position = dict(vars(loop.at))
-        arrays = {f"array {name}": array for name, array in loop.arrays.items()}
-        arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}
+        position = dict(vars(state.position))
+        order = position.pop("order")
         about = {
             "run": self.run,
-            "rng": loop.rng.bit_generator.state,
+            "rng": state.rng,
             "position": position,
-            "history": vars(loop.history),
+            "history": state.history,
         }
-        arrays["about"] = np.array(json.dumps(about))
+        arrays = {f"array {name}": array for name, array in state.arrays.items()}
+        arrays |= {"format": np.array(FORMAT), "about": np.array(json.dumps(about)), "order": order}
         try:
             save_arrays(arrays, self.path, compressed=False)
         except FileError as error:
             raise CheckpointError(
                 f"{error}; {self.status()}. Correct that and continue with --resume"
             ) from error
-        self.saved, self.last = Position(**position), time.monotonic()
+        self.saved = _describe(state.position)
+        self.last = time.monotonic()
 
     def remove(self) -> None:
         """Remove the file: the training has ended and its model is saved."""
@@ -111,14 +147,11 @@ class Checkpoint(Callback):
         """Where the last good state is, for a message."""
         if self.saved is None:
             return "no state has been saved yet"
-        at = self.saved
-        done = f"stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done"
-        return f"the last good state is in {self.path} ({done})"
+        return f"the last good state is in {self.path} ({self.saved})"
 
-    def _load(self) -> tuple[Position, dict[str, np.ndarray], dict, dict]:
-        """What `Loop.resume` takes."""
+    def _load(self) -> State:
         try:
-            run, *found = load_arrays(self.path, FORMAT, _assemble)
+            run, state = load_arrays(self.path, FORMAT, _assemble)
         except ModelFileError:
             raise CheckpointError(f"{self.path}: is not a checkpoint of this version") from None
         if run != self.run:
@@ -126,8 +159,8 @@ class Checkpoint(Callback):
                 f"{self.path}: is of a run with other motions, settings or seed; give the same "
                 "again or remove the file"
             )
-        self.saved = replace(found[0])
-        return tuple(found)
+        self.saved = _describe(state.position)
+        return state
 
 
 def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
@@ -139,8 +172,16 @@ def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
     return digest.hexdigest()
 
 
-def _assemble(arrays: dict[str, np.ndarray]) -> tuple:
-    about, prefix = text(arrays, "about"), "array "
-    named = {name.removeprefix(prefix): array for name, array in arrays.items() if prefix in name}
+def _assemble(arrays: dict[str, np.ndarray]) -> tuple[str, State]:
+    about = text(arrays, "about")
+    named = {
+        name.removeprefix("array "): array
+        for name, array in arrays.items()
+        if name.startswith("array ")
+    }
     position = Position(**about["position"], order=arrays["order"])
-    return about["run"], position, named, about["rng"], about["history"]
+    return about["run"], State(named, about["rng"], position, about["history"])
+
+
+def _describe(position: Position) -> str:
+    return f"stage {position.stage + 1}, {position.epoch} epochs and {position.step} steps done"

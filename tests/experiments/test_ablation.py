@@ -18,9 +18,9 @@ from numpy_cae.experiments.ablation.choices import (
     doubling,
     parameters_of,
 )
+from numpy_cae.experiments.ablation.evaluation import Evaluation, Measured
 from numpy_cae.experiments.ablation.result import Ablation, Row
-from numpy_cae.experiments.ablation.evaluation import Measured, Evaluation
-from numpy_cae.models import ConvAutoencoder
+from numpy_cae.experiments.ablation.variant import VariantAutoencoder
 from numpy_cae.training import DivergedError
 
 TINY = choices(1, 0, 1)
@@ -48,7 +48,7 @@ def test_equal_means_equal():
             assert each.parameters < 0.5 * paper.parameters
         else:
             assert each.parameters == pytest.approx(paper.parameters, rel=0.01)
-        assert isinstance(each.network(rng), ConvAutoencoder) != (each.name in (UNTIED, AVERAGE))
+        assert isinstance(each.network(rng), VariantAutoencoder) == (each.name in (UNTIED, AVERAGE))
     untied = next(each for each in others if each.name == UNTIED)
     assert untied.parameters == 2 * paper.parameters == 2 * parameters_of(doubling(32, 3))
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from numpy_cae.experiments.geodesics import CURVED, FREE, LATENT, SHORTEST, geodesics
 
 from numpy_cae.experiments.comparison.comparison import comparison
 from numpy_cae.experiments.comparison.distances import EQUATION_4, EUCLIDEAN
-from numpy_cae.experiments.geodesics import CURVED, FREE, LATENT, SHORTEST, geodesics
 from numpy_cae.experiments.material import Material
 
 

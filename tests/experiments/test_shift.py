@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy_cae.experiments.repair.shift import SHIFTS, shift
 
 from numpy_cae.experiments.comparison.distances import EUCLIDEAN
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.repair.shift import SHIFTS, shift
 
 
 @pytest.fixture(scope="module")

@@ -16,9 +16,9 @@ from numpy_cae.experiments.interpolation.interpolation import (
     SHORTEST,
     interpolation,
 )
-from numpy_cae.experiments.repair.lengths import WHOLE, lengths
-from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.interpolation.sampling import FITTED, REAL, UNIFORM, sampling
+from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.repair.lengths import WHOLE, lengths
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of
 from numpy_cae.training import Schedule, Stage

@@ -77,11 +77,11 @@ def test_a_layer_encodes_by_equation_1_and_decodes_by_equation_2():
     rng = np.random.default_rng(3)
     layer = drawn_model(rng, filters=(4,)).layers[0]
     x = rng.normal(size=(2, 8, 3))
-    y, _ = layer.encode(x)
+    y, _ = layer.encode_with_pullback(x)
     convolved = ops.conv1d(x, layer.w, layer.b)[0]
     np.testing.assert_allclose(y, np.tanh(np.maximum(convolved[:, ::2], convolved[:, 1::2])))
 
-    decoded, _ = layer.decode(y)
+    decoded, _ = layer.decode_with_pullback(y)
     activated = np.arctanh(np.clip(y, -layer.bound, layer.bound))
     inside = np.repeat(activated / 2, 2, axis=1) - layer.b
     w_tilde = ops.transpose_filters(layer.w)[0]
@@ -97,11 +97,11 @@ def test_gradients_of_a_layers_input_and_parameters(seed, random_unpooling):
 
     def decode(y, w, b):
         layer.w, layer.b = w, b
-        return layer.decode(y, first)
+        return layer.decode_with_pullback(y, first)
 
     def encode(x, w, b):
         layer.w, layer.b = w, b
-        return layer.encode(x)
+        return layer.encode_with_pullback(x)
 
     w, b = layer.w.copy(), layer.b.copy()
     check_gradients(decode, y, w, b, rng=rng)
@@ -158,14 +158,14 @@ def test_gradients_leave_the_input_alone():
 
 
 @pytest.mark.parametrize(
-    ("shape", "said"),
+    ("shape", "message"),
     [((2, 16, 4), "(2, 16, 4)"), ((2, 12, 3), "even number of frames"), ((16, 3), "(16, 3)")],
 )
-def test_a_window_that_does_not_fit_is_named(shape, said):
+def test_a_window_of_a_wrong_shape_is_an_error(shape, message):
     model = drawn_model(np.random.default_rng(0))
     with pytest.raises(ValueError, match="x has shape") as error:
         model.encode(np.zeros(shape))
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
 def test_one_mask_a_layer():
@@ -183,9 +183,8 @@ def test_gradient_for_the_hidden_units(seed):
     upstream = rng.normal(size=(2, 24, 3))
 
     def decoded(y):
-        value, dy = model.latent_gradient(
-            y, lambda x_hat: (np.sum(upstream * x_hat**2), 2 * upstream * x_hat)
-        )
-        return np.float64(value), lambda d: d * dy
+        x_hat, pullback = model.decode_with_pullback(y)
+        value = np.sum(upstream * x_hat**2)
+        return np.float64(value), lambda d: d * pullback(2 * upstream * x_hat)
 
     check_gradients(decoded, y, names=["y"], rng=rng)

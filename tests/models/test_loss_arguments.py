@@ -28,8 +28,8 @@ def test_each_mask_is_used_by_its_own_layer():
     masks = [RNG.random((2, 4, 4)) < 0.5, RNG.random((2, 2, 5)) < 0.5]
     loss, _ = MODEL.loss_and_gradients(X, CORRUPTED, first=masks)
     lower, upper = MODEL.layers
-    below = upper.decode(MODEL.encode(CORRUPTED), masks[1])[0]
-    x_hat = lower.decode(below, masks[0])[0]
+    below = upper.decode_with_pullback(MODEL.encode(CORRUPTED), masks[1])[0]
+    x_hat = lower.decode_with_pullback(below, masks[0])[0]
     assert loss == pytest.approx(np.mean((x_hat - X) ** 2), rel=1e-12)
     evenly, _ = MODEL.loss_and_gradients(X, CORRUPTED)
     assert abs(loss - evenly) > 1e-3
@@ -38,9 +38,9 @@ def test_each_mask_is_used_by_its_own_layer():
 def test_float32_stays_float32():
     model = ConvAutoencoder(3, (4, 5), taps=3)
     x = X.astype(np.float32)
-    y, encode_back = model.layers[0].encode(x)
+    y, encode_back = model.layers[0].encode_with_pullback(x)
     for first in (None, np.ones(y.shape, dtype=bool)):
-        decoded, decode_back = model.layers[0].decode(y, first)
+        decoded, decode_back = model.layers[0].decode_with_pullback(y, first)
         arrays = [y, decoded, *encode_back(y), *decode_back(decoded)]
         assert {array.dtype for array in arrays} == {np.dtype(np.float32)}
     _, gradients = model.loss_and_gradients(x, x, 0.1)

@@ -1,6 +1,6 @@
-"""Differences of the whole loss do catch what others got wrong: each mistake made on purpose.
+"""Differences of the whole loss catch known mistakes in jang2018's network: each is planted here.
 
-A mistake is one change of text in `models.composed_sequence`, which is then run as it stands.
+A mistake is one change of the source of `models.sequential_autoencoder`, which is then executed.
 """
 
 import inspect
@@ -9,21 +9,21 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from numpy_cae.models import SequentialAutoencoder, composed_sequence
+from numpy_cae.models import sequential_autoencoder
 from numpy_cae.training import unit_directions
 from numpy_cae.verify import check_gradients
 
-SOURCE = inspect.getsource(composed_sequence)
+SOURCE = inspect.getsource(sequential_autoencoder)
 
 MISTAKES = {
-    "the gradient of the frames that were fed back is dropped": (
-        "frame_backs[k](d_emitted[k] + dy_fed)",
-        "frame_backs[k](d_emitted[k])",
+    "the gradient of the fed-back frames is dropped": (
+        "frame_pullbacks[k](d_written[k] + dy_fed)",
+        "frame_pullbacks[k](d_written[k])",
         "decoder_w",
     ),
-    "the state's own path through time is cut": (
-        "step_backs[k](dh + dh_through_frame)",
-        "step_backs[k](dh_through_frame)",
+    "the path from state to state is dropped": (
+        "step_pullbacks[k](dh + dh_through_frame)",
+        "step_pullbacks[k](dh_through_frame)",
         "decoder_u",
     ),
     "the pullback does not reverse": (
@@ -31,23 +31,27 @@ MISTAKES = {
         "for t in range(frames)]",
         "frame_w",
     ),
-    "a weight's gradient is that of one step alone": (
+    "a weight's gradient is that of the first step only": (
         "total += term",
         "total[...] = term",
         "decoder_u",
     ),
-    "the first state's gradient is dropped": ("state_back(dh)", "state_back(0 * dh)", "state_w"),
-    "z is taken for a point of the prior's alone": (
-        "encode_back(dz + prior_back(weight))",
-        "encode_back(prior_back(weight))",
+    "the first state's gradient is dropped": (
+        "state_pullback(dh)",
+        "state_pullback(0 * dh)",
+        "state_w",
+    ),
+    "z has no gradient from the reconstruction": (
+        "encode_pullback(dz + prior_pullback(weight))",
+        "encode_pullback(prior_pullback(weight))",
         "latent_w",
     ),
     "the regulariser has no gradient": (
-        "encode_back(dz + prior_back(weight))",
-        "encode_back(dz)",
+        "encode_pullback(dz + prior_pullback(weight))",
+        "encode_pullback(dz)",
         "latent_w",
     ),
-    "λ is forgotten on the way back": ("prior_back(weight)", "prior_back()", "encoder_u"),
+    "the pullback omits λ": ("prior_pullback(weight)", "prior_pullback()", "encoder_u"),
     "the encoder's gradient enters at the first state": (
         "d_states[:, -1], dw, db",
         "d_states[:, 0], dw, db",
@@ -57,19 +61,19 @@ MISTAKES = {
 
 
 def loss_of(source):
-    """The whole loss of `composed_sequence` with this source, as an operation on every weight."""
+    """The whole loss of the network with this source, as an operation on every weight."""
     module = ModuleType("mutant")
     exec(compile(source, "mutant", "exec"), module.__dict__)
     rng = np.random.default_rng(1)
-    model = SequentialAutoencoder(2, 3, 2, rng, np.float64)
+    model = module.SequentialAutoencoder(2, 3, 2, rng, np.float64)
     start = [rng.normal(scale=0.7, size=weight.shape) for weight in model.weights.values()]
     names = list(model.weights)
     x, prior = rng.normal(size=(3, 4, 2)), rng.normal(size=(3, 2))
     directions = unit_directions(4, 2, rng, np.float64)
 
     def loss(*arrays):
-        weights = dict(zip(names, arrays, strict=True))
-        value, gradients = module.loss_and_gradients(weights, x, prior, directions, 0.5)
+        model.weights.update(zip(names, arrays, strict=True))
+        value, gradients = model.loss_and_gradients(x, prior, directions, 0.5)
         return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
 
     return loss, start, names

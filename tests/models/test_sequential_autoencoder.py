@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae import ops
-from numpy_cae.models import SequentialAutoencoder, composed_sequence
-from numpy_cae.models.sequence_weights import weight_shapes
+from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.models.sequential_autoencoder import weight_shapes
 from numpy_cae.training import unit_directions
 from numpy_cae.verify import check_gradients
 
@@ -28,17 +28,18 @@ def drawn_material(rng, model, batch, frames, directions=5):
     return x, prior, unit_directions(directions, model.latent, rng, dtype)
 
 
-def check_whole_loss(loss_and_gradients, model, rng, x, *rest, only=None):
+def check_whole_loss(model, rng, *material):
     """Differences of the whole loss in every weight."""
     names = list(model.weights)
 
     def loss(*arrays):
-        value, gradients = loss_and_gradients(dict(zip(names, arrays, strict=True)), x, *rest)
+        given = SequentialAutoencoder.from_weights(dict(zip(names, arrays, strict=True)))
+        value, gradients = given.loss_and_gradients(*material)
         assert list(gradients) == names
         return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
 
     start = [model.weights[name].copy() for name in names]
-    check_gradients(loss, *start, names=names, rng=rng, only=only)
+    check_gradients(loss, *start, names=names, rng=rng)
 
 
 @settings(max_examples=6, deadline=None)
@@ -52,18 +53,18 @@ def test_gradients_of_the_whole_loss(seed, batch, frames, weight):
     rng = np.random.default_rng(seed)
     model = drawn_model(rng, features=2, hidden=3)
     material = drawn_material(rng, model, batch, frames)
-    check_whole_loss(composed_sequence.loss_and_gradients, model, rng, *material, weight)
+    check_whole_loss(model, rng, *material, weight)
 
 
 def test_gradients_reach_the_first_states():
-    """z -> h_0 -> … -> clip: the pullback of `decode` for z and for the map to the first state."""
+    """z -> h_0 -> … -> clip: the pullback of decoding for z and for the map to the first state."""
     rng = np.random.default_rng(5)
     model = drawn_model(rng)
     z = rng.normal(size=(2, 2))
 
     def decoded(z, state_w, state_b):
         weights = model.weights | {"state_w": state_w, "state_b": state_b}
-        x_hat, back = composed_sequence.decode(weights, z, 6)
+        x_hat, back = SequentialAutoencoder.from_weights(weights).decode_with_pullback(z, 6)
 
         def pullback(dx_hat):
             dz, gradients = back(dx_hat)
@@ -79,11 +80,11 @@ def test_gradients_go_through_the_fed_back_frames():
     rng = np.random.default_rng(6)
     model = drawn_model(rng)
     z, dx_hat = rng.normal(size=(2, 2)), rng.normal(size=(2, 2, 3))
-    _, back = composed_sequence.decode(model.weights, z, 2)
+    _, back = model.decode_with_pullback(z, 2)
     whole = back(dx_hat)[1]["frame_b"]
     # y_2 is emitted first in time; cut its input off and only the direct paths are left.
     without = model.weights | {"decoder_w": np.zeros_like(model.weights["decoder_w"])}
-    _, back_without = composed_sequence.decode(without, z, 2)
+    _, back_without = SequentialAutoencoder.from_weights(without).decode_with_pullback(z, 2)
     np.testing.assert_allclose(back_without(dx_hat)[1]["frame_b"], dx_hat.sum((0, 1)))
     assert np.abs(whole - dx_hat.sum((0, 1))).max() > 1e-3
 

@@ -79,7 +79,7 @@ def test_a_model_without_a_generator_is_seeded_with_0():
 
 def test_encoding_a_part_at_a_time_is_encoding():
     layer = model().layers[0]
-    whole, _ = layer.encode(WINDOWS)
+    whole, _ = layer.encode_with_pullback(WINDOWS)
     np.testing.assert_array_equal(layerwise._encoded(layer, WINDOWS, at_once=5), whole)
 
 

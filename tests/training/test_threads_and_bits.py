@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.fast.network import FastNetwork, network
 from numpy_cae.training import Schedule, Stage, train_autoencoder
 
 
@@ -12,7 +12,7 @@ def trained_weights(threads, batch):
     """All weights after two epochs of every stage, by so many threads."""
     rng = np.random.default_rng(0)
     model = ConvAutoencoder(9, (16, 24), taps=15, rng=rng)
-    model._fast = FastNetwork(threads)
+    model = accelerate(model, threads)
     windows = (0.25 * rng.normal(size=(20, 40, 9))).astype(np.float32)
     schedule = Schedule(Stage(epochs=2, batch=batch), Stage(2, 0.01, 0.9, 0.0, batch))
     train_autoencoder(model, windows, schedule, rng, show_progress=False)
@@ -22,20 +22,13 @@ def trained_weights(threads, batch):
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("batch", [1, 12])
 def test_two_runs_are_equal_to_the_bit(monkeypatch, threads, batch):
-    monkeypatch.setattr(network, "WORTH_SHARING", 0)
+    monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
     one, two = (trained_weights(threads, batch) for _ in range(2))
     for a, b in zip(one, two, strict=True):
         np.testing.assert_array_equal(a, b)
 
 
 def test_another_number_of_threads_changes_no_more_than_rounding(monkeypatch):
-    monkeypatch.setattr(network, "WORTH_SHARING", 0)
+    monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
     for a, b in zip(trained_weights(1, 12), trained_weights(2, 12), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-4)
-
-
-def test_a_frozen_model_can_be_trained():
-    model = ConvAutoencoder(9, (4,), taps=3).freeze()
-    windows = np.ones((2, 8, 9), np.float32)
-    train_autoencoder(model, windows, Schedule(Stage(1), Stage(1)), show_progress=False)
-    assert model.layers[0].w.flags.writeable

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
-from numpy_cae.course.exercises.lesson_05 import (
-    BOUND,
-    SIZES,
-    decode_by_loops,
-    encode_by_loops,
-    random_weights,
-    uniform,
+from numpy_cae.course.exercises.exercise import (
+    Claim,
+    Exercise,
+    exercise,
+    operation_exercise,
+    same_as,
+    unaltered,
 )
-from numpy_cae.models import ConvLayer, composed
+from numpy_cae.course.exercises.lesson_05 import BOUND, SIZES, drawn_weights, encoded, scattered
+from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training import decayed_rate
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
+from numpy_cae.verify.gradients import check_gradients
 from numpy_cae.verify.property import require_equal
 
 P = 0.3
-ALPHA = 0.4  # large beside the paper's 0.01, so that a missing sparsity term is noticed
+ALPHA = 0.4  # large beside the paper's 0.01, so that a lost sparsity term shows
 
 
 def zero_values(x, p, draws):
@@ -36,58 +36,96 @@ def sgd_step(parameter, gradient, rate, decay, epoch):
 
 def layer_loss(x, corrupted, w, b, first, alpha, bound):
     """Equation 3 of one layer and its derivatives, from the package."""
-    layers = [ConvLayer(w, b, bound)]
-    loss, [(dw, db)] = composed.loss_and_gradients(layers, x, corrupted, alpha, [first])
+    model = ConvAutoencoder.from_layers([ConvLayer(w, b, bound)])
+    loss, [(dw, db)] = model.loss_and_gradients(x, corrupted, alpha, [first])
     return loss, dw, db
 
 
-def _layer_loss_by_loops(x, corrupted, w, b, first, alpha, bound):
-    y = encode_by_loops(corrupted, w, b)
-    x_hat = decode_by_loops(y, w, b, bound, first)
+def _defined_loss(x, corrupted, w, b, first, alpha, bound):
+    y = encoded(corrupted, w, b)
+    unpooled = definitions.unpool_random(definitions.arctanh(y, bound), first)
+    w_tilde = definitions.transpose_filters(w)
+    x_hat = definitions.conv1d(unpooled - b, w_tilde, np.zeros(w.shape[1]))
     return definitions.mean_squared_error(x_hat, x) + alpha * definitions.mean_absolute(y)
 
 
-def _corruption_arguments(case: Case) -> dict[str, object]:
+def _to_zero(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
+    return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(_evenly(shape))}
+
+
+def _evenly(shape: tuple[int, ...]) -> np.ndarray:
     count = int(np.prod(shape))
-    even = (np.arange(count) + 0.5) / count
-    return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
+    return ((np.arange(count) + 0.5) / count).reshape(shape)
 
 
-def _step_arguments(case: Case) -> dict[str, object]:
+def _step(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["taps"], case["channels"])
-    parameter, gradient = spread(rng, shape), spread(rng, shape)
-    numbers = {"rate": 0.5, "decay": 0.9, "epoch": case["epoch"]}
-    return {"parameter": parameter, "gradient": gradient, **numbers}
+    return {
+        "parameter": spread(rng, shape),
+        "gradient": spread(rng, shape),
+        "rate": 0.5,
+        "decay": 0.9,
+        "epoch": case["epoch"],
+    }
 
 
-def _loss_arguments(case: Case) -> dict[str, object]:
+def _layer(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
-    corrupted = x + uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
-    weights = random_weights(case, rng)
+    x = scattered(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
+    corrupted = x + scattered(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    weights = drawn_weights(case, rng)
     first = rng.random((case["batch"], case["frames"], case["filters"])) < 0.5
-    numbers = {"alpha": ALPHA, "bound": BOUND}
-    return {"x": x, "corrupted": corrupted, **weights, "first": first, **numbers}
+    return {
+        "x": x,
+        "corrupted": corrupted,
+        **weights,
+        "first": first,
+        "alpha": ALPHA,
+        "bound": BOUND,
+    }
 
 
-def _kept_values(function, case: Case) -> None:
-    x, p, draws = _corruption_arguments(case).values()
-    found = function(x, p, draws)[draws >= p]
-    require_equal("where the draw is not below p, the value", found, x[draws >= p])
+def _kept(function, case: Case) -> None:
+    x, p, draws = _to_zero(case).values()
+    require_equal(
+        "where the draw is not below p, the value", function(x, p, draws)[draws >= p], x[draws >= p]
+    )
 
 
-LAYER_LOSS = Differentiated(
-    _loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")
-)
+def _loss(layer_loss, case: Case) -> None:
+    arguments = _layer(case)
+    require_equal(
+        "the loss", _three(layer_loss(*arguments.values()))[0], _defined_loss(**arguments)
+    )
+
+
+def _gradient_for(name: str):
+    def check(layer_loss, case: Case) -> None:
+        x, corrupted, w, b, *rest = _layer(case).values()
+
+        def f(w, b):
+            loss, dw, db = _three(layer_loss(x, corrupted, w, b, *rest))
+            return np.float64(loss), lambda d: (d * dw, d * db)
+
+        check_gradients(f, w, b, rng=case.rng(), only=(name,))
+
+    return check
+
+
+def _three(returned):
+    if not (isinstance(returned, tuple | list) and len(returned) == 3):
+        raise AssertionError("it does not return three things: loss, dw, db")
+    return returned
+
 
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
         "mean_squared_error",
-        "the mean is over every element, so each contributes 1/N of its square; the pullback "
-        "takes the upstream number, 1.0 by default",
+        "the mean is over every element, so each has a share of 1/N in the loss; the pullback "
+        "takes the upstream number, 1.0 where none is given",
     ),
     operation_exercise(
         "mean_absolute",
@@ -95,30 +133,30 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         "zero_values",
-        "the comparison draws < p gives a mask; np.where chooses by a mask",
+        "a comparison of draws with p says where; np.where chooses",
         zero_values,
-        _corruption_arguments,
+        _to_zero,
         {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
         (
             Claim(
                 "value",
                 "0 where the draw is below p, x everywhere else",
-                same_as(zero_values, _corruption_arguments),
+                same_as(zero_values, _to_zero),
                 3,
             ),
-            Claim("kept", "values that are not zeroed are exactly those of x", _kept_values),
-            unchanged(_corruption_arguments),
+            Claim("kept", "what is not lost is exactly as it was", _kept),
+            unaltered(_to_zero),
         ),
     ),
     exercise(
         "sgd_step",
-        "epoch 0 uses the given rate; every later epoch multiplies it by the decay once more",
+        "epoch 0 uses the rate as it is given; every epoch after it multiplies once more",
         sgd_step,
-        _step_arguments,
+        _step,
         {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
         (
-            Claim("value", "θ - η_0 · decay^epoch · dL/dθ", same_as(sgd_step, _step_arguments), 2),
-            unchanged(_step_arguments),
+            Claim("value", "θ - η_0 · decay^epoch · dL/dθ", same_as(sgd_step, _step), 2),
+            unaltered(_step),
         ),
     ),
     exercise(
@@ -127,24 +165,32 @@ EXERCISES: tuple[Exercise, ...] = (
         "clean X; then go back. Two gradients meet at Y: that of the error and that of the "
         "sparsity term",
         layer_loss,
-        _loss_arguments,
+        _layer,
         SIZES,
         (
-            LAYER_LOSS.value("the loss is that of equation 3, computed by loops"),
-            LAYER_LOSS.gradient(
-                "gradient for w", "dw agrees with central differences of your own loss", 3, ("w",)
+            Claim(
+                "value",
+                "the loss is that of equation 3, loop by loop",
+                _loss,
+                2,
+                "the error is against x, the units are those of corrupted",
             ),
-            LAYER_LOSS.gradient(
-                "gradient for b", "db agrees with central differences of your own loss", 3, ("b",)
+            Claim(
+                "gradient for w",
+                "dw is that of central differences of your own loss",
+                _gradient_for("w"),
+                3,
+                "three shares: decoding, encoding of the error, encoding of the sparsity term",
             ),
-            LAYER_LOSS.unchanged(),
+            Claim(
+                "gradient for b",
+                "db is that of central differences of your own loss",
+                _gradient_for("b"),
+                3,
+                "both directions have a share in b too",
+            ),
+            unaltered(_layer),
         ),
-        hints={
-            "value": "the error compares with x, the hidden units are those of corrupted",
-            "gradient for w": "add three terms: decoding, encoding of the error, encoding of the "
-            "sparsity term",
-            "gradient for b": "encoding and decoding both contribute to db too",
-        },
         given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
     ),
 )

@@ -1,7 +1,7 @@
-"""The exercises of lesson 12, trust nobody's gradients: the student's own checks, tested.
+"""The exercises of lesson 12, trust nobody's gradients: the student's own tests, tested.
 
-A check is right if every right implementation passes and no wrong one does. The wrong ones are
-the planted bugs of `verify`.
+A test is right when it lets every right implementation pass and no wrong one; the wrong ones are
+those of the bug zoo.
 """
 
 from __future__ import annotations
@@ -13,18 +13,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops, verify
-from numpy_cae.course.exercises.checks import unchanged
 from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.property import require_equal
-from numpy_cae.verify.tied import tied_layer
-from numpy_cae.verify.zoo import BUGS, Bug
+from numpy_cae.verify.zoo import BUGS, Bug, bugs_of
 
-BUG_BY_NAME = {bug.name: bug for bug in BUGS}
 SUSPECTS: tuple[Bug, ...] = tuple(
-    BUG_BY_NAME[name]
+    next(bug for bug in BUGS if bug.name == name)
     for name in (
         "conv_without_flip",
         "arctanh_gradient_beyond_bound",
@@ -44,18 +41,19 @@ GROUPS = {
     "recurrence": ("linear", "gru_step", "gru"),
     "tied weights": ("tied_layer",),
 }
-SIZES = {"batch": 2, "frames": 3, "taps": 3, "axes": 2} | dict.fromkeys(
-    ("channels", "filters", "features", "hidden"), 2
-)
-"""As many channels as filters, so that a missing transpose shows only in the numbers."""
+TRIED_SIZES = {
+    "batch": 2, "frames": 3, "channels": 2, "filters": 2, "taps": 3, "features": 2, "axes": 2,
+    "hidden": 2,
+}  # fmt: skip
+"""As many channels as filters, so that a forgotten transpose has to be noticed by its numbers."""
 TINY = 1e-6
-FEW_EXAMPLES = 5
-"""Each example tries every bug, with all its differences."""
+FEW = 5
+"""Draws are enough where each is tried on every bug: with its differences that is many calls."""
 
 
 @dataclass(frozen=True)
 class Cubic:
-    """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
+    """L(x) = Σ w x³, of which central differences with step h make 3 w x² + w h², exactly."""
 
     w: np.ndarray
 
@@ -68,7 +66,7 @@ class Cubic:
 
 @dataclass(frozen=True)
 class Matrix:
-    """A x with the pullback of another matrix, or of A itself if it is right."""
+    """A x with a pullback that is that of another matrix, A itself where it is right."""
 
     a: np.ndarray
     of_pullback: np.ndarray = field(repr=False)
@@ -88,7 +86,7 @@ def central_differences(f, x, h):
 
 
 def adjoint_gap(f, x, y):
-    """|<A x, y> - <x, A' y>|, relative to the norms of the factors."""
+    """|<A x, y> - <x, A' y>|, relative to the sizes of what is multiplied."""
     value, pullback = f(x)
     pulled = pullback(y)
     size = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
@@ -96,7 +94,7 @@ def adjoint_gap(f, x, y):
 
 
 def accuse(suspect):
-    """The property that suspect 1, 2, ... violates."""
+    """The property that suspect 1, 2, ... lacks."""
     return SUSPECTS[suspect - 1].caught_by
 
 
@@ -105,41 +103,44 @@ def check_gradients(f, inputs):
     verify.check_gradients(f, *inputs.values(), names=tuple(inputs))
 
 
-def _difference_arguments(case: Case) -> dict[str, object]:
+def _differences(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["rows"], case["columns"])
     return {"f": Cubic(spread(rng, shape)), "x": spread(rng, shape), "h": 0.25}
 
 
-def _right_matrix_arguments(case: Case) -> dict[str, object]:
+def _slopes(function, case: Case) -> None:
+    f, x, h = _differences(case).values()
+    require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
+
+
+def _x_restored(function, case: Case) -> None:
+    f, x, h = _differences(case).values()
+    given = x.copy()
+    function(f, given, h)
+    require_equal("afterwards, x", given, x)
+
+
+def _right_matrix(case: Case) -> dict[str, object]:
     rng = case.rng()
     a = spread(rng, (case["rows"], case["columns"]))
     x, y = spread(rng, a.shape[1:]), spread(rng, a.shape[:1])
     return {"f": Matrix(a, a), "x": x, "y": y}
 
 
-def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
-    f, x, y = _right_matrix_arguments(case).values()
+def _wrong_matrix(case: Case) -> dict[str, object]:
+    f, x, y = _right_matrix(case).values()
     return {"f": Matrix(f.a, f.a[::-1] + 1), "x": x, "y": y}
 
 
-def _seed_arguments(case: Case) -> dict[str, object]:
-    return {"seed": case.seed}
-
-
-def _slopes_of_cubic(function, case: Case) -> None:
-    f, x, h = _difference_arguments(case).values()
-    require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
-
-
 def _no_gap(function, case: Case) -> None:
-    found = function(*_right_matrix_arguments(case).values())
-    require_equal("for a right pullback, the gap", found, 0.0, 1e-12)
+    found = function(*_right_matrix(case).values())
+    require_equal("of a right pullback, the gap", found, 0.0, 1e-12)
 
 
-def _right_gap(function, case: Case) -> None:
-    arguments = _wrong_matrix_arguments(case).values()
-    require_equal("for a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
+def _gap(function, case: Case) -> None:
+    arguments = _wrong_matrix(case).values()
+    require_equal("of a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
 
 
 def _accused(number: int) -> Claim:
@@ -147,133 +148,148 @@ def _accused(number: int) -> Claim:
 
     def check(function, case: Case) -> None:
         named = function(number)
-        stated = {prop.name: prop for prop in properties_of(suspect.operation)}
+        stated = {tried.name: tried for tried in properties_of(suspect.operation)}
         if named not in stated:
-            names = ", ".join(stated)
-            raise AssertionError(f"{suspect.operation} has no property {named!r}; it has {names}")
-        sizes = tuple((name, max(options)) for name, options in stated[named].sizes.items())
+            raise AssertionError(
+                f"{suspect.operation} has no property {named!r}; it has {', '.join(stated)}"
+            )
         for seed in range(20):
+            sizes = tuple((n, max(options)) for n, options in stated[named].sizes.items())
             try:
                 stated[named].check(suspect.implementation, Case(sizes, seed))
             except Exception:
                 return
-        raise AssertionError(f"suspect {number} has the property {named!r}")
+        raise AssertionError(f"suspect {number} keeps {named!r}: it is not guilty of that")
 
-    statement = f"the {suspect.operation} violates the property that you name"
-    return Claim(f"suspect {number}", statement, check)
+    return Claim(f"suspect {number}", f"the {suspect.operation} lacks the property you name", check)
 
 
-def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
-    """f and its inputs by name; f closes over the arguments that get no gradient."""
+def _case(case: Case) -> dict[str, object]:
+    return {"seed": case.seed}
+
+
+def _tried(operation: str, implementation: Callable, seed: int, size: float = 1.0):
+    """f and its inputs by name, the undifferentiated arguments closed over."""
     known = OPERATIONS[operation]
-    sizes = tuple((name, SIZES[name]) for name in known.sizes)
+    sizes = tuple((name, TRIED_SIZES[name]) for name in known.sizes)
     arguments = known.arguments(Case(sizes, seed))
-    inputs = {name: scale * arguments[name] for name in known.differentiated}
-    if "x" in arguments:
-        arguments["x"] = scale * arguments["x"]
+    inputs = {name: size * arguments[name] for name in known.differentiated}
 
-    def f(*values):
-        return implementation(*(arguments | dict(zip(inputs, values, strict=True))).values())
+    def f(*given):
+        named = dict(zip(inputs, given, strict=True))
+        others = {k: v * size if k == "x" else v for k, v in arguments.items() if k not in named}
+        return implementation(*({**arguments, **others, **named}.values()))
 
     return f, inputs
 
 
-def _right_ones_pass(check_gradients, case: Case) -> None:
+def _right(operation: str) -> Callable:
+    if operation == "tied_layer":
+        from numpy_cae.verify.tied import tied_layer
+
+        return tied_layer
+    return getattr(ops, operation)
+
+
+def _passes_right_ones(check_gradients, case: Case) -> None:
     for operation in (name for group in GROUPS.values() for name in group):
-        right = tied_layer if operation == "tied_layer" else getattr(ops, operation)
+        f, inputs = _tried(operation, _right(operation), case.seed)
         try:
-            check_gradients(*_function_and_inputs(operation, right, case.seed))
+            check_gradients(f, inputs)
         except AssertionError as error:
             raise AssertionError(f"it refuses {operation}, which is right: {error}") from None
 
 
-def _refuses_group(group: str) -> Callable:
+def _refuses(group: str) -> Callable:
     def check(check_gradients, case: Case) -> None:
         for bug in _bugs_in_gradients(GROUPS[group]):
-            _require_refusal(check_gradients, bug, case.seed)
+            f, inputs = _tried(bug.operation, bug.implementation, case.seed)
+            _require_refusal(check_gradients, bug, f, inputs)
 
     return check
 
 
 def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[Bug]:
-    for bug in BUGS:
-        if bug.operation in operations and bug.caught_by.startswith("gradient for"):
-            yield bug
+    for operation in operations:
+        for bug in bugs_of(operation):
+            if bug.caught_by.startswith("gradient for"):
+                yield bug
 
 
-def _require_refusal(check_gradients, bug: Bug, seed: int, scale: float = 1.0) -> None:
-    f, inputs = _function_and_inputs(bug.operation, bug.implementation, seed, scale)
+def _require_refusal(check_gradients, bug: Bug, f, inputs) -> None:
     try:
         check_gradients(f, inputs)
     except AssertionError:
         return
-    raise AssertionError(f"it accepts a wrong {bug.operation}: {bug.sentence}")
+    raise AssertionError(f"it lets a wrong {bug.operation} pass: {bug.sentence}")
 
 
 def _refuses_tiny(check_gradients, case: Case) -> None:
-    _require_refusal(check_gradients, BUG_BY_NAME["squared_without_two"], case.seed, TINY)
+    (bug,) = (bug for bug in bugs_of("mean_squared_error") if bug.name == "squared_without_two")
+    f, inputs = _tried(bug.operation, bug.implementation, case.seed, TINY)
+    _require_refusal(check_gradients, bug, f, inputs)
 
 
-def _names_the_input(check_gradients, case: Case) -> None:
+def _names_the_culprit(check_gradients, case: Case) -> None:
     for name in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged"):
-        bug = BUG_BY_NAME[name]
-        wrong = bug.caught_by.rpartition(" ")[2]
+        (bug,) = (bug for bug in bugs_of("conv1d") if bug.name == name)
+        culprit = bug.caught_by.rpartition(" ")[2]
         message = ""
         try:
-            check_gradients(*_function_and_inputs(bug.operation, bug.implementation, case.seed))
+            check_gradients(*_tried(bug.operation, bug.implementation, case.seed))
         except AssertionError as error:
             message = str(error)
-        if wrong not in re.findall(r"\w+", message):
-            raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
+        if culprit not in re.findall(r"\w+", message):
+            raise AssertionError(
+                f"the gradient for {culprit} is wrong, but the message is {message!r}"
+            )
 
 
 def _inputs_stay(check_gradients, case: Case) -> None:
-    f, inputs = _function_and_inputs("conv1d", ops.conv1d, case.seed)
+    f, inputs = _tried("conv1d", ops.conv1d, case.seed)
     before = {name: x.copy() for name, x in inputs.items()}
     check_gradients(f, inputs)
     for name, x in before.items():
-        require_equal(f"after the call, {name}", inputs[name], x, 0)
+        require_equal(f"afterwards, {name}", inputs[name], x, 0)
 
 
-ONE_CASE = {"tried": (1,)}
-X_UNCHANGED = Claim("x restored", "x is not changed", unchanged(_difference_arguments).check)
-DRAWN_UPSTREAM = "is your upstream gradient random, and is every input checked?"
+ONE = {"tried": (1,)}
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         "central_differences",
-        "one entry at a time, a small step up and down; np.ndindex iterates over the entries",
+        "one entry at a time, a little up and a little down; np.ndindex walks over the entries",
         central_differences,
-        _difference_arguments,
+        _differences,
         {"rows": (1, 2), "columns": (1, 2, 3)},
         (
             Claim(
                 "value",
-                "for a cubic, exactly the central difference: step h to both sides, over 2h",
-                _slopes_of_cubic,
+                "of a cubic, exactly the central difference: step h to both sides, over 2h",
+                _slopes,
                 2,
+                "each slope is that of one entry: every other entry of x stays where it is",
             ),
-            X_UNCHANGED,
+            Claim("x restored", "x is afterwards what it was", _x_restored),
         ),
-        hints={"value": "each slope is that of one entry: every other entry of x keeps its value"},
     ),
     exercise(
         "adjoint_gap",
-        "two inner products, one with the value of f at x, one with the pullback of y",
+        "two inner products, one with what f makes of x, one with what the pullback makes of y",
         adjoint_gap,
-        _wrong_matrix_arguments,
+        _wrong_matrix,
         {"rows": (1, 2, 3), "columns": (1, 2, 3)},
         (
             Claim("right ones", "for a matrix and its transpose it is 0 to rounding", _no_gap),
-            Claim("wrong ones", "for another matrix's transpose it is as defined", _right_gap),
+            Claim("wrong ones", "for another matrix's transpose it is what is defined", _gap),
         ),
     ),
     exercise(
         "accuse",
-        "compare the lines one by one with the equations in the docstring of the right one",
+        "check the lines one by one against the equations in the docstring of the right one",
         accuse,
-        _seed_arguments,
-        ONE_CASE,
+        _case,
+        ONE,
         [_accused(number) for number in range(1, len(SUSPECTS) + 1)],
     ),
     exercise(
@@ -281,43 +297,41 @@ EXERCISES: tuple[Exercise, ...] = (
         "draw an upstream gradient; the loss is Σ dy ∘ f; compare the pullback's gradient for each "
         "input with differences of that loss, relative to the size of the gradient",
         check_gradients,
-        _seed_arguments,
-        ONE_CASE,
+        _case,
+        ONE,
         (
             Claim(
                 "right ones pass",
                 "no right operation is refused",
-                _right_ones_pass,
+                _passes_right_ones,
                 2,
-                examples=FEW_EXAMPLES,
+                "rounding is proportional to the numbers: is your tolerance relative?",
+                examples=FEW,
             ),
             *(
                 Claim(
-                    group,
-                    f"every planted bug of {' or '.join(operations)} is refused",
-                    _refuses_group(group),
+                    f"{group}",
+                    f"every wrong {' or '.join(operations)} of the zoo is refused",
+                    _refuses(group),
                     2,
-                    examples=FEW_EXAMPLES,
+                    "is your upstream gradient drawn, and is every input tried?",
+                    examples=FEW,
                 )
                 for group, operations in GROUPS.items()
             ),
             Claim(
                 "tiny numbers",
-                "a wrong gradient is refused even if all numbers are near 1e-6",
+                "a wrong gradient is refused even where all numbers are near 1e-6",
                 _refuses_tiny,
+                1,
+                "an absolute tolerance is larger than everything here",
             ),
             Claim(
                 "names the culprit",
                 "the message has the name of the input whose gradient is wrong, as a word",
-                _names_the_input,
+                _names_the_culprit,
             ),
-            Claim("inputs stay", "the inputs are not changed", _inputs_stay),
+            Claim("inputs stay", "the inputs are afterwards what they were", _inputs_stay),
         ),
-        hints={
-            "right ones pass": "rounding is proportional to the numbers: is your tolerance "
-            "relative?",
-            "tiny numbers": "an absolute tolerance is larger than all numbers here",
-            **dict.fromkeys(GROUPS, DRAWN_UPSTREAM),
-        },
     ),
 )

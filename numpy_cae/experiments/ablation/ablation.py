@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.experiments.ablation.result import Ablation, Row
 from numpy_cae.experiments.ablation.baselines import BASELINES, baselines
 from numpy_cae.experiments.ablation.choices import Choice
-from numpy_cae.experiments.ablation.evaluation import Measured, Evaluation
+from numpy_cae.experiments.ablation.evaluation import Evaluation, Measured
+from numpy_cae.experiments.ablation.result import Ablation, Row
 from numpy_cae.training import DivergedError, train_autoencoder
 
 SEEDS = 5

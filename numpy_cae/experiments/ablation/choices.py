@@ -13,7 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.experiments.ablation.average_pool import average_pool
 from numpy_cae.experiments.ablation.variant import VariantAutoencoder
+from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import FEATURES
 from numpy_cae.motion.windows import LENGTH
@@ -73,8 +75,8 @@ class Choice:
     def network(self, rng: np.random.Generator) -> ConvAutoencoder | VariantAutoencoder:
         """Before it learned anything; the fast one wherever it can be."""
         if self.tied and not self.average:
-            return ConvAutoencoder(filters=self.filters, taps=TAPS, rng=rng)
-        pool = ops.average_pool if self.average else ops.max_pool
+            return accelerate(ConvAutoencoder(filters=self.filters, taps=TAPS, rng=rng))
+        pool = average_pool if self.average else ops.max_pool
         return VariantAutoencoder(
             filters=self.filters, taps=TAPS, rng=rng, tied=self.tied, pool=pool
         )

@@ -1,11 +1,11 @@
-"""What holden2015 might have built instead: other pooling, weights that are not tied.
+"""Variants of holden2015's network: pooling by the mean, weights that are not tied.
 
     Φ_k(X)  = tanh(Ψ(X * W_k + b_k))             Ψ the maximum, or the mean, of each pair
-    Φ_k†(Y) = (Ψ†(tanh⁻¹(Y)) - c_k) * V_k        V_k = W̃_k and c_k = b_k, or others of its own
+    Φ_k†(Y) = (Ψ†(tanh⁻¹(Y)) - c_k) * V_k        V_k = W̃_k and c_k = b_k, or independent ones
 
-Composed of `numpy_cae.ops`, as `models.composed` is; with the maximum and tied weights it is that
-network, and a test holds the two equal. It is for `experiments.ablation`, and slower than the
-network that it varies.
+With the maximum and tied weights it is `ConvAutoencoder`, and a test compares the two. It computes
+with the operations of `numpy_cae.ops`, except for the convolution, which is that of
+`numpy_cae.fast`.
 """
 
 from __future__ import annotations
@@ -16,50 +16,51 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.fast.convolution import conv1d
-from numpy_cae.models import composed
-from numpy_cae.models.conv_layer import ConvLayer, LayerPullback
+from numpy_cae.fast import conv1d
+from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.models.conv_autoencoder import loss_and_shares, require_loss_arguments
+from numpy_cae.models.conv_layer import LayerPullback
 
 Pool = Callable[[np.ndarray], tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]]
 
 
 class VariantLayer:
-    """One layer: W and b up; down the same, or V and c.
+    """One layer: W and b in the encoder; in the decoder the same, or V and c.
 
     Parameters
     ----------
-    up : ConvLayer
-        W and b, and where `arctanh` clips.
+    encoder : ConvLayer
+        W, b and the bound of `arctanh`.
     pool : function
-        `ops.max_pool` or `ops.average_pool`.
-    down : ConvLayer, optional
-        Another layer's filters, turned around: V = W̃ and c = b of it. Tied where None.
+        `ops.max_pool` or `average_pool`.
+    decoder : ConvLayer, optional
+        The layer whose W̃ and b are the initial V and c. Tied where None.
     """
 
-    def __init__(self, up: ConvLayer, pool: Pool, down: ConvLayer | None = None):
-        self.w, self.b, self.bound, self.pool = up.w, up.b, up.bound, pool
-        self.v, self.c = (
-            (None, None) if down is None else (ops.transpose_filters(down.w)[0], down.b)
-        )
+    def __init__(self, encoder: ConvLayer, pool: Pool, decoder: ConvLayer | None = None):
+        self.w, self.b, self.bound, self.pool = encoder.w, encoder.b, encoder.bound, pool
+        self.v, self.c = None, None
+        if decoder is not None:
+            self.v, self.c = ops.transpose_filters(decoder.w)[0], decoder.b
 
     @property
     def parameters(self) -> dict[str, np.ndarray]:
-        """What is learned, by name: w and b; untied, v and c too."""
+        """The learned arrays by name: w and b; untied, v and c too."""
         tied = {"w": self.w, "b": self.b}
         return tied if self.v is None else tied | {"v": self.v, "c": self.c}
 
-    def encode(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
         """tanh(Ψ(X * W + b)): (B, T, C) to (B, T/2, D), and dy -> (dx, dw, db)."""
-        convolved, convolve_back = conv1d(x, self.w, self.b)
-        pooled, pool_back = self.pool(convolved)
-        y, tanh_back = ops.tanh(pooled)
+        convolved, convolve_pullback = conv1d(x, self.w, self.b)
+        pooled, pool_pullback = self.pool(convolved)
+        y, tanh_pullback = ops.tanh(pooled)
 
         def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            return convolve_back(pool_back(tanh_back(dy)))
+            return convolve_pullback(pool_pullback(tanh_pullback(dy)))
 
         return y, pullback
 
-    def decode(
+    def decode_with_pullback(
         self, y: np.ndarray, first: np.ndarray | None = None
     ) -> tuple[np.ndarray, LayerPullback]:
         """(Ψ†(tanh⁻¹(Y)) - c) * V: (B, T, D) to (B, 2T, C), and dx -> (dy, dv, dc).
@@ -70,48 +71,50 @@ class VariantLayer:
         first : (B, T, D) array of bool, optional
             Unpool at random, to the first frame of a pair where True; evenly where None.
         """
-        v, c = self._downwards()
-        activated, arctanh_back = ops.arctanh(y, self.bound)
+        v, c = self._decoder_weights()
+        activated, arctanh_pullback = ops.arctanh(y, self.bound)
         if first is None:
-            unpooled, unpool_back = ops.unpool_even(activated)
+            unpooled, unpool_pullback = ops.unpool_even(activated)
         else:
-            unpooled, unpool_back = ops.unpool_random(activated, first)
-        x, convolve_back = conv1d(unpooled - c, v, np.zeros(v.shape[2], v.dtype))
+            unpooled, unpool_pullback = ops.unpool_random(activated, first)
+        x, convolve_pullback = conv1d(unpooled - c, v, np.zeros(v.shape[2], v.dtype))
 
         def pullback(dx: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            d_unpooled, dv, _ = convolve_back(dx)
-            return arctanh_back(unpool_back(d_unpooled)), dv, -d_unpooled.sum(axis=(0, 1))
+            d_unpooled, dv, _ = convolve_pullback(dx)
+            return arctanh_pullback(unpool_pullback(d_unpooled)), dv, -d_unpooled.sum(axis=(0, 1))
 
         return x, pullback
 
-    def joined(self, of_up: Sequence[np.ndarray], of_down: Sequence[np.ndarray]) -> tuple:
-        """The gradients of `parameters`, from (dw, db) of the way up and (dv, dc) of that down.
+    def gradients(
+        self, encoder_share: Sequence[np.ndarray], decoder_share: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, ...]:
+        """The gradients of `parameters`, from (dw, db) of the encoder and (dv, dc) of the decoder.
 
-        Tied, V = W̃ and c = b: each gradient is a sum of two, dV transposed back.
+        Tied, V = W̃ and c = b: each gradient is the sum of both, dV transposed.
         """
-        (dw, db), (dv, dc) = of_up, of_down
+        (dw, db), (dv, dc) = encoder_share, decoder_share
         if self.v is not None:
             return dw, db, dv, dc
-        _, transpose_back = ops.transpose_filters(self.w)
-        return dw + transpose_back(dv), db + dc
+        _, transpose_pullback = ops.transpose_filters(self.w)
+        return dw + transpose_pullback(dv), db + dc
 
-    def _downwards(self) -> tuple[np.ndarray, np.ndarray]:
+    def _decoder_weights(self) -> tuple[np.ndarray, np.ndarray]:
         if self.v is not None:
             return self.v, self.c
         return ops.transpose_filters(self.w)[0], self.b
 
 
-class VariantAutoencoder:
+class VariantAutoencoder(ConvAutoencoder):
     """`ConvAutoencoder` with another pooling or untied weights.
 
     Parameters
     ----------
     features, filters, taps, bound, rng, dtype
-        As `ConvAutoencoder` takes them; tied, the first weights of one seed are its own.
+        As for `ConvAutoencoder`; tied, the initial weights of one seed are the same.
     tied : bool
-        Whether the decoder has no filters but the encoder's.
+        Whether the decoder uses the encoder's filters.
     pool : function
-        `ops.max_pool` or `ops.average_pool`.
+        `ops.max_pool` or `average_pool`.
 
     Attributes
     ----------
@@ -135,26 +138,11 @@ class VariantAutoencoder:
             sizes = pairwise((features, *filters))
             return [ConvLayer.initial(taps, *size, bound, rng, dtype) for size in sizes]
 
-        up = stack()
-        down = [None] * len(up) if tied else stack()
-        self.layers = [VariantLayer(*both) for both in zip(up, [pool] * len(up), down, strict=True)]
-
-    @property
-    def frames_per_unit(self) -> int:
-        """Frames of motion for one frame of hidden units."""
-        return 2 ** len(self.layers)
-
-    def encode(self, x: np.ndarray) -> np.ndarray:
-        """Y = Φ(X): (B, T, features) to (B, T / 2^n, D)."""
-        return composed.encode(self.layers, x)
-
-    def decode(self, y: np.ndarray) -> np.ndarray:
-        """X̂ = Φ†(Y), unpooling evenly."""
-        return composed.decode(self.layers, y)
-
-    def project(self, x: np.ndarray) -> np.ndarray:
-        """Φ†(Φ(X))."""
-        return self.decode(self.encode(x))
+        encoder = stack()
+        decoder = [None] * len(encoder) if tied else stack()
+        self.layers = [
+            VariantLayer(up, pool, down) for up, down in zip(encoder, decoder, strict=True)
+        ]
 
     def loss_and_gradients(
         self,
@@ -172,9 +160,9 @@ class VariantAutoencoder:
         gradients : list of tuples in the order of `VariantLayer.parameters`, lowest layer first
         """
         layers = self.layers if layer is None else [self.layers[layer]]
-        loss, up, down = composed.loss_both_ways(layers, x, corrupted, alpha, first)
-        return loss, [each.joined(*ways) for each, *ways in zip(layers, up, down, strict=True)]
-
-    def thaw(self) -> VariantAutoencoder:
-        """Returns self: its weights are never frozen."""
-        return self
+        require_loss_arguments(layers, x, corrupted, first)
+        loss, encoder_shares, decoder_shares = loss_and_shares(layers, x, corrupted, alpha, first)
+        return loss, [
+            each.gradients(*shares)
+            for each, *shares in zip(layers, encoder_shares, decoder_shares, strict=True)
+        ]

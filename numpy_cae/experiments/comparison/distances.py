@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from numpy_cae.baselines import PCA
+from numpy_cae.fast import accelerate
 from numpy_cae.manifold import MotionManifold, hidden_units, signature
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.windows import cut_windows
@@ -147,4 +148,4 @@ def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
         features, [layer.b.size for layer in layers], taps, layers[0].bound,
         np.random.default_rng(seed),
     )  # fmt: skip
-    return MotionManifold(network.freeze(), manifold.mean_pose, manifold.scale, manifold.lengths)
+    return MotionManifold(accelerate(network), manifold.mean_pose, manifold.scale, manifold.lengths)

@@ -110,7 +110,7 @@ def decoded(layers: Sequence[ConvLayer], units: np.ndarray) -> np.ndarray:
     """Down through the layers, unpooling evenly: (B, i, k) to (B, F, 63)."""
     dtype = layers[0].w.dtype
     for layer in reversed(layers):
-        units, _ = layer.decode(units.astype(dtype))
+        units, _ = layer.decode_with_pullback(units.astype(dtype))
     return units
 
 
@@ -118,6 +118,6 @@ def encoded(layers: Sequence[ConvLayer], x: np.ndarray) -> list[np.ndarray]:
     """The hidden units of every layer on the way up, (B, T, 63) to (B, T/2, k), …"""
     every = []
     for layer in layers:
-        x, _ = layer.encode(x)
+        x, _ = layer.encode_with_pullback(x)
         every.append(x)
     return every

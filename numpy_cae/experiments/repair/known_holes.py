@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.baselines import PCA, interpolate_linearly
-from numpy_cae.beyond import pose_pca, project_observed
-from numpy_cae.beyond.observed import initial_fill
+from numpy_cae.beyond import poses_of, project_observed
+from numpy_cae.beyond.observed import started
 from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.table import text_table
@@ -163,7 +163,7 @@ def _best(options: list[Fill], clips: list[np.ndarray], known_of) -> float:
 
 def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fill]]:
     training = [manifold.features(take.positions)[0] for take in evenly(material.training, 300)]
-    pca_frames = pose_pca(manifold, training)
+    pca_frames = poses_of(manifold, training)
 
     def line(clip: np.ndarray, known: np.ndarray) -> np.ndarray:
         return interpolate_linearly(np.where(known, clip, manifold.mean_pose), known)
@@ -191,7 +191,7 @@ def _fillers(manifold: MotionManifold, material: Material) -> dict[str, list[Fil
         LINE: [line],
         PCA_FRAMES: [by_pca(pca_frames, size) for size in SIZES if size <= FEATURES],
         PCA_WINDOWS: [by_pca(pca_windows, size) for size in SIZES],
-        PCA_JOINED: [lambda clip, known: initial_fill(manifold, clip, known, pca_frames)[0]],
+        PCA_JOINED: [lambda clip, known: started(manifold, clip, known, pca_frames)[0]],
         PLAIN: [plain],
         ALONE: [lambda clip, known: project_observed(manifold, clip, known)],
         KNOWING: [lambda clip, known: project_observed(manifold, clip, known, poses=pca_frames)],

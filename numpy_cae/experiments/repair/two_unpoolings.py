@@ -109,5 +109,5 @@ def decode_at_random(
     """Φ†(Φ(X)) with every pooled value on one frame of its pair, drawn, (N, T, 63) to the same."""
     y = manifold.network.encode(hold_ends(manifold, x))
     for layer in reversed(manifold.network.layers):
-        y, _ = layer.decode(y, rng.random(y.shape) < 0.5)
+        y, _ = layer.decode_with_pullback(y, rng.random(y.shape) < 0.5)
     return cut_ends(manifold, y, x.shape[1])

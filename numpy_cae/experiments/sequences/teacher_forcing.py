@@ -12,8 +12,7 @@ from numpy_cae import ops
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.sequences.study import Study
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.models.composed_sequence import Losses, encode
-from numpy_cae.models.sequence_weights import Weights, gru_weights
+from numpy_cae.models.sequential_autoencoder import Losses, Weights, gru_weights
 
 
 class TeacherForced(SequentialAutoencoder):
@@ -24,7 +23,7 @@ class TeacherForced(SequentialAutoencoder):
     ) -> tuple[Losses, Weights]:
         """As the parent's, but the decoder's inputs are 0, x_T, …, x_2."""
         weights = self.weights
-        z, encode_back = encode(weights, x)
+        z, encode_back = self.encode_with_pullback(x)
         first, state_back = ops.linear(z, weights["state_w"], weights["state_b"])
         target = x[:, ::-1]  # the decoder writes the last frame first
         inputs = np.concatenate([np.zeros_like(x[:, :1]), target[:, :-1]], axis=1)

@@ -1,66 +1,61 @@
-"""One thread's share of the clips: all the way there and back, in buffers of its own."""
+"""One thread's clips through both GRUs and back, in buffers of its own."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from numpy_cae.fast.gru_matrices import INPUT_GATES, STATE_GATES, GruMatrices, gates_gradient
 from numpy_cae.fast.recurrence import Recurrence
-from numpy_cae.fast.sequence_matrices import (
-    OF_INPUTS,
-    OF_STATES,
-    Matrices,
-    gates_gradient,
-)
-from numpy_cae.models.sequence_weights import Weights
+from numpy_cae.models.sequential_autoencoder import Weights
 
 
-class Member:
+class SequenceWorker:
     """Buffers for B clips of T frames.
 
     Parameters
     ----------
-    encoder, decoder : Matrices
+    encoder, decoder : GruMatrices
         Shared with the other members.
     clips : slice
-        Its share of the batch.
+        Its part of the batch.
     frames : int
     dtype : float32 or float64
-    kept : bool
-        Whether gradients will be wanted.
+    training : bool
+        Whether gradients will be computed.
 
     Attributes
     ----------
     clip : (T, F + 1, B) array
-        The source, in the order of time, over a row of ones.
+        The source, in the order of time, with a row of ones below.
     fed : (T + 1, F + 1, B) array
-        The frames y_0 = 0, y_1, …, y_T, in the order in which they are written.
+        The frames y_0 = 0, y_1, …, y_T in the order of writing, each with a one below.
     """
 
     def __init__(
         self,
-        encoder: Matrices,
-        decoder: Matrices,
+        encoder: GruMatrices,
+        decoder: GruMatrices,
         clips: slice,
         frames: int,
         dtype: np.dtype,
-        kept: bool,
+        training: bool,
     ):
         self.encoder, self.decoder = encoder, decoder
         self.clips, self.frames = clips, frames
         hidden, features = encoder.hidden, len(encoder.inputs_back)
         self.hidden, self.features = hidden, features
         batch = clips.stop - clips.start
-        self.reads = Recurrence(hidden, batch, frames, dtype, kept)
-        self.writes = Recurrence(hidden, batch, frames, dtype, kept)
+        self.reader = Recurrence(hidden, batch, frames, dtype, training)
+        self.writer = Recurrence(hidden, batch, frames, dtype, training)
         self.clip = np.ones((frames, features + 1, batch), dtype)
         self.fed = np.ones((frames + 1, features + 1, batch), dtype)
         self.fed[0, :features] = 0
         self._products = np.empty((3 * hidden + features, batch), dtype)
         self._a = np.empty((3 * hidden, batch), dtype)
         self._tall = np.empty((frames, 3 * hidden, batch), dtype)
-        if kept:
-            # Of step k: da_n, da_z, da_r, ds_n, and dy_k, the gradient of the frame before it.
-            # Slot T holds dy_T alone.
+        if training:
+            # Of step k: da_n, da_z, da_r, ds_n, and dy_k, the gradient of the frame it is fed.
+            # Index T holds dy_T alone.
             self._gradients = np.zeros((frames + 1, 4 * hidden + features, batch), dtype)
             self._parts = [each[: 4 * hidden].reshape(4, hidden, batch) for each in self._gradients]
             self._rows = np.empty((5 * hidden + 2 * features + 2, (frames + 1) * batch), dtype)
@@ -68,39 +63,39 @@ class Member:
             self._dx = np.empty((features, batch), dtype)
 
     def read(self, x: np.ndarray) -> np.ndarray:
-        """h_T of the encoder, (H, B), for its share of (B, T, F) clips."""
+        """h_T of the encoder, (H, B), for its part of (B, T, F) clips."""
         self.clip[:, : self.features] = x[self.clips].transpose(1, 2, 0)
         np.matmul(self.encoder.inputs, self.clip, out=self._tall)
         s = self._products[: 3 * self.hidden]
         split_s = self._split(s, 0)
         for k in range(self.frames):
-            np.matmul(self.encoder.states, self.reads.states[k], out=s)
-            self.reads.step(k, self._split(self._tall[k], 1), split_s)
-        return self.reads.states[-1, : self.hidden]
+            np.matmul(self.encoder.states, self.reader.states[k], out=s)
+            self.reader.step(k, self._split(self._tall[k], 1), split_s)
+        return self.reader.states[-1, : self.hidden]
 
     def write(self, h0: np.ndarray) -> np.ndarray:
         """The frames y_1 to y_T, (T, F, B), from the decoder's first state (H, B)."""
         hidden, features = self.hidden, self.features
-        self.writes.states[0, :hidden] = h0
+        self.writer.states[0, :hidden] = h0
         s_and_y, a = self._products, self._a
         split_s, split_a = self._split(s_and_y[: 3 * hidden], 0), self._split(a, 1)
         y = s_and_y[3 * hidden :]
         for k in range(self.frames):
-            np.matmul(self.decoder.states, self.writes.states[k], out=s_and_y)
-            if k > 0:  # what is fed first is zero, not a frame of h_0
+            np.matmul(self.decoder.states, self.writer.states[k], out=s_and_y)
+            if k > 0:  # the first input is zero, not a frame of h_0
                 self.fed[k, :features] = y
             np.matmul(self.decoder.inputs, self.fed[k], out=a)
-            self.writes.step(k, split_a, split_s)
-        np.matmul(self.decoder.states[3 * hidden :], self.writes.states[-1], out=y)
+            self.writer.step(k, split_a, split_s)
+        np.matmul(self.decoder.states[3 * hidden :], self.writer.states[-1], out=y)
         self.fed[-1, :features] = y
         return self.fed[1:, :features]
 
-    def written(self, out: np.ndarray) -> None:
-        """The clips in the order of time, into its share of (B, T, F)."""
+    def copy_clips(self, out: np.ndarray) -> None:
+        """Put the written clips, in the order of time, into its part of (B, T, F)."""
         out[self.clips] = self.fed[:0:-1, : self.features].transpose(2, 0, 1)
 
     def compare(self, elements: int) -> float:
-        """Its part of the mean squared error; leaves dy = 2 (y - x) / N for `write_back`.
+        """Its part of the mean squared error; stores dy = 2 (y - x) / N for `write_pullback`.
 
         The frame that is written last is the clip's first.
         """
@@ -110,50 +105,51 @@ class Member:
         dy *= 2 / elements
         return loss
 
-    def write_back(self) -> tuple[np.ndarray, Weights]:
+    def write_pullback(self) -> tuple[np.ndarray, Weights]:
         """dh_0 of the decoder, (H, B), and the gradients of its weights."""
         hidden, states_back = self.hidden, self.decoder.states_back
         gradients, dh, dx, product = self._gradients, self._dh, self._dx, self._product
         np.matmul(states_back[:, 3 * hidden :], gradients[-1, 4 * hidden :], out=dh)
         for k in reversed(range(self.frames)):
-            self.writes.step_back(k, dh, self._parts[k])
-            now = gradients[k]
+            self.writer.step_pullback(k, dh, self._parts[k])
+            step = gradients[k]
             if k > 0:  # y_0 is constant
-                np.matmul(self.decoder.inputs_back, now[: 3 * hidden], out=dx)
-                dy = now[4 * hidden :]
+                np.matmul(self.decoder.inputs_back, step[: 3 * hidden], out=dx)
+                dy = step[4 * hidden :]
                 np.add(dy, dx, dy)
-                np.matmul(states_back, now[hidden:], out=product)
+                np.matmul(states_back, step[hidden:], out=product)
             else:
-                np.matmul(states_back[:, : 3 * hidden], now[hidden : 4 * hidden], out=product)
+                np.matmul(states_back[:, : 3 * hidden], step[hidden : 4 * hidden], out=product)
             np.add(dh, product, dh)
 
-        d, h, y = self._in_rows(gradients, self.writes.states, self.fed)
-        dw_db = gates_gradient(y, d[: 3 * hidden], OF_INPUTS)
-        du_dc = gates_gradient(h, d[hidden : 4 * hidden], OF_STATES)
+        d, h, y = self._in_rows(gradients, self.writer.states, self.fed)
+        dw_db = gates_gradient(y, d[: 3 * hidden], INPUT_GATES)
+        du_dc = gates_gradient(h, d[hidden : 4 * hidden], STATE_GATES)
         dframe = h @ d[4 * hidden :].T
-        return dh, {**_gru("decoder", dw_db, du_dc), "frame_w": dframe[:-1], "frame_b": dframe[-1]}
+        gradients_by_name = _named("decoder", dw_db, du_dc)
+        return dh, {**gradients_by_name, "frame_w": dframe[:-1], "frame_b": dframe[-1]}
 
-    def read_back(self, dh_last: np.ndarray) -> Weights:
+    def read_pullback(self, dh_last: np.ndarray) -> Weights:
         """The gradients of the encoder's weights from dh_T, (H, B)."""
         hidden, frames = self.hidden, self.frames
         dh, product = self._dh, self._product
         dh[...] = dh_last
         for k in reversed(range(frames)):
-            self.reads.step_back(k, dh, self._parts[k])
+            self.reader.step_pullback(k, dh, self._parts[k])
             if k > 0:  # h_0 is no parameter
-                now = self._gradients[k, hidden : 4 * hidden]
-                np.matmul(self.encoder.states_back, now, out=product)
+                ds = self._gradients[k, hidden : 4 * hidden]
+                np.matmul(self.encoder.states_back, ds, out=product)
                 np.add(dh, product, dh)
 
         d, h, x = self._in_rows(
-            self._gradients[:frames, : 4 * hidden], self.reads.states[:frames], self.clip
+            self._gradients[:frames, : 4 * hidden], self.reader.states[:frames], self.clip
         )
-        dw_db = gates_gradient(x, d[: 3 * hidden], OF_INPUTS)
-        du_dc = gates_gradient(h, d[hidden:], OF_STATES)
-        return _gru("encoder", dw_db, du_dc)
+        dw_db = gates_gradient(x, d[: 3 * hidden], INPUT_GATES)
+        du_dc = gates_gradient(h, d[hidden:], STATE_GATES)
+        return _named("encoder", dw_db, du_dc)
 
     def _split(self, gates: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-        """(3H, B) as its update and reset, (2, H, B), which begin at `first`, and its new."""
+        """(3H, B) as update and reset, (2, H, B), which start at gate `first`, and new, (H, B)."""
         parts = gates.reshape(3, self.hidden, -1)
         return parts[first : first + 2], parts[2 - 2 * first]
 
@@ -170,7 +166,7 @@ class Member:
         return out
 
 
-def _gru(name: str, dw_db: np.ndarray, du_dc: np.ndarray) -> Weights:
+def _named(name: str, dw_db: np.ndarray, du_dc: np.ndarray) -> Weights:
     return {
         f"{name}_w": dw_db[:-1],
         f"{name}_u": du_dc[:-1],

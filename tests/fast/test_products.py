@@ -1,11 +1,11 @@
-"""Products cut into pieces are the products, with a rest or without."""
+"""Products in pieces equal whole products, with and without a remainder."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from numpy_cae.fast.convolution import products
+from numpy_cae.fast import products
 from numpy_cae.fast.products import multiply_columns, multiply_rows
 
 LENGTH = st.integers(0, 40)
@@ -13,15 +13,15 @@ LENGTH = st.integers(0, 40)
 
 @pytest.fixture(autouse=True)
 def small_pieces(monkeypatch):
-    monkeypatch.setattr(products, "SMALL", 300)
-    monkeypatch.setattr(products, "SMALL_TRANSPOSED", 30)
+    monkeypatch.setattr(products, "MAX_UNPACKED", 300)
+    monkeypatch.setattr(products, "MAX_UNPACKED_TRANSPOSED", 30)
 
 
-@given(count=st.integers(0, 4), rows=LENGTH, inner=LENGTH, columns=LENGTH, turned=st.booleans())
-def test_rows_at_a_time(count, rows, inner, columns, turned):
+@given(count=st.integers(0, 4), rows=LENGTH, inner=LENGTH, columns=LENGTH, transposed=st.booleans())
+def test_groups_of_rows(count, rows, inner, columns, transposed):
     rng = np.random.default_rng(0)
     a, b = rng.normal(size=(count, rows, inner)), rng.normal(size=(count, inner, columns))
-    if turned:
+    if transposed:
         b = b.transpose(0, 2, 1).copy().transpose(0, 2, 1)
     out = np.full((count, rows, columns), np.nan)
     multiply_rows(a, b, out)
@@ -29,7 +29,7 @@ def test_rows_at_a_time(count, rows, inner, columns, turned):
 
 
 @given(count=st.integers(0, 4), rows=LENGTH, inner=LENGTH, width=st.integers(0, 100))
-def test_columns_at_a_time(count, rows, inner, width):
+def test_groups_of_columns(count, rows, inner, width):
     rng = np.random.default_rng(0)
     a, b = rng.normal(size=(rows, inner)), rng.normal(size=(count, inner, width + 3))[..., :width]
     out = np.full((count, rows, width + 5), np.nan)

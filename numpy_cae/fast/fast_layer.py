@@ -1,9 +1,9 @@
-"""Equations 1 and 2 in buffers: one layer, one member's share of the windows, time first.
+"""Equations 1 and 2 in fixed buffers: one layer, one thread's windows, time as the leading axis.
 
-The mathematics of `numpy_cae.models.conv_layer`, line for line. What differs: every array has its
-place from the start, the biases are added after pooling (the maximum of two sums with one b is the
-maximum plus b), and even unpooling is left to the convolution below it, so that b is subtracted
-once for each pair of equal frames.
+The mathematics of `numpy_cae.models.conv_layer`, line for line, with three differences: every array
+is allocated once; the biases are added after pooling (max(u + b, v + b) = max(u, v) + b); and even
+unpooling is part of the convolution below it, so that b is subtracted once for each pair of equal
+frames.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy_cae.fast.tied_convolution import TiedConvolution, buffer
 
 
 class FastLayer:
-    """One layer up, down and back.
+    """One layer in both directions, with both pullbacks.
 
     Parameters
     ----------
@@ -22,14 +22,9 @@ class FastLayer:
     bound : float
         Where arctanh clips.
     y : (T/2, B·D) array
-        Where to put what the layer encodes: the input of the layer above.
+        Receives what the layer encodes: the input of the layer above.
     halved : bool
         Unpooling is even, and done by the convolution.
-
-    Attributes
-    ----------
-    db : (D,) array
-        The gradient for b, both directions together.
     """
 
     def __init__(self, convolution: TiedConvolution, bound: float, y: np.ndarray, halved: bool):
@@ -39,18 +34,18 @@ class FastLayer:
             buffer(frames, width, y.dtype) for _ in range(3)
         )
         self._earlier_won, self._inside = (np.empty(y.shape, bool) for _ in range(2))
-        self._first = None
+        self._first: np.ndarray | None = None
 
-    def up(self, b: np.ndarray) -> None:
+    def encode(self, b: np.ndarray) -> None:
         """y = tanh(max(pairs of x * W) + b), equation 1."""
-        convolved, y = self.convolution.up(), self.y
+        convolved, y = self.convolution.convolve(), self.y
         earlier, later = convolved[0::2], convolved[1::2]
         np.greater_equal(earlier, later, out=self._earlier_won)
         np.maximum(earlier, later, out=y)
         _for_each_window(y, b)[...] += b
         np.tanh(y, out=y)
 
-    def down(self, y: np.ndarray, b: np.ndarray, first: np.ndarray | None) -> np.ndarray:
+    def decode(self, y: np.ndarray, b: np.ndarray, first: np.ndarray | None) -> np.ndarray:
         """(Ψ†(tanh⁻¹(y)) - b) * W̃, equation 2: (T, B·C)."""
         np.clip(y, -self.bound, self.bound, out=self._clipped)
         np.equal(y, self._clipped, out=self._inside)
@@ -63,11 +58,11 @@ class FastLayer:
             np.multiply(activated, first, out=z[0::2])
             np.subtract(activated, z[0::2], out=z[1::2])
         _for_each_window(z, b)[...] -= b
-        return self.convolution.down()
+        return self.convolution.convolve_transposed()
 
-    def down_back(self, db: np.ndarray, dy: np.ndarray) -> None:
-        """From dx̂ in the convolution's `error` to dy; starts db, which `up_back` completes."""
-        dz, d_activated = self.convolution.down_back(), self._scratch
+    def decode_pullback(self, db: np.ndarray, dy: np.ndarray) -> None:
+        """From dx̂ in the convolution's `error` to dy; db gets the decoder's share."""
+        dz, d_activated = self.convolution.convolve_transposed_pullback(), self._scratch
         if self.halved:  # dz is that of both frames of a pair already
             np.multiply(dz, 0.5, out=d_activated)
         else:
@@ -82,8 +77,8 @@ class FastLayer:
         d_activated *= self._inside
         np.divide(d_activated, self._slope, out=dy)
 
-    def up_back(self, dy: np.ndarray, db: np.ndarray, wanted: bool) -> np.ndarray | None:
-        """From dy, which is overwritten, to dx; adds to db."""
+    def encode_pullback(self, dy: np.ndarray, db: np.ndarray, with_dx: bool) -> np.ndarray | None:
+        """From dy, which is overwritten, to dx if it is wanted; adds the encoder's share to db."""
         np.multiply(self.y, self.y, out=self._slope)
         np.subtract(1, self._slope, out=self._slope)
         dy *= self._slope
@@ -91,7 +86,7 @@ class FastLayer:
         d_convolved = self.convolution.d_convolved
         np.multiply(dy, self._earlier_won, out=d_convolved[0::2])
         np.subtract(dy, d_convolved[0::2], out=d_convolved[1::2])
-        return self.convolution.up_back(wanted)
+        return self.convolution.convolve_pullback(with_dx)
 
 
 def _for_each_window(rows: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -1,12 +1,11 @@
-"""The fast convolution equals the readable one, forwards and backwards, whatever the shape."""
+"""The fast convolution equals the definition, value and gradients, with any shape."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from numpy_cae import ops
-from numpy_cae.ops import fast
+from numpy_cae import fast, ops
 from numpy_cae.verify import check_gradients
 
 SIZES = {
@@ -27,15 +26,15 @@ def drawn(rng, batch, frames, channels, filters, taps, dtype=np.float64):
 
 
 def both(x, w, b, dy):
-    """Value and gradients, by the readable and by the fast form."""
+    """Value and gradients, by the definition and by the fast form."""
     for conv1d in (ops.conv1d, fast.conv1d):
         y, pullback = conv1d(x, w, b)
         yield y, *pullback(dy)
 
 
-def assert_equal(readable, quick, tolerance):
-    """Every array within `tolerance` of the readable one, as a share of its largest value."""
-    for name, a, b in zip(("y", "dx", "dw", "db"), readable, quick, strict=True):
+def assert_equal(expected, found, tolerance):
+    """Every array within `tolerance` of the expected one, as a share of its largest value."""
+    for name, a, b in zip(("y", "dx", "dw", "db"), expected, found, strict=True):
         assert a.shape == b.shape, name
         assert a.dtype == b.dtype, name
         atol = tolerance * max(1.0, np.abs(a).max())
@@ -101,19 +100,19 @@ def test_the_pullback_is_the_exact_adjoint(seed, **sizes):
 
 
 @pytest.mark.parametrize(
-    ("x", "w", "b", "said"),
+    ("x", "w", "b", "message"),
     [
         ((2, 8, 4), (3, 3, 5), (5,), r"x has shape \(2, 8, 4\), expected \(batch, frames, 3\)"),
         ((2, 8, 3), (3, 3, 5), (4,), r"b has shape \(4,\), expected \(5,\)"),
         ((2, 8, 3), (4, 3, 5), (5,), "must be odd, got 4"),
     ],
 )
-def test_a_wrong_shape_is_named(x, w, b, said):
-    with pytest.raises(ValueError, match=said):
+def test_a_wrong_shape_names_the_argument(x, w, b, message):
+    with pytest.raises(ValueError, match=message):
         fast.conv1d(np.zeros(x), np.zeros(w), np.zeros(b))
 
 
-def test_a_wrong_gradient_is_named():
+def test_a_wrong_gradient_names_the_argument():
     _, pullback = fast.conv1d(np.zeros((2, 8, 3)), np.zeros((3, 3, 5)), np.zeros(5))
     with pytest.raises(ValueError, match="dy has shape"):
         pullback(np.zeros((2, 8, 3)))

@@ -1,0 +1,311 @@
+"""`ConvAutoencoder` at speed: its definition, step for step, over a `Workspace`.
+
+Each public method describes what one worker (a thread with its share of the windows) does, and
+runs that on all workers.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from numpy_cae.fast.thread_team import ThreadTeam, thread_team
+from numpy_cae.fast.workspace import Worker, Workspace
+from numpy_cae.models.conv_autoencoder import (
+    ConvAutoencoder,
+    Gradients,
+    require_loss_arguments,
+    require_windows,
+)
+from numpy_cae.models.conv_layer import ConvLayer
+from numpy_cae.ops.shapes import require_shape
+
+MAX_FRAMES = 16 * 160
+"""Frames that one workspace holds when no gradient is computed; longer input goes in parts. (With
+four times as many the buffers no longer fit the cache, and a window takes a fifth longer.)"""
+
+MIN_WINDOWS_PER_THREAD = 2
+"""Fewer windows are not shared between threads. (Threads that share the rows s of
+y = C ((A x) ∘ ŵ) for one window, and add up their parts of y, took two thirds more of the
+processor's time.)"""
+
+MIN_MULTIPLICATIONS = 10_000_000
+"""Multiplications of a direct convolution below which threads cost more than they save."""
+
+MAX_WORKSPACES = 4
+"""Workspaces that are kept: training uses two batch sizes, since the last batch is smaller."""
+
+
+class FastConvAutoencoder(ConvAutoencoder):
+    """The methods of a `ConvAutoencoder` on its own layers.
+
+    Parameters
+    ----------
+    model : ConvAutoencoder
+    threads : int, optional
+        As many as BLAS would use where None.
+
+    Attributes
+    ----------
+    layers : list of ConvLayer
+        The model's own list.
+    """
+
+    def __init__(self, model: ConvAutoencoder, threads: int | None = None):
+        self.layers = model.layers
+        self._model, self._threads = model, threads
+        self._workspaces: OrderedDict[tuple, Workspace] = OrderedDict()
+        self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
+
+    def __reduce__(self):
+        return type(self), (self._model, self._threads)  # copies and pickles start without buffers
+
+    def encode(self, x: np.ndarray) -> np.ndarray:
+        """Y = Φ(X), as `ConvAutoencoder.encode`."""
+        layers = self.layers
+        require_windows("x", x, layers)
+        batch, frames, _ = x.shape
+        out = np.empty((batch, frames >> len(layers), layers[-1].b.size), _dtype(layers, x))
+
+        def encode_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
+            def work(worker: Worker) -> None:
+                _encode(layers, worker, x[part])
+                _copy_windows(worker.top, out[part][worker.windows])
+
+            workspace.run(layers, work, same_weights)
+
+        self._in_parts(batch, frames, out.dtype, encode_part)
+        return out
+
+    def decode(self, y: np.ndarray) -> np.ndarray:
+        """X̂ = Φ†(Y), unpooling evenly, as `ConvAutoencoder.decode`."""
+        layers = self.layers
+        require_shape("y", y, ("batch", "frames", layers[-1].b.size))
+        batch, frames = len(y), y.shape[1] << len(layers)
+        out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
+
+        def decode_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
+            workspace.run(layers, _decoding(layers, y[part], out[part]), same_weights)
+
+        self._in_parts(batch, frames, out.dtype, decode_part)
+        return out
+
+    def decode_with_pullback(
+        self, y: np.ndarray
+    ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+        """X̂ = Φ†(Y) and its pullback, as `ConvAutoencoder.decode_with_pullback`.
+
+        The pullback uses what decoding has left in the buffers. If another call has used them
+        since, it decodes once more. The weights must not change between the two.
+        """
+        layers = self.layers
+        require_shape("y", y, ("batch", "frames", layers[-1].b.size))
+        batch, frames = len(y), y.shape[1] << len(layers)
+        x_hat = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
+        if x_hat.size == 0:
+            return x_hat, lambda dx_hat: np.zeros_like(y)
+        y = y.copy()
+        decode = _decoding(layers, y, x_hat)
+        with self._lock:
+            workspace = self._workspace(layers, batch, frames, x_hat.dtype, None, False)
+            workspace.run(layers, decode)
+            content = workspace.content
+
+        def pullback(dx_hat: np.ndarray) -> np.ndarray:
+            require_shape("dx_hat", dx_hat, (batch, frames, layers[0].w.shape[1]))
+            dy = np.empty_like(y, x_hat.dtype)
+
+            def work(worker: Worker) -> None:
+                _place_windows(dx_hat[worker.windows], worker.layers[0].convolution.error)
+                _decode_pullback(worker)
+                _copy_windows(worker.d_top, dy[worker.windows])
+
+            with self._lock:
+                if workspace.content is not content:
+                    workspace.run(layers, _decoding(layers, y, np.empty_like(x_hat)))
+                workspace.run(layers, work, same_weights=True)
+                workspace.content = content  # the pullback leaves what it needs as it was
+            return dy
+
+        return x_hat, pullback
+
+    def loss_and_gradients(
+        self,
+        x: np.ndarray,
+        corrupted: np.ndarray,
+        alpha: float = 0.0,
+        first: Sequence[np.ndarray] | None = None,
+        layer: int | None = None,
+    ) -> tuple[float, Gradients]:
+        """Equation 3 and its derivatives, as `ConvAutoencoder.loss_and_gradients`."""
+        layers = self.layers if layer is None else [self.layers[layer]]
+        require_loss_arguments(layers, x, corrupted, first)
+        batch, frames, _ = x.shape
+        dtype = _dtype(layers, x, corrupted)
+        dws = [np.empty(each.w.shape, dtype) for each in layers]
+
+        def work(worker: Worker) -> None:
+            _encode(layers, worker, corrupted)
+            decoded = _decode(layers, worker, _masks(worker, first, len(layers)))
+            worker.loss = _error(worker, decoded, x)
+            _decode_pullback(worker)
+            worker.loss += _sparsity(worker, alpha, batch)
+            _encode_pullback(worker)
+            workspace.filters_gradient(worker, dws)
+
+        with self._lock:
+            workspace = self._workspace(layers, batch, frames, dtype, first, True)
+            workspace.run(layers, work)
+            workers = workspace.workers
+            dbs = [np.sum([worker.db[k] for worker in workers], axis=0) for k in range(len(layers))]
+            loss = sum(worker.loss for worker in workers)
+        return loss, list(zip(dws, dbs, strict=True))
+
+    def _in_parts(
+        self,
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        work: Callable[[Workspace, slice, bool], None],
+    ) -> None:
+        """Call `work` on parts of the windows that bound the memory; never on none."""
+        windows = max(1, MAX_FRAMES // max(frames, 1))
+        last = None
+        with self._lock:
+            for start in range(0, batch if frames else 0, windows):
+                part = slice(start, min(start + windows, batch))
+                size = part.stop - part.start
+                workspace = self._workspace(self.layers, size, frames, dtype, None, False)
+                work(workspace, part, workspace is last)
+                last = workspace
+
+    def _workspace(
+        self,
+        layers: Sequence[ConvLayer],
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        first: Sequence[np.ndarray | None] | None,
+        training: bool,
+    ) -> Workspace:
+        """The buffers for arguments of these sizes, from the last few that were used."""
+        shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
+        unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
+        team = self._team(layers, batch, frames)
+        key = (shapes, batch, frames, dtype, unpooled_evenly, team.size, training)
+        if key not in self._workspaces:
+            if len(self._workspaces) == MAX_WORKSPACES:
+                self._workspaces.popitem(last=False)
+            self._workspaces[key] = Workspace(
+                layers, batch, frames, dtype, unpooled_evenly, team, training
+            )
+        self._workspaces.move_to_end(key)
+        return self._workspaces[key]
+
+    def _team(self, layers: Sequence[ConvLayer], batch: int, frames: int) -> ThreadTeam:
+        work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
+        if work < MIN_MULTIPLICATIONS:
+            return thread_team(1)
+        size = thread_team(self._threads).size
+        return thread_team(max(1, min(size, batch // MIN_WINDOWS_PER_THREAD)))
+
+
+def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:
+    return np.result_type(*arrays, *(layer.w for layer in layers))
+
+
+def _encode(layers: Sequence[ConvLayer], worker: Worker, x: np.ndarray) -> None:
+    """Φ of the worker's windows, into `worker.top`."""
+    _place_windows(x[worker.windows], worker.layers[0].convolution.x)
+    for fast, layer in zip(worker.layers, layers, strict=True):
+        fast.encode(layer.b)
+
+
+def _decode(
+    layers: Sequence[ConvLayer], worker: Worker, masks: Sequence[np.ndarray | None]
+) -> np.ndarray:
+    """Φ† of `worker.top`, (T, B·C)."""
+    decoded = worker.top
+    for fast, layer, mask in reversed(list(zip(worker.layers, layers, masks, strict=True))):
+        decoded = fast.decode(decoded, layer.b, mask)
+    return decoded
+
+
+def _decoding(
+    layers: Sequence[ConvLayer], y: np.ndarray, out: np.ndarray
+) -> Callable[[Worker], None]:
+    """The work of decoding y into out, unpooling evenly."""
+
+    def work(worker: Worker) -> None:
+        _place_windows(y[worker.windows], worker.top)
+        decoded = _decode(layers, worker, [None] * len(layers))
+        _copy_windows(decoded, out[worker.windows])
+
+    return work
+
+
+def _decode_pullback(worker: Worker) -> None:
+    """From dx̂ of the lowest layer to d_top; each layer's dy is the dx̂ of the one above."""
+    targets = [fast.convolution.error for fast in worker.layers[1:]] + [worker.d_top]
+    for fast, db, target in zip(worker.layers, worker.db, targets, strict=True):
+        fast.decode_pullback(db, target)
+
+
+def _encode_pullback(worker: Worker) -> None:
+    """From d_top to the filters. The lowest layer's input is data: its gradient is not computed."""
+    d = worker.d_top
+    for k in reversed(range(len(worker.layers))):
+        d = worker.layers[k].encode_pullback(d, worker.db[k], with_dx=k > 0)
+
+
+def _place_windows(x: np.ndarray, rows: np.ndarray) -> None:
+    """(B, T, C) into (T, B·C)."""
+    batch, frames, channels = x.shape
+    rows.reshape(frames, batch, channels)[...] = x.transpose(1, 0, 2)
+
+
+def _copy_windows(rows: np.ndarray, x: np.ndarray) -> None:
+    """(T, B·C) into (B, T, C)."""
+    batch, frames, channels = x.shape
+    x[...] = rows.reshape(frames, batch, channels).transpose(1, 0, 2)
+
+
+def _masks(
+    worker: Worker, first: Sequence[np.ndarray | None] | None, layers: int
+) -> list[np.ndarray | None]:
+    """The worker's part of each mask, as rows of frames."""
+    if first is None:
+        return [None] * layers
+    own = [None if mask is None else mask[worker.windows] for mask in first]
+    return [
+        None if mask is None else mask.transpose(1, 0, 2).reshape(mask.shape[1], -1) for mask in own
+    ]
+
+
+def _error(worker: Worker, decoded: np.ndarray, x: np.ndarray) -> float:
+    """The worker's part of the mean squared error; puts dx̂ = 2 (x̂ - x) / N where it is used.
+
+    `decoded` is overwritten.
+    """
+    error = worker.layers[0].convolution.error
+    batch, frames, channels = x[worker.windows].shape
+    shape = frames, batch, channels
+    own = x[worker.windows].transpose(1, 0, 2)
+    np.subtract(decoded.reshape(shape), own, out=error.reshape(shape))
+    loss = float(np.multiply(error, error, out=decoded).sum()) / x.size
+    error *= 2 / x.size
+    return loss
+
+
+def _sparsity(worker: Worker, alpha: float, batch: int) -> float:
+    """The worker's part of α mean(|y|); adds its gradient, α sign(y) / N, to dy."""
+    if alpha == 0:
+        return 0.0
+    y = worker.top
+    windows = worker.windows.stop - worker.windows.start
+    weight = alpha / (y.size // windows * batch)
+    worker.d_top += weight * np.sign(y)
+    return weight * float(np.abs(y).sum())

@@ -1,0 +1,222 @@
+"""`SequentialAutoencoder` at speed: its definition, step for step, over `SequenceWorker`s."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae import ops
+from numpy_cae.fast.gru_matrices import GruMatrices
+from numpy_cae.fast.sequence_worker import SequenceWorker
+from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
+from numpy_cae.models.sequential_autoencoder import (
+    FRAMES,
+    Losses,
+    SequentialAutoencoder,
+    Weights,
+    require_clips,
+    require_latent,
+    require_loss_arguments,
+)
+
+MAX_CLIPS = 128
+"""Clips that one workspace holds when no gradient is computed; more go in parts."""
+
+MAX_UNITS_PER_CLIP = 16
+"""A thread has at least one clip for so many hidden units. With fewer, a step of half the clips
+takes far more than half the time, since it reads all of the weights; the clips are then not divided
+between Python threads, and BLAS divides the rows of a product between its own."""
+
+MIN_STATES_PER_THREAD = 1024
+"""Numbers of a thread's states: NumPy keeps the interpreter lock for less than 500."""
+
+MAX_WORKSPACES = 4
+"""Workspaces that are kept."""
+
+
+class SequenceWorkspace:
+    """The matrices, and a team of threads with a part of the clips each."""
+
+    def __init__(
+        self,
+        weights: Weights,
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        training: bool,
+        team: ThreadTeam,
+    ):
+        features, hidden = len(weights["frame_b"]), len(weights["state_b"])
+        self.team = team
+        self.encoder = GruMatrices("encoder", features, hidden, dtype)
+        self.decoder = GruMatrices("decoder", features, hidden, dtype)
+        self.workers = [
+            SequenceWorker(
+                self.encoder, self.decoder, share(batch, number, team.size), frames, dtype, training
+            )
+            for number in range(team.size)
+        ]
+
+    def run(self, work: Callable[[int, SequenceWorker], None]) -> None:
+        """Call work(number, worker) for every worker."""
+        self.team.run(lambda number: work(number, self.workers[number]))
+
+
+class FastSequentialAutoencoder(SequentialAutoencoder):
+    """The methods of a `SequentialAutoencoder` on its own weights.
+
+    `encode_with_pullback` and `decode_with_pullback` are those of the definition.
+
+    Parameters
+    ----------
+    model : SequentialAutoencoder
+    threads : int, optional
+        As many as BLAS would use where None.
+
+    Attributes
+    ----------
+    weights : dict of name to array
+        The model's own dict.
+    """
+
+    def __init__(self, model: SequentialAutoencoder, threads: int | None = None):
+        self.weights = model.weights
+        self._model, self._threads = model, threads
+        self._workspaces: OrderedDict[tuple, SequenceWorkspace] = OrderedDict()
+        self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
+
+    def __reduce__(self):
+        return type(self), (self._model, self._threads)  # copies and pickles start without buffers
+
+    def encode(self, x: np.ndarray) -> np.ndarray:
+        """z of clips, as `SequentialAutoencoder.encode`."""
+        weights = self.weights
+        require_clips("x", x, weights)
+        frames, dtype = x.shape[1], _dtype(weights, x)
+        last_states = np.empty((len(x), self.hidden), dtype)
+
+        def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
+            workspace.encoder.load(weights, back=False)
+
+            def work(_: int, worker: SequenceWorker) -> None:
+                last_states[part][worker.clips] = worker.read(x[part]).T
+
+            workspace.run(work)
+
+        self._in_parts(len(x), frames, dtype, encode_part)
+        return last_states @ weights["latent_w"] + weights["latent_b"]
+
+    def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
+        """Clips of z, as `SequentialAutoencoder.decode`."""
+        weights = self.weights
+        require_latent(z, frames, weights)
+        dtype = _dtype(weights, z)
+        first_states = z @ weights["state_w"] + weights["state_b"]
+        out = np.empty((len(z), frames, self.features), dtype)
+
+        def decode_part(workspace: SequenceWorkspace, part: slice) -> None:
+            workspace.decoder.load(weights, back=False)
+
+            def work(_: int, worker: SequenceWorker) -> None:
+                worker.write(first_states[part][worker.clips].T)
+                worker.copy_clips(out[part])
+
+            workspace.run(work)
+
+        self._in_parts(len(z), frames, dtype, decode_part)
+        return out
+
+    def loss_and_gradients(
+        self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
+    ) -> tuple[Losses, Weights]:
+        """The loss and its derivatives, as `SequentialAutoencoder.loss_and_gradients`."""
+        weights = self.weights
+        require_loss_arguments(x, prior, weights)
+        dtype = _dtype(weights, x, prior, directions)
+        last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
+
+        def read(_: int, worker: SequenceWorker) -> None:
+            last_states[worker.clips] = worker.read(x).T
+
+        with self._lock:
+            workspace = self._workspace(len(x), x.shape[1], dtype, True)
+            workspace.encoder.load(weights, back=True)
+            workspace.decoder.load(weights, back=True)
+            workspace.run(read)
+            z = last_states @ weights["latent_w"] + weights["latent_b"]
+            first_states = z @ weights["state_w"] + weights["state_b"]
+            distance, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
+            dz = prior_pullback(weight)
+            errors = [0.0] * workspace.team.size
+            gradients: list[Weights] = [{}] * workspace.team.size
+
+            def write_and_pull_back(number: int, worker: SequenceWorker) -> None:
+                clips = worker.clips
+                worker.write(first_states[clips].T)
+                errors[number] = worker.compare(x.size)
+                dh, decoder_gradients = worker.write_pullback()
+                d_first_states[clips] = dh.T
+                dz[clips] += d_first_states[clips] @ weights["state_w"].T
+                encoder_gradients = worker.read_pullback(weights["latent_w"] @ dz[clips].T)
+                gradients[number] = encoder_gradients | decoder_gradients
+
+            workspace.run(write_and_pull_back)
+        sums = _sums(gradients) | {
+            "latent_w": last_states.T @ dz,
+            "latent_b": dz.sum(axis=0),
+            "state_w": z.T @ d_first_states,
+            "state_b": d_first_states.sum(axis=0),
+        }
+        reconstruction, discrepancy = sum(errors), float(distance)
+        losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
+        return losses, {name: sums[name] for name in weights}
+
+    def _in_parts(
+        self,
+        batch: int,
+        frames: int,
+        dtype: np.dtype,
+        work: Callable[[SequenceWorkspace, slice], None],
+    ) -> None:
+        """Call `work` on parts of the clips that bound the memory."""
+        for start in range(0, batch, MAX_CLIPS):
+            part = slice(start, min(start + MAX_CLIPS, batch))
+            with self._lock:
+                work(self._workspace(part.stop - start, frames, dtype, False), part)
+
+    def _workspace(
+        self, batch: int, frames: int, dtype: np.dtype, training: bool
+    ) -> SequenceWorkspace:
+        """The buffers for arguments of these sizes, from the last few that were used."""
+        team = self._team(batch)
+        key = (self.weights["frame_w"].shape, batch, frames, dtype, training, team.size)
+        if key not in self._workspaces:
+            if len(self._workspaces) == MAX_WORKSPACES:
+                self._workspaces.popitem(last=False)
+            self._workspaces[key] = SequenceWorkspace(
+                self.weights, batch, frames, dtype, training, team
+            )
+        self._workspaces.move_to_end(key)
+        return self._workspaces[key]
+
+    def _team(self, batch: int) -> ThreadTeam:
+        by_clips = batch * MAX_UNITS_PER_CLIP // self.hidden
+        by_states = batch * self.hidden // MIN_STATES_PER_THREAD
+        size = thread_team(self._threads).size
+        return thread_team(max(1, min(size, by_clips, by_states, batch)))
+
+
+def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:
+    return np.result_type(weights["state_w"], *arrays)
+
+
+def _sums(parts: list[Weights]) -> Weights:
+    """The workers' gradients added up in their order; the first worker's arrays hold the sums."""
+    sums = dict(parts[0])
+    for part in parts[1:]:
+        for name, gradient in part.items():
+            sums[name] += gradient
+    return sums

@@ -1,0 +1,34 @@
+"""Threads that work together, and the BLAS threads that they use."""
+
+import pytest
+
+from numpy_cae.fast.blas import blas_threads, one_blas_thread
+from numpy_cae.fast.thread_team import share, thread_team
+
+
+def test_a_worker_that_fails_releases_the_others_and_raises_its_error():
+    def work(worker):
+        if worker == 1:
+            raise KeyError("what went wrong")
+        thread_team(2).wait(worker)
+
+    for _ in range(2):
+        with pytest.raises(KeyError, match="what went wrong"):
+            thread_team(2).run(work)
+    done = []
+    thread_team(2).run(done.append)
+    assert sorted(done) == [0, 1]
+
+
+def test_the_number_of_blas_threads_comes_back():
+    before = blas_threads()
+    if before is None:
+        pytest.skip("this NumPy does not bring its own OpenBLAS")
+    with one_blas_thread():
+        assert blas_threads() == 1
+    assert blas_threads() == before
+
+
+def test_shares_cover_everything_once():
+    parts = [share(11, worker, 3) for worker in range(3)]
+    assert [n for part in parts for n in range(11)[part]] == list(range(11))
