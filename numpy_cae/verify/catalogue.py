@@ -13,7 +13,7 @@ from importlib import import_module
 from numpy_cae import ops
 from numpy_cae.verify.convention import PYTORCH, Convention
 from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.particulars import particular_properties
+from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.property import Property, shared_properties
 from numpy_cae.verify.tied import tied_layer
 
@@ -53,7 +53,7 @@ def properties_of(name: str, convention: Convention = PYTORCH) -> tuple[Property
     operation = OPERATIONS[name]
     if convention != PYTORCH:
         operation = operation.in_convention(convention)
-    return (*shared_properties(operation), *particular_properties(operation))
+    return (*shared_properties(operation), *operation_properties(operation))
 
 
 CATALOGUE: dict[str, Task] = {

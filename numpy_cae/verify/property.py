@@ -1,7 +1,7 @@
 """A property: a sentence about an operation, and the check that holds an implementation to it.
 
 The properties that every operation shares are stated here; those of a single one are in
-`particulars`. A check takes an implementation and a case, and raises where the sentence is untrue.
+`operation_properties`. A check takes an implementation and a case, and raises where the sentence is untrue.
 """
 
 from __future__ import annotations
@@ -36,6 +36,21 @@ class Property:
     points: int = 1
     hint: str = ""
     examples: int = EXAMPLES
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The result of one property: if it does not hold, why, where, and the likely mistake."""
+
+    stated: Property
+    held: bool
+    problem: str = ""
+    counterexample: str = ""
+    mistake: str = ""
+
+    @property
+    def points(self) -> int:
+        return self.stated.points if self.held else 0
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:

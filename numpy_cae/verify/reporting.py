@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from numpy_cae.verify.catalogue import Task, properties_of
 from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
-from numpy_cae.verify.trial import Outcome, try_property
+from numpy_cae.verify.property import Outcome
+from numpy_cae.verify.trial import try_property
 
 WIDTH = 98
 INDENT = 10
@@ -37,7 +38,7 @@ class Report:
 
     @property
     def possible(self) -> int:
-        return sum(outcome.property.points for outcome in self.outcomes)
+        return sum(outcome.stated.points for outcome in self.outcomes)
 
     @property
     def held(self) -> bool:
@@ -59,11 +60,11 @@ class Report:
             "held": self.held,
             "properties": [
                 {
-                    "name": outcome.property.name,
-                    "statement": outcome.property.statement,
+                    "name": outcome.stated.name,
+                    "statement": outcome.stated.statement,
                     "held": outcome.held,
                     "points": outcome.points,
-                    "possible": outcome.property.points,
+                    "possible": outcome.stated.points,
                     "problem": outcome.problem,
                     "counterexample": outcome.counterexample,
                     "likely_mistake": outcome.mistake,
@@ -88,10 +89,10 @@ class Report:
             yield from textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="  ")
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
-        longest = max(len(outcome.property.name) for outcome in self.outcomes)
+        longest = max(len(outcome.stated.name) for outcome in self.outcomes)
         told: dict[tuple[str, str, str], str] = {}
         for outcome in self.outcomes:
-            tried = outcome.property
+            tried = outcome.stated
             word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
             points = f"{outcome.points}/{tried.points}"
             head = f"  {word:8}{tried.name:{longest}}  {points}  "
@@ -117,7 +118,7 @@ def _why(outcome: Outcome) -> Iterator[str]:
         ("what", outcome.problem),
         ("smallest", outcome.counterexample),
         ("likely", outcome.mistake),
-        ("hint", outcome.property.hint),
+        ("hint", outcome.stated.hint),
     ):
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)

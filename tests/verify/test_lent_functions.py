@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from numpy_cae import ops
-from numpy_cae.verify.sandbox.student import Student
-from numpy_cae.verify.trial import Abandoned
+from numpy_cae.verify.sandbox.student import Abandoned, Student
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from numpy_cae import ops
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS, Operation, Sizes
-from numpy_cae.verify.particulars import particular_properties
+from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.property import EXAMPLES, Property, require_equal, shared_properties
 
 Arguments = Callable[[Case], dict[str, object]]
@@ -90,7 +90,7 @@ def operation_exercise(
     if operation.name in OPERATIONS:
         stated: Iterable[Property] = properties_of(operation.name)
     else:
-        stated = (*shared_properties(operation), *particular_properties(operation))
+        stated = (*shared_properties(operation), *operation_properties(operation))
     hints = hints or {}
     hinted = tuple(replace(prop, hint=hints.get(prop.name, "")) for prop in stated)
     return Exercise(operation.name, hint, solution or getattr(ops, operation.name), hinted, given)

@@ -1,7 +1,7 @@
 """The exercises of lesson 12, trust nobody's gradients: the student's own tests, tested.
 
 A test is right when it lets every right implementation pass and no wrong one; the wrong ones are
-those of the bug zoo.
+the planted bugs.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
+from numpy_cae.verify.planted_bugs import PlantedBug, bug_named, bugs_of, right_operation
 from numpy_cae.verify.property import require_equal
-from numpy_cae.verify.zoo import BUGS, Bug, bugs_of
 
-SUSPECTS: tuple[Bug, ...] = tuple(
-    next(bug for bug in BUGS if bug.name == name)
+SUSPECTS: tuple[PlantedBug, ...] = tuple(
+    bug_named(name)
     for name in (
         "conv_without_flip",
         "arctanh_gradient_beyond_bound",
@@ -156,7 +156,7 @@ def _accused(number: int) -> Claim:
         for seed in range(20):
             sizes = tuple((n, max(options)) for n, options in stated[named].sizes.items())
             try:
-                stated[named].check(suspect.implementation, Case(sizes, seed))
+                stated[named].check(suspect.function(), Case(sizes, seed))
             except Exception:
                 return
         raise AssertionError(f"suspect {number} keeps {named!r}: it is not guilty of that")
@@ -184,11 +184,7 @@ def _tried(operation: str, implementation: Callable, seed: int, size: float = 1.
 
 
 def _right(operation: str) -> Callable:
-    if operation == "tied_layer":
-        from numpy_cae.verify.tied import tied_layer
-
-        return tied_layer
-    return getattr(ops, operation)
+    return right_operation(operation)
 
 
 def _passes_right_ones(check_gradients, case: Case) -> None:
@@ -203,20 +199,20 @@ def _passes_right_ones(check_gradients, case: Case) -> None:
 def _refuses(group: str) -> Callable:
     def check(check_gradients, case: Case) -> None:
         for bug in _bugs_in_gradients(GROUPS[group]):
-            f, inputs = _tried(bug.operation, bug.implementation, case.seed)
+            f, inputs = _tried(bug.operation, bug.function(), case.seed)
             _require_refusal(check_gradients, bug, f, inputs)
 
     return check
 
 
-def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[Bug]:
+def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[PlantedBug]:
     for operation in operations:
         for bug in bugs_of(operation):
             if bug.caught_by.startswith("gradient for"):
                 yield bug
 
 
-def _require_refusal(check_gradients, bug: Bug, f, inputs) -> None:
+def _require_refusal(check_gradients, bug: PlantedBug, f, inputs) -> None:
     try:
         check_gradients(f, inputs)
     except AssertionError:
@@ -225,18 +221,18 @@ def _require_refusal(check_gradients, bug: Bug, f, inputs) -> None:
 
 
 def _refuses_tiny(check_gradients, case: Case) -> None:
-    (bug,) = (bug for bug in bugs_of("mean_squared_error") if bug.name == "squared_without_two")
-    f, inputs = _tried(bug.operation, bug.implementation, case.seed, TINY)
+    bug = bug_named("squared_without_two")
+    f, inputs = _tried(bug.operation, bug.function(), case.seed, TINY)
     _require_refusal(check_gradients, bug, f, inputs)
 
 
 def _names_the_culprit(check_gradients, case: Case) -> None:
     for name in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged"):
-        (bug,) = (bug for bug in bugs_of("conv1d") if bug.name == name)
+        bug = bug_named(name)
         culprit = bug.caught_by.rpartition(" ")[2]
         message = ""
         try:
-            check_gradients(*_tried(bug.operation, bug.implementation, case.seed))
+            check_gradients(*_tried(bug.operation, bug.function(), case.seed))
         except AssertionError as error:
             message = str(error)
         if culprit not in re.findall(r"\w+", message):
@@ -311,7 +307,7 @@ EXERCISES: tuple[Exercise, ...] = (
             *(
                 Claim(
                     f"{group}",
-                    f"every wrong {' or '.join(operations)} of the zoo is refused",
+                    f"every wrong {' or '.join(operations)} among the planted bugs is refused",
                     _refuses(group),
                     2,
                     "is your upstream gradient drawn, and is every input tried?",

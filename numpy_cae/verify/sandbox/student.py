@@ -17,13 +17,16 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.verify.sandbox import wire
-from numpy_cae.verify.trial import Abandoned
 
 WORKER = Path(__file__).with_name("worker.py")
 CALL_SECONDS = 10.0
 LOOK_EVERY = 0.02
 KEPT_FROM_ENVIRONMENT = ("PATH", "HOME", "PYTHONPATH", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
+
+
+class Abandoned(Exception):
+    """A process that has ended."""
 
 
 class Fault(Exception):

@@ -1,4 +1,4 @@
-"""What is true of one operation alone: shifts, ties, empty slots, bounds, order, time."""
+"""Properties of single operations: shifts, ties, empty slots, bounds, order, time."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ LARGE = 1000.0
 WIDE_BOUND = 0.99
 
 
-def particular_properties(operation: Operation) -> Iterator[Property]:
-    """The properties that this operation has for itself."""
-    for name, statement, check, sizes in PARTICULARS.get(operation.name, ()):
+def operation_properties(operation: Operation) -> Iterator[Property]:
+    """The properties that only this operation has."""
+    for name, statement, check, sizes in STATED.get(operation.name, ()):
         yield Property(
             operation.name,
             name,
@@ -220,7 +220,7 @@ LARGE_INPUTS = (
 PAIR_SUMS = ("pair sums", "both frames of a pair sum to y", _pair_sums, NO_SIZES)
 TWO_FRAMES = {"frames": (2, 3, 4)}
 
-PARTICULARS: dict[str, tuple] = {
+STATED: dict[str, tuple] = {
     "conv1d": (
         (
             "shift in time",

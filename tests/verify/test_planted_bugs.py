@@ -1,0 +1,63 @@
+"""Every planted bug is caught by the property that it names, and told from the others."""
+
+import ast
+
+import pytest
+
+from numpy_cae.verify.catalogue import CATALOGUE
+from numpy_cae.verify.planted_bugs import BUGS, PatchError, PlantedBug, bugs_of, right_operation
+from numpy_cae.verify.trial import try_property
+
+EXAMPLES = 25  # as many as a report tries
+
+every_bug = pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.name)
+
+
+def property_of(operation, name):
+    return next(tried for tried in CATALOGUE[operation].properties if tried.name == name)
+
+
+def test_every_operation_has_bugs_with_names_of_their_own():
+    assert len(BUGS) >= 120
+    assert len({bug.name for bug in BUGS}) == len(BUGS)
+    assert all(bugs_of(operation) for operation in CATALOGUE)
+
+
+@every_bug
+def test_each_is_caught_by_the_property_that_it_names_and_recognised(bug):
+    tried = property_of(bug.operation, bug.caught_by)
+    outcome = try_property(tried, bug.function(), EXAMPLES, shrink=False)
+    assert not outcome.held
+    assert outcome.mistake == bug.sentence
+
+
+@pytest.mark.parametrize(
+    "bug", [b for b in BUGS if b.caught_by.startswith("gradient for")], ids=lambda bug: bug.name
+)
+def test_a_wrong_gradient_leaves_the_value_alone(bug):
+    value = property_of(bug.operation, "value")
+    assert try_property(value, bug.function(), EXAMPLES, shrink=False).held
+
+
+@every_bug
+def test_the_source_shows_neither_name_nor_sentence(bug):
+    (function,) = ast.parse(bug.source()).body
+    assert function.name == "suspect" and ast.get_docstring(function) is None
+    assert bug.name not in bug.source() and "#" not in bug.source()
+    assert isinstance(function.body[-1], ast.Return)
+
+
+def test_the_right_operation_has_no_likely_mistake():
+    def wrong_in_its_own_way(x):
+        y, pullback = right_operation("tanh")(x)
+        return y, lambda dy: 1.7 * pullback(dy)
+
+    outcome = try_property(property_of("tanh", "gradient for x"), wrong_in_its_own_way)
+    assert not outcome.held and outcome.mistake == ""
+
+
+def test_a_patch_that_does_not_fit_the_source_fails_loudly():
+    old, new = ("return dy * 17",), ("return dy",)
+    bug = PlantedBug("stale", "tanh", "value", "Made for another source.", ((old, new),))
+    with pytest.raises(PatchError, match=r"stale: found 0 times, expected once: return dy \* 17"):
+        bug.function()
