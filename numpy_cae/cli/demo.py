@@ -8,8 +8,8 @@ from pathlib import Path
 from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments.repair.figure_1 import COLOURS, figure_1, typical
-from numpy_cae.experiments.repair.half_zeroed import half_zeroed
+from numpy_cae.experiments.material import unlabelled
+from numpy_cae.experiments.repair import figure_1, half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
@@ -47,13 +47,14 @@ def run(args: argparse.Namespace) -> int:
     manifold = learn_manifold(training, SCHEDULE, seed=args.seed, show_progress=not args.quiet)
     save_manifold(manifold, out / "model.npz")
 
-    table = half_zeroed(manifold, training, testing, args.seed)
-    print(f"\n{table.takes} takes that nothing was trained on:\n\n{table.text()}\n")
-    figure = figure_1(manifold, typical(manifold, testing), args.seed)
+    material = unlabelled(training, testing)
+    print(f"\n{half_zeroed.run(manifold, material, args.seed).text()}\n")
+    figure = figure_1.run(manifold, material, args.seed)
     figure.save_picture(out / "figure_1.png")
     figure.save_gif(out / "figure_1.gif")
-    for name in COLOURS:
-        motion = fit_motion(figure.positions(name), manifold.lengths, manifold.rate)
+    take = figure_1.typical(manifold, material.testing).positions
+    for name, positions in figure_1.half_lost_positions(manifold, take, args.seed).items():
+        motion = fit_motion(positions, manifold.lengths, manifold.rate)
         write_bvh(motion, out / f"{name}.bvh")
     print(
         f"{out}/figure_1.png and .gif: orange lost half of its values, blue is its projection, "

@@ -12,9 +12,8 @@ from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.cli.one_run import add_arguments as add_run_arguments
 from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments.material import is_test
-from numpy_cae.experiments.repair.figure_1 import figure_1, typical
-from numpy_cae.experiments.repair.half_zeroed import half_zeroed
+from numpy_cae.experiments.material import is_test, unlabelled
+from numpy_cae.experiments.repair import figure_1, half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.manifold.learning import RMS
 from numpy_cae.motion import find_motion_files
@@ -185,15 +184,17 @@ def _run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
     ]
     save_manifold(manifold, args.output)
     checkpoint.remove()
-    table = half_zeroed(manifold, training, testing) if testing else None
+    material = unlabelled(training, testing)
+    table = half_zeroed.run(manifold, material) if testing else None
     if args.picture:
-        figure_1(manifold, typical(manifold, testing)).save_picture(args.picture)
+        figure_1.run(manifold, material).save_picture(args.picture)
     if args.json:
-        print_json({"model": args.output, "settings": manifold.settings, "test": table})
+        test = table.data() if table else None
+        print_json({"model": args.output, "settings": manifold.settings, "test": test})
         return 0
     print(f"{args.output}: learned from {manifold.settings['windows']} windows")
     if table:
-        print(f"\n{table.takes} test takes, {table.windows} windows:\n\n{table.text()}")
+        print(f"\n{table.text()}")
     if args.picture:
         print(f"\n{args.picture}: figure 1 of the typical test take")
     return 0

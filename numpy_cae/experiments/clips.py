@@ -1,4 +1,4 @@
-"""Windows of takes in the network's own terms, and what is measured on them against the truth."""
+"""Normalised windows of takes, and the errors of repaired windows against them."""
 
 from __future__ import annotations
 
@@ -15,24 +15,23 @@ from numpy_cae.motion.windows import LENGTH, cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
 ALL_SHIFTS = "the network, ends held, all shifts"
-"""What `project` and `project_ends_held` (once, and the mean over all shifts) are called in
-tables."""
+"""Names in tables: `project`, `project_ends_held` once, and its mean over all shifts."""
 
 
 @dataclass(frozen=True)
 class Clips:
-    """The truth that repairs are measured against.
+    """True windows, which repaired windows are compared with.
 
     Parameters
     ----------
     manifold : MotionManifold
-        Whose mean skeleton and scale the windows are in.
+        Gives the mean skeleton and the scale.
     x : (N, T, 63) array of float32
-        X: normalised windows, zero the mean pose.
+        X: normalised windows; zero is the mean pose.
     real : (N, T) array of bool
-        Frames that count; False where a short take holds its last pose.
+        Frames that count; False where a short take is padded with its last pose.
     take : (N,) array of int
-        Number of the take that a window is of.
+        Number of the take of each window.
     """
 
     manifold: MotionManifold
@@ -45,46 +44,47 @@ class Clips:
 
     def error(self, x: np.ndarray, joint: str | None = None) -> float:
         """The `position_error` of windows, cm, over all joints or one."""
-        gap = (x - self.x) / self.manifold.scale  # the mean pose is in both
+        gap = (x - self.x) / self.manifold.scale  # the mean pose cancels
         return position_error(gap, np.zeros(gap.shape[-1]), self.real, joint)
 
     def jitter(self, x: np.ndarray) -> float:
-        """The `jitter` of windows, m/s², on the paths that their velocities add up to; each window
-        counts by the accelerations that it has."""
+        """The `jitter` of windows in the world, m/s², weighted by their number of accelerations."""
         rate, features = self.manifold.rate, self.manifold.denormalise(x)
         clips = [window[real] for window, real in zip(features, self.real, strict=True)]
         clips = [clip for clip in clips if len(clip) >= 3]
         each = [jitter(features_to_positions(clip), rate) for clip in clips]
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
 
-    def each(
-        self, change: Callable[[np.ndarray], np.ndarray], x: np.ndarray | None = None
-    ) -> np.ndarray:
-        """Every window, or those of x, changed by itself as features (T, 63) in metres."""
-        features = self.manifold.denormalise(self.x if x is None else x)
+    def each(self, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Every window changed by itself, as features (T, 63) in metres."""
+        features = self.manifold.denormalise(self.x)
         return self.manifold.normalise(np.stack([change(window) for window in features]))
 
     def typical(self) -> int:
-        """Number of the window in the middle of all by how far it strays from the mean pose; of
-        those with the most real frames."""
+        """Number of the window whose distance from the mean pose is the median, among those with
+        the most real frames."""
         frames = np.count_nonzero(self.real, axis=1)
-        strays = np.mean(np.square(self.x), axis=(1, 2))
+        distance = np.mean(np.square(self.x), axis=(1, 2))
         long = np.flatnonzero(frames == frames.max())
-        return int(long[np.argsort(strays[long])[len(long) // 2]])
+        return int(long[np.argsort(distance[long])[len(long) // 2]])
+
+    def features(self, x: np.ndarray, window: int) -> np.ndarray:
+        """The real frames of one of the windows x, as features (F, 63) in metres."""
+        return self.manifold.denormalise(x[window][self.real[window]])
 
     def later(self, frames: int) -> Clips:
-        """The same truth so many frames later; what comes before it does not count."""
+        """The same truth, delayed by a number of frames; the frames before it do not count."""
         real = np.roll(self.real, frames, axis=1) & self.real
         real[:, :frames] = False
         return replace(self, x=np.roll(self.x, frames, axis=1), real=real)
 
     def evenly(self, count: int) -> Clips:
-        """At most so many of the windows, spread evenly over all."""
+        """At most `count` of the windows, spread evenly over all."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
         return self._chosen(chosen, self.real)
 
     def where(self, windows: np.ndarray, frames: np.ndarray) -> Clips:
-        """The windows that are chosen, (N,) bool, and of them the frames, (N, T) bool, counted."""
+        """The windows chosen by (N,) bool, in which the frames chosen by (N, T) bool count."""
         return self._chosen(windows, self.real & frames)
 
     def _chosen(self, windows: np.ndarray, real: np.ndarray) -> Clips:
@@ -92,8 +92,8 @@ class Clips:
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
-    """Takes cut into windows of the manifold's length that overlap by half, as the paper's do,
-    whatever the overlap in training: tables of two networks are of the same windows.
+    """Takes cut into windows of the manifold's length that overlap by half, whatever the overlap
+    in training, so that tables of two networks are measured on the same windows.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     """
     if not takes:
         raise ValueError("there are no takes to cut into windows")
-    length = manifold.settings.get("window", LENGTH)
+    length = window_length(manifold)
     cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
     windows = np.concatenate([windows for windows, _ in cut])
     take = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
@@ -116,25 +116,30 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     return Clips(manifold, manifold.normalise(windows), real, take)
 
 
+def window_length(manifold: MotionManifold) -> int:
+    """Frames of the windows that the manifold was trained on."""
+    return manifold.settings.get("window", LENGTH)
+
+
 def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
-    """Φ†(Φ(X)) of normalised windows (N, T, 63) just as they are, zeros beyond their ends."""
+    """Φ†(Φ(X)) of normalised windows (N, T, 63), zero padded."""
     return project_shifted(manifold.network, x)
 
 
 def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) -> np.ndarray:
-    """Φ†(Φ(X)) of windows whose first and last frames are held beyond their ends, as
-    `MotionManifold.project` does with a clip; the mean over so many shifts."""
+    """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project`
+    pads a clip; the mean over a number of shifts of the pooling grid."""
     projected = project_shifted(manifold.network, hold_ends(manifold, x), shifts)
     return cut_ends(manifold, projected, x.shape[1])
 
 
 def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
-    """Windows (N, T, C) continued on both sides as far as the network sees."""
+    """Windows (N, T, C) padded with their end frames as far as the network sees."""
     reach = manifold.reach
     more = -(x.shape[1] + 2 * reach) % manifold.network.frames_per_unit
     return np.pad(x, ((0, 0), (reach, reach + more), (0, 0)), mode="edge")
 
 
 def cut_ends(manifold: MotionManifold, x: np.ndarray, frames: int) -> np.ndarray:
-    """What `hold_ends` made of windows of so many frames, without the continuation."""
+    """Windows without the padding that `hold_ends` added to windows of so many frames."""
     return x[:, manifold.reach : manifold.reach + frames]

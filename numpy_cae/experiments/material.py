@@ -1,6 +1,6 @@
-"""What the experiments are run on: takes with their labels, those learned from and those not.
+"""The takes of an experiment with their labels, for training and for testing.
 
-The split is by take, never by window: two windows of one take overlap.
+They are split by take, never by window: two windows of one take overlap.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
 
 @dataclass(frozen=True)
 class LabelledTake:
-    """One take and what is known of it.
+    """One take and its labels.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ class LabelledTake:
     positions : (F, 20, 3) array of float64
         World positions in metres at 30 frames a second.
     source : "synthetic", "bandai" or "other"
-        Who labelled it: data_synth's labels.csv, a file name of Bandai Namco's, nobody.
+        Where the labels are from: labels.csv of data_synth, a file name of Bandai Namco, nowhere.
     content, style : str
-        What is done and in which manner; empty where nobody says.
+        What is done, and how; empty where unknown.
     """
 
     path: Path
@@ -48,13 +48,13 @@ class LabelledTake:
 
 @dataclass(frozen=True)
 class Material:
-    """Takes to learn from (or to fit a baseline to) and takes to measure on."""
+    """Takes to train on (or to fit a baseline to) and takes to measure on."""
 
     training: list[LabelledTake]
     testing: list[LabelledTake]
 
     def where(self, chosen: Callable[[LabelledTake], bool]) -> Material:
-        """The takes that are chosen, of both halves."""
+        """The chosen takes of both halves."""
         return Material(
             [take for take in self.training if chosen(take)],
             [take for take in self.testing if chosen(take)],
@@ -70,7 +70,7 @@ class Material:
         Raises
         ------
         ValueError
-            If none is held out or none is there to be found; it says `what` needs them.
+            If there are none in one of the halves; the message begins with `what`.
         """
         used = self.of(_BANDAI_NAMCO)
         if not used.testing:
@@ -80,8 +80,17 @@ class Material:
         return used
 
 
+def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) -> Material:
+    """A material of world positions (F, 20, 3) alone."""
+
+    def takes(positions: Sequence[np.ndarray]) -> list[LabelledTake]:
+        return [LabelledTake(Path(f"take {n}"), each) for n, each in enumerate(positions, 1)]
+
+    return Material(takes(training), takes(testing))
+
+
 def evenly(takes: Sequence[Take], count: int) -> list[Take]:
-    """At most so many, spread over all."""
+    """At most `count` takes, spread evenly over all."""
     chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
     return [takes[index] for index in chosen]
 
@@ -139,7 +148,7 @@ def _label_rows(folder: Path) -> dict[str, dict[str, str]]:
 
 @lru_cache(maxsize=16)
 def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
-    # Once a table, not once a file of it; `changed` is there so that a new table is read anew.
+    # Read once for a table; `changed` is in the cache's key, so that a changed table is read again.
     try:
         with open(table, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file, strict=True)
@@ -147,7 +156,7 @@ def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
     except (csv.Error, UnicodeDecodeError) as error:
         raise MotionFileError(table, None, f"is no table of labels: {error}") from None
     if "file" not in (reader.fieldnames or ()):
-        return {}  # somebody else's labels
+        return {}  # not a table of data_synth
     for number, row in enumerate(rows, start=2):
         if not all(row.get(column) is not None for column in ("file", "kind", "style")):
             raise MotionFileError(table, number, "expected the columns file, kind and style")

@@ -1,8 +1,7 @@
-"""Windows to fit baselines to, windows to choose their settings on, and windows to measure on.
+"""Windows to fit baselines to, to choose their settings on, and to measure on.
 
-A baseline deserves its best setting (how many axes, how long a filter), and the honest place to
-find it is not the test takes: every fifth training take is held back from a first fit and
-settings are chosen on it; then the baseline is fitted to all training takes.
+Every fifth training take is held back from a first fit of a baseline; its setting (number of axes,
+length of a filter) is chosen on these takes; then it is fitted to all training takes.
 """
 
 from __future__ import annotations
@@ -16,23 +15,23 @@ from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
 
-EVERY = 5
-"""One training take in so many is chosen on."""
+CHOOSING_EVERY = 5
+"""One in so many training takes is used to choose settings."""
 TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
-"""At most, spread evenly over all: more changes no figure by much and takes minutes."""
+"""At most, spread evenly over all: more windows change no figure by much and take minutes."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """`fitting` and `choosing` are parts of `training`, by take; `testing` is of other takes.
+    """`fitting` and `choosing` are parts of `training`, by take; `testing` has other takes.
 
     Parameters
     ----------
     fitting, choosing, training, testing : Clips
     sample : str
-        What is measured on, in a sentence.
+        The testing windows in a sentence.
     takes : int
-        To train on.
+        Number of training takes.
     """
 
     fitting: Clips
@@ -43,21 +42,19 @@ class Split:
     takes: int
 
     def text(self) -> str:
-        """What was measured on what, for below a table."""
+        """What was measured on which windows, to stand below a table."""
         return f"{self.sample} {self.fitted()}"
 
     def fitted(self) -> str:
-        """What baselines had to learn from; and the network, if it is not the same."""
+        """What the baselines were fitted to, and the network if that differs."""
         learned = self.training.manifold.settings.get("takes", self.takes)
-        return (
+        text = (
             f"Baselines are fitted to {len(self.training)} windows of {self.takes} training "
             f"takes; their settings are chosen on every fifth of these takes, held back."
-            + (
-                f" The network learned from {learned} takes: not from the same."
-                if learned != self.takes
-                else ""
-            )
         )
+        if learned != self.takes:
+            text += f" The network learned from {learned} takes, not the same ones."
+        return text
 
 
 def split_of(manifold: MotionManifold, material: Material) -> Split:
@@ -81,13 +78,10 @@ def split_of(manifold: MotionManifold, material: Material) -> Split:
 
 
 def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str]:
-    """The windows to measure on, and a sentence that says which they are."""
+    """The windows to measure on, and a sentence that describes them."""
     testing = _cut(manifold, material.testing, TESTING_WINDOWS)
-    # Not all takes may be among them.
     takes = len(np.unique(testing.take))
-    return testing, (
-        f"Measured on {len(testing)} windows of {takes} takes that nothing was trained on."
-    )
+    return testing, f"Measured on {len(testing)} windows of {takes} takes not used in training."
 
 
 def _cut(manifold: MotionManifold, takes: Sequence[LabelledTake], most: int) -> Clips:
@@ -100,7 +94,8 @@ def split_takes(
     """All takes but every fifth, and every fifth; at least one of both."""
     if len(takes) < 2:
         raise ValueError(f"{len(takes)} takes to train on, expected 2 or more to choose settings")
-    chosen = set(range(EVERY - 1, len(takes), EVERY)) or {len(takes) - 1}
+    every = CHOOSING_EVERY
+    chosen = set(range(every - 1, len(takes), every)) or {len(takes) - 1}
     return (
         [take for number, take in enumerate(takes) if number not in chosen],
         [take for number, take in enumerate(takes) if number in chosen],

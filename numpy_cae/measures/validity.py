@@ -54,10 +54,13 @@ class Validity:
         "nearest pose, cm",
     )
 
-    def cells(self) -> list[str]:
-        """For a row of a table, in the order of `HEADER`."""
-        digits = (2, 1, 1, 2, 2)
-        return [f"{value:.{n}f}" for value, n in zip(astuple(self), digits, strict=True)]
+    FORMATS = ("", ".2f", ".1f", ".1f", ".2f", ".2f")
+    """Of a table's columns: a name, then the measures."""
+
+    def against(self, other: Validity) -> str:
+        """Each measure beside that of another motion, in a sentence."""
+        columns = zip(self.HEADER, self.FORMATS[1:], astuple(self), astuple(other), strict=True)
+        return "; ".join(f"{name} {a:{form}} against {b:{form}}" for name, form, a, b in columns)
 
     @classmethod
     def mean(cls, measured: Sequence[Validity]) -> Validity:

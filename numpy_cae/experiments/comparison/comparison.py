@@ -1,19 +1,16 @@
-"""Motion comparison, holden2015, section 7: which distance finds what is alike?
+"""Retrieval of similar motions by several distances: holden2015, section 7, "Motion Comparison".
 
-Each held-out take looks through the training takes, so that no take finds itself. The files of
-Bandai Namco have several takes of one person doing one thing in one manner, and those are found by
-almost anything; so two columns ask for more: the same content in another style, and the same style
-in another content, with the takes of both the same taken out of the gallery.
+Each test take searches the training takes. The files of Bandai Namco have several takes of one
+person doing one thing in one style, which almost any distance finds; so two columns are harder: the
+same content in another style, and the same style in another content, with the takes that agree in
+both removed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
@@ -23,9 +20,8 @@ from numpy_cae.experiments.comparison.distances import (
     WHITENED,
     all_distances,
 )
-from numpy_cae.experiments.finding import Finding
 from numpy_cae.experiments.material import LabelledTake, Material
-from numpy_cae.experiments.table import text_table
+from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures.retrieval import (
     Difference,
@@ -33,151 +29,92 @@ from numpy_cae.measures.retrieval import (
     bootstrapped_difference,
     precision_at_1,
 )
-from numpy_cae.viz import save_figure
-from numpy_cae.viz.matrix import draw_matrix
 
 CONTENT, STYLE, BOTH = "content", "style", "both"
 OTHER_STYLE, OTHER_CONTENT = "content, other style", "style, other content"
-_DRAWN = "drawn at random"
+RANDOM = "drawn at random"
+Scores = dict[str, dict[str, np.ndarray]]
+"""Label to distance to one score for every query that has something similar to find."""
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """What each distance found.
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Search the training takes for each test take, with every distance.
 
-    Parameters
-    ----------
-    precision, average : label to distance to (Q,) array
-        Precision at 1 and average precision of every query that has something alike to find.
-    own : (Q, Q) array
-        √G of the held-out takes among themselves.
-    names : list of Q str
-        What the held-out takes are.
-    gallery : int
-        How many takes were looked through.
-    seed : int
-        Of the resampling.
-    """
-
-    precision: dict[str, dict[str, np.ndarray]]
-    average: dict[str, dict[str, np.ndarray]]
-    own: np.ndarray
-    names: list[str]
-    gallery: int
-    seed: int
-    title: str = "Motion comparison: what the distance of equation 4 finds"
-
-    def difference(self, other: str, label: str) -> Difference:
-        """Mean average precision of G less that of another distance, over the same takes."""
-        average = self.average[label]
-        return bootstrapped_difference(average[EQUATION_4], average[other], self.seed)
-
-    def text(self) -> str:
-        """Two tables: what each distance scores, and how sure its difference from G is."""
-        labels = list(self.average)
-        methods = list(self.average[labels[0]])
-        scores = [
-            [name, *[f"{self.precision[label][name].mean():.2f}, "
-                     f"{self.average[label][name].mean():.2f}" for label in labels]]
-            for name in methods
-        ]  # fmt: skip
-        gaps = [
-            [name, *[self.difference(name, label).text() for label in labels]]
-            for name in methods if name not in (EQUATION_4, _DRAWN)
-        ]  # fmt: skip
-        return (
-            f"{len(self.names)} held-out takes, each looking through {self.gallery} training "
-            "takes. Precision at 1 and mean average precision for what is alike by label; in the "
-            "last two columns takes alike in both were taken out of the gallery:\n\n"
-            f"{text_table(['distance', *labels], scores)}\n\n"
-            "Mean average precision of G less that of each other distance, and the interval of 95 "
-            "of 100 resamplings of the held-out takes:\n\n"
-            f"{text_table(['G less', *labels], gaps)}"
-        )
-
-    def findings(self) -> list[Finding]:
-        """The paper's claim for each label, and whether it is the network that earns it."""
-        found = [self._matches(label) for label in self.average]
-        for other in (RAW_EXTREMES, UNTRAINED, WHITENED):
-            gaps = {label: self.difference(other, label) for label in self.average}
-            said = "; ".join(f"{label} {gap.text()}" for label, gap in gaps.items())
-            found.append(
-                Finding(
-                    "It is the learned manifold, not its pooling alone, that matches high level "
-                    f"features (implied by holden2015, section 7): G finds more than {other}.",
-                    all(gap.low > 0 for gap in gaps.values()),
-                    f"mean average precision of G less that of {other}: {said}.",
-                )
-            )
-        return found
-
-    def _matches(self, label: str) -> Finding:
-        gap = self.difference(EUCLIDEAN, label)
-        ours, theirs = (self.average[label][name].mean() for name in (EQUATION_4, EUCLIDEAN))
-        first, their_first = (
-            self.precision[label][name].mean() for name in (EQUATION_4, EUCLIDEAN)
-        )
-        return Finding(
-            "G correctly matches high level features where Euclidean distance does not "
-            f"(holden2015, section 7): {label}.",
-            gap.low > 0,
-            f"mean average precision {ours:.2f} against {theirs:.2f}, difference {gap.text()}; "
-            f"precision at 1 {first:.2f} against {their_first:.2f}.",
-        )
-
-    def save_picture(self, path: str | Path) -> None:
-        """Bars of the mean average precision, and the clustered matrix of √G, PNG."""
-        figure = Figure(figsize=(16, 10))
-        bars, matrix = figure.subfigures(1, 2, width_ratios=[0.38, 0.62])
-        labels = list(self.average)
-        all_axes = bars.subplots(len(labels), 1, sharex=True)
-        bars.subplots_adjust(0.44, 0.05, 0.97, 0.96, hspace=0.22)
-        for axes, label in zip(np.atleast_1d(all_axes), labels, strict=True):
-            average = {name: each.mean() for name, each in self.average[label].items()}
-            names = list(average)
-            colours = ["#2f6db5" if name == EQUATION_4 else "#b9b9b9" for name in names]
-            axes.barh(names, average.values(), color=colours)
-            axes.invert_yaxis()
-            axes.set_xlim(0, 1)
-            axes.set_title(f"{label}: mean average precision", fontsize=9, loc="left")
-            axes.tick_params(labelsize=7)
-            axes.spines[["top", "right"]].set_visible(False)
-        draw_matrix(matrix, self.own, self.names, "√G of held-out takes")
-        save_figure(figure, path)
-
-
-def comparison(manifold: MotionManifold, material: Material, seed: int = 0) -> Comparison:
-    """Let every held-out take look for what is like it, by every distance.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    material : Material
-        Bandai Namco's takes are used where there are any, else the synthetic ones.
-    seed : int
-        Of the untrained network, the random order and the resampling.
-
-    Raises
-    ------
-    ValueError
-        If no labelled take is held out, or none is there to be found.
+    The seed is for the untrained network, the random order and the resampling.
     """
     used = material.labelled("comparison needs")
     training, testing = (
         [manifold.features(take.positions)[0] for take in takes]
         for takes in (used.training, used.testing)
     )
-    ways = all_distances(manifold, training, seed)
-    between = {way.name: way.between(testing, training) for way in ways}
+    distances = all_distances(manifold, training, seed)
+    between = {distance.name: distance.between(testing, training) for distance in distances}
     shape = (len(testing), len(training))
-    between[_DRAWN] = np.random.default_rng(seed).random(shape)
+    between[RANDOM] = np.random.default_rng(seed).random(shape)
     precision, average = retrieved(between, used.testing, used.training)
+    gaps = {
+        name: {
+            label: bootstrapped_difference(each[EQUATION_4], each[name], seed)
+            for label, each in average.items()
+        }
+        for name in between
+        if name not in (EQUATION_4, RANDOM)
+    }
+    scores = [
+        [name, *(f"{precision[label][name].mean():.2f}, {average[label][name].mean():.2f}"
+                 for label in average)]
+        for name in between
+    ]  # fmt: skip
+    differences = [[name, *(gap.text() for gap in by.values())] for name, by in gaps.items()]
+    caption = (
+        f"{len(testing)} test takes, each searching {len(training)} training takes. Precision at 1 "
+        "and mean average precision for takes with the same label; in the last two columns takes "
+        "that agree in both were removed:"
+    )
+    gap_caption = (
+        "Mean average precision of G minus that of each other distance, with the interval of 95 of "
+        "100 resamplings of the test takes:"
+    )
     names = [f"{take.content}, {take.style}" for take in used.testing]
-    return Comparison(precision, average, ways[0].between(testing), names, len(training), seed)
+    own = distances[0].between(testing)
+    return Result(
+        "Motion comparison: what the distance of equation 4 finds",
+        [
+            Table(caption, ["distance", *average], scores),
+            Table(gap_caption, ["G minus", *average], differences),
+        ],
+        _claims(precision, average, gaps),
+        lambda: _figure(average, own, names),
+    )
 
 
-Scores = dict[str, dict[str, np.ndarray]]
-"""Label to distance to one score for every query that has something alike to find."""
+def _claims(
+    precision: Scores, average: Scores, gaps: dict[str, dict[str, Difference]]
+) -> list[Claim]:
+    claims = []
+    for label, gap in gaps[EUCLIDEAN].items():
+        ours, theirs = (average[label][name].mean() for name in (EQUATION_4, EUCLIDEAN))
+        first, their_first = (precision[label][name].mean() for name in (EQUATION_4, EUCLIDEAN))
+        claims.append(
+            Claim(
+                "G correctly matches high-level features where Euclidean distance does not "
+                f"(holden2015, section 7): {label}.",
+                gap.low > 0,
+                f"mean average precision {ours:.2f} against {theirs:.2f}, difference "
+                f"{gap.text()}; precision at 1 {first:.2f} against {their_first:.2f}.",
+            )
+        )
+    for other in (RAW_EXTREMES, UNTRAINED, WHITENED):
+        listed = "; ".join(f"{label} {gap.text()}" for label, gap in gaps[other].items())
+        claims.append(
+            Claim(
+                "The learned manifold, not its pooling alone, matches high-level features "
+                f"(implied by holden2015, section 7): G finds more than {other}.",
+                all(gap.low > 0 for gap in gaps[other].values()),
+                f"mean average precision of G minus that of {other}: {listed}.",
+            )
+        )
+    return claims
 
 
 def retrieved(
@@ -186,12 +123,12 @@ def retrieved(
     """Precision at 1 and average precision of every distance, each a (Q, N) array."""
     precision, average = {}, {}
     for label, (alike, hidden) in labels_of_pairs(queries, gallery).items():
-        asked = np.any(alike & ~hidden, axis=1)
-        if not asked.any():
+        found = np.any(alike & ~hidden, axis=1)
+        if not found.any():
             continue
-        shown = {name: np.where(hidden, np.inf, each)[asked] for name, each in between.items()}
-        precision[label] = {name: precision_at_1(d, alike[asked]) for name, d in shown.items()}
-        average[label] = {name: average_precision(d, alike[asked]) for name, d in shown.items()}
+        visible = {name: np.where(hidden, np.inf, each)[found] for name, each in between.items()}
+        precision[label] = {name: precision_at_1(d, alike[found]) for name, d in visible.items()}
+        average[label] = {name: average_precision(d, alike[found]) for name, d in visible.items()}
     return precision, average
 
 
@@ -215,3 +152,25 @@ def labels_of_pairs(
         OTHER_STYLE: (content, both),
         OTHER_CONTENT: (style, both),
     }
+
+
+def _figure(average: Scores, own: np.ndarray, names: list[str]):
+    """Bars of the mean average precision, and the clustered matrix of √G of the test takes."""
+    from matplotlib.figure import Figure
+
+    from numpy_cae.viz.matrix import draw_matrix
+
+    figure = Figure(figsize=(16, 10))
+    bars, matrix = figure.subfigures(1, 2, width_ratios=[0.38, 0.62])
+    all_axes = bars.subplots(len(average), 1, sharex=True, squeeze=False)
+    bars.subplots_adjust(0.44, 0.05, 0.97, 0.96, hspace=0.22)
+    for axes, (label, by_distance) in zip(all_axes[:, 0], average.items(), strict=True):
+        colours = ["#2f6db5" if name == EQUATION_4 else "#b9b9b9" for name in by_distance]
+        axes.barh(list(by_distance), [each.mean() for each in by_distance.values()], color=colours)
+        axes.invert_yaxis()
+        axes.set_xlim(0, 1)
+        axes.set_title(f"{label}: mean average precision", fontsize=9, loc="left")
+        axes.tick_params(labelsize=7)
+        axes.spines[["top", "right"]].set_visible(False)
+    draw_matrix(matrix, own, names, "√G of test takes")
+    return figure

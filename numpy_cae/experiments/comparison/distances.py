@@ -1,7 +1,7 @@
-"""Ways to say how unlike two motions are: equation 4 of holden2015, and what stands beside it.
+"""Distances between motions: equation 4 of holden2015, and others to compare it with.
 
-Every way makes rows of numbers of a clip, one row or one for each of its windows; the distance of
-two clips is the Euclidean distance of their nearest rows. Of signatures that is √G, which ranks
+Each distance makes rows of numbers of a clip, one row or one for each of its windows; the distance
+of two clips is the Euclidean distance of their nearest rows. For signatures that is √G, which ranks
 as G does.
 """
 
@@ -29,7 +29,7 @@ AXES, WINDOW_AXES = 20, 30
 
 @dataclass(frozen=True)
 class Distance:
-    """One way to compare.
+    """A distance between clips.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ class Distance:
     def between(
         self, some: Sequence[np.ndarray], others: Sequence[np.ndarray] | None = None
     ) -> np.ndarray:
-        """From each clip to each other one, features (F, 63), as (M, N) array of float64.
+        """From each of M clips to each of N others, features (F, 63), as (M, N) float64.
 
-        Where no `others` are given, among themselves.
+        Without `others`, between the clips themselves.
         """
         rows, first = self._stacked(some)
         columns, begin = (rows, first) if others is None else self._stacked(others)
@@ -65,75 +65,68 @@ def equation_4(manifold: MotionManifold, name: str = EQUATION_4) -> Distance:
 
 
 def raw_extremes(manifold: MotionManifold) -> Distance:
-    """The pooling of equation 4 without a network: of the features as the network is given them."""
+    """Equation 4 without a network: minimum and maximum of the normalised features."""
     return Distance(RAW_EXTREMES, lambda features: signature(manifold.normalise(features))[None])
 
 
 def euclidean(manifold: MotionManifold) -> Distance:
-    """The paper's naive distance: window against window, frame by frame."""
-    return Distance(EUCLIDEAN, lambda features: _windows(manifold, features))
+    """The paper's naive distance: between windows, frame by frame."""
+    return Distance(EUCLIDEAN, lambda features: _flat(raw_windows(manifold, features)))
 
 
 def all_distances(
     manifold: MotionManifold, training: Sequence[np.ndarray], seed: int = 0
 ) -> list[Distance]:
-    """Every way, what has to be fitted fitted on the features of training takes."""
-    network = manifold.network
+    """All of them; PCA is fitted to the features of training takes."""
+
+    def hidden_mean(features: np.ndarray) -> np.ndarray:
+        return hidden_units(manifold, features).mean(axis=0)[None]
+
+    def hidden_windows(features: np.ndarray) -> np.ndarray:
+        return _flat(manifold.network.encode(raw_windows(manifold, features)))
+
+    def raw_mean(features: np.ndarray) -> np.ndarray:
+        return manifold.normalise(features).mean(axis=0)[None]
+
     return [
         equation_4(manifold),
         equation_4(untrained(manifold, seed), UNTRAINED),
-        Distance(
-            "mean of the hidden units",
-            lambda features: hidden_units(manifold, features).mean(axis=0)[None],
-        ),
-        Distance(
-            "hidden units of windows",
-            lambda features: _flat(network.encode(raw_windows(manifold, features))),
-        ),
+        Distance("mean of the hidden units", hidden_mean),
+        Distance("hidden units of windows", hidden_windows),
         euclidean(manifold),
         raw_extremes(manifold),
-        Distance(
-            "mean of the features", lambda features: manifold.normalise(features).mean(axis=0)[None]
-        ),
+        Distance("mean of the features", raw_mean),
         *_of_pca(manifold, training),
     ]
 
 
 def _of_pca(manifold: MotionManifold, training: Sequence[np.ndarray]) -> list[Distance]:
-    """PCA on frames, pooled, as it is and with every axis as wide as the others; and on windows."""
+    """PCA on frames, pooled, as it is and with axes of unit variance; and PCA on windows."""
     frames = np.concatenate([manifold.normalise(take) for take in training]).astype(np.float64)
     by_frame = PCA.fit(frames)
     axes = by_frame.axes[:AXES]
     spread = ((frames - by_frame.mean) @ axes.T).std(axis=0)
-    windows = np.concatenate([_windows(manifold, take) for take in training])
+    windows = np.concatenate([_flat(raw_windows(manifold, take)) for take in training])
     by_window = PCA.fit(windows.astype(np.float64))
 
     def numbers(features: np.ndarray) -> np.ndarray:
         return (manifold.normalise(features) - by_frame.mean) @ axes.T
 
+    def of_windows(features: np.ndarray) -> np.ndarray:
+        rows = _flat(raw_windows(manifold, features))
+        return (rows - by_window.mean) @ by_window.axes[:WINDOW_AXES].T
+
     return [
-        Distance(
-            f"min and max of {AXES} PCA numbers",
-            lambda features: signature(numbers(features))[None],
-        ),
-        Distance(WHITENED, lambda features: signature(numbers(features) / spread)[None]),
-        Distance(
-            f"{WINDOW_AXES} PCA numbers of windows",
-            lambda features: (
-                (_windows(manifold, features) - by_window.mean) @ by_window.axes[:WINDOW_AXES].T
-            ),
-        ),
+        Distance(f"min and max of {AXES} PCA numbers", lambda x: signature(numbers(x))[None]),
+        Distance(WHITENED, lambda x: signature(numbers(x) / spread)[None]),
+        Distance(f"{WINDOW_AXES} PCA numbers of windows", of_windows),
     ]
 
 
 def raw_windows(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """A clip's features (F, 63) as the network was given them: (N, T, 63), normalised."""
+    """The normalised windows of a clip's features (F, 63), as in training: (N, T, 63)."""
     length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
     return manifold.normalise(cut_windows(features, length, overlap)[0])
-
-
-def _windows(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    return _flat(raw_windows(manifold, features))
 
 
 def _flat(windows: np.ndarray) -> np.ndarray:
@@ -141,11 +134,9 @@ def _flat(windows: np.ndarray) -> np.ndarray:
 
 
 def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
-    """The same manifold before it learned anything."""
+    """The same manifold with the initial weights of a seed."""
     layers = manifold.network.layers
     taps, features, _ = layers[0].w.shape
-    network = ConvAutoencoder(
-        features, [layer.b.size for layer in layers], taps, layers[0].bound,
-        np.random.default_rng(seed),
-    )  # fmt: skip
+    filters, rng = [layer.b.size for layer in layers], np.random.default_rng(seed)
+    network = ConvAutoencoder(features, filters, taps, layers[0].bound, rng)
     return MotionManifold(accelerate(network), manifold.mean_pose, manifold.scale, manifold.lengths)

@@ -1,9 +1,8 @@
-"""What one filter adds to a motion: the decoder's answer to one hidden unit, of any layer.
+"""What a filter adds to a motion: the decoder's response to one hidden unit, of any layer.
 
-A filter of the first layer is a picture by itself: 15 frames of 63 features. A filter of an upper
-layer is a picture of filters. So a unit is raised from its mean to what it reaches once in a
-hundred frames, at one moment, and the layers below decode the difference. Through tanh⁻¹ and its
-bound this is what the unit really does about the mean, not what a linear network would do.
+A filter of the first layer can be drawn as it is, 15 frames of 63 features; a filter of an upper
+layer cannot. So at one moment a unit is raised from its mean to its 99th percentile, and the layers
+below decode the difference, with tanh⁻¹ and its bound.
 """
 
 from __future__ import annotations
@@ -16,8 +15,8 @@ import numpy as np
 from numpy_cae.models import ConvLayer
 from numpy_cae.motion import JOINTS, PARENTS, POSITIONS
 
-# The twenty joints stand in this order in JOINTS, four for each.
 LIMBS = ("spine", "left arm", "right arm", "left leg", "right leg", "path")
+"""Four joints each, in the order of `JOINTS`; and the three velocities."""
 PATH = "path"
 _SILENT = 1e-8
 
@@ -29,72 +28,70 @@ class Responses:
     Parameters
     ----------
     added : (filters, frames, 63) array
-        In the network's units, in which each kind of features has the same root mean square.
+        In normalised features.
     """
 
     added: np.ndarray
 
     @property
-    def heard(self) -> np.ndarray:
-        """(filters,) bool: whether a filter adds anything."""
+    def active(self) -> np.ndarray:
+        """(filters,) bool: whether a filter adds anything. Other methods leave out those that
+        do not."""
         return np.square(self.added).sum(axis=(1, 2)) > _SILENT
 
     def by_joint(self) -> np.ndarray:
-        """The share of a filter's energy in each joint and in the path: (filters heard, 21)."""
-        energy = np.square(self.added[self.heard], dtype=np.float64).sum(axis=1)
+        """The share of a filter's energy in each joint and in the path, (filters, 21)."""
+        energy = np.square(self.added[self.active], dtype=np.float64).sum(axis=1)
         joints = energy[:, POSITIONS].reshape(len(energy), len(JOINTS), 3).sum(axis=-1)
         path = energy[:, POSITIONS.stop :].sum(axis=-1, keepdims=True)
         return np.concatenate([joints, path], axis=1) / energy.sum(axis=1, keepdims=True)
 
     def by_limb(self) -> np.ndarray:
-        """The same for each of `LIMBS`: (filters heard, 6)."""
+        """The share in each of `LIMBS`, (filters, 6)."""
         shares = self.by_joint()
         limbs = shares[:, : len(JOINTS)].reshape(len(shares), len(LIMBS) - 1, 4).sum(axis=-1)
         return np.concatenate([limbs, shares[:, -1:]], axis=1)
 
     def joints(self) -> np.ndarray:
-        """How many joints a filter moves: (Σ e)² / Σ e² of their energies. (filters heard,)"""
-        return _how_many(self.by_joint()[:, : len(JOINTS)])
+        """The effective number of joints that a filter moves, (filters,)."""
+        return _effective_number(self.by_joint()[:, : len(JOINTS)])
 
     def frames(self) -> np.ndarray:
-        """How many frames a filter lasts, counted alike. (filters heard,)"""
-        return _how_many(np.square(self.added[self.heard], dtype=np.float64).sum(axis=2))
+        """The effective number of frames that a filter lasts, (filters,)."""
+        return _effective_number(np.square(self.added[self.active], dtype=np.float64).sum(axis=2))
 
     def temporal(self) -> np.ndarray:
-        """A filter's correlation with itself a frame later, about zero. (filters heard,)"""
-        added = self.added[self.heard].astype(np.float64)
+        """A filter's correlation, about zero, with itself a frame later, (filters,)."""
+        added = self.added[self.active].astype(np.float64)
         now, later = added[:, :-1], added[:, 1:]
         together = np.square(now).sum(axis=(1, 2)) * np.square(later).sum(axis=(1, 2))
         return (now * later).sum(axis=(1, 2)) / np.sqrt(together)
 
     def between_joints(self) -> np.ndarray:
-        """A joint's movement, x, y and z over time, beside its parent's: mean absolute cosine.
-
-        (filters heard,)
-        """
-        added = self.added[self.heard, :, POSITIONS].astype(np.float64)
+        """Mean absolute cosine of a joint's movement over time and its parent's, (filters,)."""
+        added = self.added[self.active, :, POSITIONS].astype(np.float64)
         joints = added.reshape(*added.shape[:2], len(JOINTS), 3)
         unit = joints / np.linalg.norm(joints, axis=(1, 3), keepdims=True)
         cosines = (unit[:, :, 1:] * unit[:, :, list(PARENTS[1:])]).sum(axis=(1, 3))
         return np.abs(cosines).mean(axis=1)
 
 
-def _how_many(energy: np.ndarray) -> np.ndarray:
-    """(Σ e)² / Σ e² along the second axis: n where n are alike and the others zero."""
+def _effective_number(energy: np.ndarray) -> np.ndarray:
+    """(Σ e)² / Σ e² along the second axis: n where n are equal and the others zero."""
     squares = np.square(energy).sum(axis=1)
     total = energy.sum(axis=1)
     return np.divide(total**2, squares, out=np.zeros_like(total), where=squares > 0)
 
 
 def responses_of(layers: Sequence[ConvLayer], units: np.ndarray) -> Responses:
-    """Raise each filter of the last of the layers, and decode through all of them.
+    """Raise each unit of the last of the layers, and decode through all of them.
 
     Parameters
     ----------
     layers : sequence of ConvLayer
-        From the lowest up to the one that is asked.
+        From the lowest up.
     units : (N, k) array of float
-        Hidden units of its filters in many frames: their means, and how high each goes.
+        Hidden units of the last layer in many frames: they give the means and percentiles.
     """
     reach = sum(len(layer.w) // 2 * 2**n for n, layer in enumerate(layers))
     middle = -(-reach // 2 ** len(layers))
@@ -107,7 +104,7 @@ def responses_of(layers: Sequence[ConvLayer], units: np.ndarray) -> Responses:
 
 
 def decoded(layers: Sequence[ConvLayer], units: np.ndarray) -> np.ndarray:
-    """Down through the layers, unpooling evenly: (B, i, k) to (B, F, 63)."""
+    """Down through the layers with even unpooling: (B, i, k) to (B, F, 63)."""
     dtype = layers[0].w.dtype
     for layer in reversed(layers):
         units, _ = layer.decode_with_pullback(units.astype(dtype))
@@ -115,7 +112,7 @@ def decoded(layers: Sequence[ConvLayer], units: np.ndarray) -> np.ndarray:
 
 
 def encoded(layers: Sequence[ConvLayer], x: np.ndarray) -> list[np.ndarray]:
-    """The hidden units of every layer on the way up, (B, T, 63) to (B, T/2, k), …"""
+    """The hidden units of every layer, (B, T, 63) to (B, T/2, k), …"""
     every = []
     for layer in layers:
         x, _ = layer.encode_with_pullback(x)

@@ -1,206 +1,102 @@
-"""Projection that keeps bones, feet, ground and pins, beside the plain one: what holden2015,
-section 7, leaves to the future.
+"""Projection that keeps bone lengths, standing feet, ground and pins, compared with the plain one:
+future work in holden2015, section 7.
 
-Pins: a wrist wanted 15 cm above where the plain projection has it, for half a second; and the hips
-on the path that they really went, from which the sum of a half zeroed motion's velocities strays.
+Pins: a wrist 15 cm above its plain projection for half a second, and the hips on their true path,
+from which the integrated velocities of a half zeroed motion drift.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-
 import numpy as np
 
 from numpy_cae.beyond import Pins, project_constrained
-from numpy_cae.experiments.finding import Finding
+from numpy_cae.experiments.drawn_motions import animated, strips
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.table import text_table
+from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import bone_length_error, position_error
-from numpy_cae.motion import JOINTS, PARENTS, RootTransform, features_to_positions
+from numpy_cae.motion import JOINTS, features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values
-from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, save_figure, save_gif, strip_figure
+from numpy_cae.viz import PLAIN, PROJECTED, TRUTH
 
-TAKES = 6
-"""Of each source, spread over all test takes; a descent takes about a second."""
-LONGEST = 320
+TAKES, PINNED_TAKES = 6, 3
+"""Of each source, spread over all test takes; an optimisation takes about a second."""
+MAX_FRAMES = 320
 P = 0.5
-PINNED = 3
-"""Takes of each source that are pinned."""
 WRIST, HALF_A_SECOND, ABOVE = JOINTS.index("left_wrist"), 15, 0.15
-NEAR = 2.0
-"""cm within which a pin counts as followed."""
-PLAIN_ROW, KEPT_ROW, TRUE_ROW = "plain projection", "constrained projection", "the motion itself"
+TOLERANCE = 2.0
+"""cm within which pins count as followed."""
+PLAIN_ROW, KEPT_ROW, TRUE = "plain projection", "constrained projection", "truth"
+HEADER = ("method", "position, cm", "bone length, cm", "of it, %", "sliding, cm/s")
+FORMATS = ("", ".2f", ".3f", ".3f", ".2f")
+PIN_HEADER = ("wrist and path pinned", "wrist, cm", "path, cm", "bone length, cm", "sliding, cm/s")
+PIN_FORMATS = ("", ".2f", ".2f", ".3f", ".2f")
+Measured = dict[str, np.ndarray]
+"""Method to the values of a row."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """Means over takes: position error, cm; bone length error, cm and % of the bones' mean length;
-    speed of a foot in contact, cm/s."""
-
-    position: float
-    bones: float
-    share: float
-    sliding: float
-
-
-@dataclass(frozen=True)
-class PinnedRow:
-    """Means over takes, cm: how far the pinned wrist is off, how far the hips are off their path;
-    bones; and the speed of a foot in contact, cm/s."""
-
-    wrist: float
-    path: float
-    bones: float
-    sliding: float
-
-
-@dataclass(frozen=True)
-class ConstrainedProjection:
-    """A table for each source and input, one of pins for each source, and one take as features
-    (F, 63) with its start."""
-
-    tables: dict[str, dict[str, Row]]
-    pinned: dict[str, dict[str, PinnedRow]]
-    shown: dict[str, np.ndarray]
-    start: RootTransform
-    rate: float
-    title: str = "Constrained projection: bones, feet, ground and pins"
-
-    def text(self) -> str:
-        """Every table."""
-        header = ["method", "position, cm", "bone length, cm", "of it, %", "sliding, cm/s"]
-        parts = []
-        for name, rows in self.tables.items():
-            lines = [
-                [
-                    method,
-                    f"{row.position:.2f}",
-                    f"{row.bones:.3f}",
-                    f"{row.share:.3f}",
-                    f"{row.sliding:.2f}",
-                ]
-                for method, row in rows.items()
-            ]
-            parts.append(f"{name}:\n\n{text_table(header, lines)}")
-        header = ["wrist and path pinned", "wrist, cm", "path, cm", "bone length, cm",
-                  "sliding, cm/s"]  # fmt: skip
-        lines = [
-            [f"{source}: {method}", f"{row.wrist:.2f}", f"{row.path:.2f}", f"{row.bones:.3f}",
-             f"{row.sliding:.2f}"]
-            for source, rows in self.pinned.items() for method, row in rows.items()
-        ]  # fmt: skip
-        parts.append(f"Half zeroed, how far from the pins:\n\n{text_table(header, lines)}")
-        return "\n\n".join(parts)
-
-    def findings(self) -> list[Finding]:
-        """The three things that were to be reached, for every table."""
-        found = []
-        for name, rows in self.tables.items():
-            plain, kept = rows[PLAIN_ROW], rows[KEPT_ROW]
-            reached = (
-                kept.share < 0.1
-                and kept.sliding <= plain.sliding / 5
-                and kept.position <= plain.position
-            )
-            found.append(
-                Finding(
-                    "A constrained projection can keep joint lengths (to 0.1%) and ground contact "
-                    "(a fifth of the sliding) at no cost in position (holden2015, section 7: "
-                    f"future work), {name}.",
-                    reached,
-                    f"bones {plain.share:.2f}% off before, {kept.share:.1e}% after; feet slide "
-                    f"{plain.sliding:.2f} cm/s before, {kept.sliding:.2f} after; position "
-                    f"{plain.position:.2f} cm before, {kept.position:.2f} after.",
-                )
-            )
-        for source, rows in self.pinned.items():
-            plain, kept = rows[PLAIN_ROW], rows[KEPT_ROW]
-            found += [
-                Finding(
-                    f"It follows pins, a wrist at a point and the hips on a path, to {NEAR:g} cm "
-                    f"on average (not in the paper), {source}.",
-                    max(kept.wrist, kept.path) < NEAR,
-                    f"wrist {plain.wrist:.2f} cm off before, {kept.wrist:.2f} after; path "
-                    f"{plain.path:.2f} cm before, {kept.path:.2f} after.",
-                ),
-                Finding(
-                    f"Where it follows pins feet slide a fifth as much too, {source}.",
-                    kept.sliding <= plain.sliding / 5,
-                    f"{plain.sliding:.2f} cm/s before, {kept.sliding:.2f} after.",
-                ),
-            ]
-        return found
-
-    def save_picture(self, path: str | Path) -> None:
-        """Strips of the motion, its plain and its constrained projection."""
-        save_figure(strip_figure(self._actors(), self.rate, azimuth=75.0), path)
-
-    def save_gif(self, path: str | Path) -> None:
-        """The same, moving."""
-        save_gif(self._actors(), path, self.rate, azimuth=75.0, seconds=5.0)
-
-    def _actors(self) -> list[Actor]:
-        colours = {PLAIN_ROW: PLAIN, KEPT_ROW: PROJECTED, TRUE_ROW: TRUTH}
-        return [
-            Actor(features_to_positions(x, self.start), PARENTS, name, colours[name])
-            for name, x in self.shown.items()
-        ]
-
-
-def constrained_projection(
-    manifold: MotionManifold, material: Material, seed: int = 0
-) -> ConstrainedProjection:
-    """Project test takes, as they are and half zeroed, plainly and constrained.
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Project test takes, as they are and half zeroed by the seed, plainly and constrained.
 
     Sliding is measured in the contacts that the constraint was given: those found in the plain
-    projection, for the truth is not at hand where a motion has to be repaired.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    material : Material
-    seed : int
-        Of the lost values.
+    projection, as the truth is unknown where a motion has to be repaired.
     """
-    tables, pinned, shown = {}, {}, None
+    tables, claims, pin_rows, pin_claims, motions = [], [], [], [], None
     for source in dict.fromkeys(take.source for take in material.testing):
         takes = evenly(material.of(source).testing, TAKES)
-        for lost, name in ((0.0, "as they are"), (P, "half zeroed")):
+        for lost, state in ((0.0, "as they are"), (P, "half zeroed")):
             rng = np.random.default_rng(seed)
-            measured = [_measured(manifold, take, lost, rng) for take in takes]
-            tables[f"{source}, {len(takes)} takes {name}"] = {
-                method: Row(*np.mean([rows[method] for rows, *_ in measured], axis=0))
-                for method in (TRUE_ROW, PLAIN_ROW, KEPT_ROW)
-            }
-            shown = shown or measured[0]
+            each = [_measured(manifold, take, lost, rng) for take in takes]
+            measured = _mean([values for values, _ in each])
+            name = f"{source}, {len(takes)} takes {state}"
+            rows = [[method, *measured[method]] for method in (TRUE, PLAIN_ROW, KEPT_ROW)]
+            tables.append(Table(f"{name}:", HEADER, rows, FORMATS))
+            claims.append(_constraint_claim(name, measured))
+            motions = motions or each[0][1]
         rng = np.random.default_rng(seed)
-        measured = [_pinned(manifold, take, rng) for take in evenly(takes, PINNED)]
-        pinned[f"{source}, {len(measured)} takes"] = {
-            method: PinnedRow(*np.mean([rows[method] for rows in measured], axis=0))
-            for method in (PLAIN_ROW, KEPT_ROW)
-        }
-    _, motions, start = shown
-    return ConstrainedProjection(tables, pinned, motions, start, manifold.rate)
+        pinned = [_pinned(manifold, take, rng) for take in evenly(takes, PINNED_TAKES)]
+        name, measured = f"{source}, {len(pinned)} takes", _mean(pinned)
+        pin_rows += [[f"{name}: {method}", *values] for method, values in measured.items()]
+        pin_claims += _pin_claims(name, measured)
+    tables.append(Table("Half zeroed, distance from the pins:", PIN_HEADER, pin_rows, PIN_FORMATS))
+    colours = {TRUE: TRUTH, PLAIN_ROW: PLAIN, KEPT_ROW: PROJECTED}
+    drawn = {name: (x, colours[name]) for name, x in motions.items()}
+    return Result(
+        "Constrained projection: bones, feet, ground and pins",
+        tables,
+        [*claims, *pin_claims],
+        strips(drawn, manifold.rate, azimuth=75.0),
+        animated(drawn, manifold.rate, azimuth=75.0, seconds=5.0),
+    )
 
 
-def _measured(manifold: MotionManifold, take: LabelledTake, lost: float, rng: np.random.Generator):
-    features, start = manifold.features(take.positions[:LONGEST])
+def _mean(takes: list[Measured]) -> Measured:
+    return {name: np.mean([values[name] for values in takes], axis=0) for name in takes[0]}
+
+
+def _measured(
+    manifold: MotionManifold, take: LabelledTake, lost: float, rng: np.random.Generator
+) -> tuple[Measured, dict[str, np.ndarray]]:
+    """The row of each method on one take, and its motions as features."""
+    features, start = manifold.features(take.positions[:MAX_FRAMES])
     given = manifold.denormalise(zero_values(manifold.normalise(features), lost, rng))
     plain = manifold.project(given, manifold.shifts)
     contacts = find_contacts(features_to_positions(plain, start), manifold.rate)
     kept = project_constrained(manifold, given, start, contacts)
-    motions = {TRUE_ROW: features, PLAIN_ROW: plain, KEPT_ROW: kept}
-    rows = {
-        name: _row(manifold, motion, features, start, contacts) for name, motion in motions.items()
-    }
-    return rows, motions, start
+    motions = {TRUE: features, PLAIN_ROW: plain, KEPT_ROW: kept}
+    rows = {}
+    for name, motion in motions.items():
+        positions = features_to_positions(motion, start)
+        bones = bone_length_error(positions, manifold.lengths)
+        share = bones / manifold.lengths[1:].mean()
+        sliding = _sliding(positions, contacts, manifold.rate)
+        rows[name] = np.array([position_error(motion, features), bones, share, sliding])
+    return rows, motions
 
 
-def _pinned(manifold: MotionManifold, take: LabelledTake, rng: np.random.Generator):
-    features, start = manifold.features(take.positions[:LONGEST])
+def _pinned(manifold: MotionManifold, take: LabelledTake, rng: np.random.Generator) -> Measured:
+    features, start = manifold.features(take.positions[:MAX_FRAMES])
     given = manifold.denormalise(zero_values(manifold.normalise(features), P, rng))
     plain = manifold.project(given, manifold.shifts)
     before = features_to_positions(plain, start)
@@ -213,26 +109,51 @@ def _pinned(manifold: MotionManifold, take: LabelledTake, rng: np.random.Generat
     weights[:, 0, [0, 2]] = 1.0
     kept = project_constrained(manifold, given, start, contacts, Pins(targets, weights))
 
-    def row(motion: np.ndarray) -> tuple[float, float, float, float]:
+    def row(motion: np.ndarray) -> np.ndarray:
         positions = features_to_positions(motion, start)
         off = 100 * np.sqrt(np.sum(weights * (positions - targets) ** 2, axis=-1))
-        _, bones, _, sliding = _row(manifold, motion, features, start, contacts)
-        return off[middle, WRIST].mean(), off[:, 0].mean(), bones, sliding
+        bones = bone_length_error(positions, manifold.lengths)
+        sliding = _sliding(positions, contacts, manifold.rate)
+        return np.array([off[middle, WRIST].mean(), off[:, 0].mean(), bones, sliding])
 
     return {PLAIN_ROW: row(plain), KEPT_ROW: row(kept)}
 
 
-def _row(
-    manifold: MotionManifold,
-    motion: np.ndarray,
-    truth: np.ndarray,
-    start: RootTransform,
-    contacts: np.ndarray,
-) -> tuple[float, float, float, float]:
-    positions = features_to_positions(motion, start)
-    bones = bone_length_error(positions, manifold.lengths)
+def _sliding(positions: np.ndarray, contacts: np.ndarray, rate: float) -> float:
+    """Mean speed along the ground of feet in contact, cm/s."""
     steps = np.linalg.norm(np.diff(positions[:, FEET][..., [0, 2]], axis=0), axis=-1)
     stands = contacts[1:] & contacts[:-1]
-    sliding = 100 * manifold.rate * float(steps[stands].mean()) if stands.any() else 0.0
-    share = bones / (100 * manifold.lengths[1:].mean()) * 100
-    return position_error(motion, truth), bones, share, sliding
+    return 100 * rate * float(steps[stands].mean()) if stands.any() else 0.0
+
+
+def _constraint_claim(name: str, measured: Measured) -> Claim:
+    position, _, share, sliding = measured[PLAIN_ROW]
+    kept_position, _, kept_share, kept_sliding = measured[KEPT_ROW]
+    return Claim(
+        "A constrained projection can keep bone lengths (to 0.1%) and ground contact (a fifth of "
+        "the sliding) at no cost in position (future work in holden2015, section 7), "
+        f"{name}.",
+        bool(kept_share < 0.1 and kept_sliding <= sliding / 5 and kept_position <= position),
+        f"bones {share:.2f}% off before, {kept_share:.1e}% after; feet slide {sliding:.2f} cm/s "
+        f"before, {kept_sliding:.2f} after; position {position:.2f} cm before, "
+        f"{kept_position:.2f} after.",
+    )
+
+
+def _pin_claims(name: str, measured: Measured) -> list[Claim]:
+    wrist, path, _, sliding = measured[PLAIN_ROW]
+    kept_wrist, kept_path, _, kept_sliding = measured[KEPT_ROW]
+    return [
+        Claim(
+            f"It follows pins, a wrist at a point and the hips on a path, to {TOLERANCE:g} cm on "
+            f"average (not in the paper), {name}.",
+            bool(max(kept_wrist, kept_path) < TOLERANCE),
+            f"wrist {wrist:.2f} cm off before, {kept_wrist:.2f} after; path {path:.2f} cm before, "
+            f"{kept_path:.2f} after.",
+        ),
+        Claim(
+            f"While it follows pins, feet slide at most a fifth as fast, {name}.",
+            bool(kept_sliding <= sliding / 5),
+            f"{sliding:.2f} cm/s before, {kept_sliding:.2f} after.",
+        ),
+    ]

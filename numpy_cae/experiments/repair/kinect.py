@@ -1,17 +1,14 @@
-"""A Kinect's recording, projected: holden2015, section 7 and figure 1, centre.
+"""A Kinect recording, projected: holden2015, section 7 and figure 1, centre.
 
-The paper records a person with a Kinect and with inertial sensors at once. We have no such
-recordings; `data_synth.see_with_kinect` makes of a held-out take what a Kinect would have seen,
-after published figures of its errors, and the take itself is the truth. A part of the errors
-cannot be told from the motion alone: a joint that is off by the same few centimetres throughout,
-a floor that rises.
+The paper records a person with a Kinect and with inertial sensors at once. No such recordings are
+available here: `data_synth.see_with_kinect` simulates the Kinect's errors from published figures,
+and the take itself is the truth. Part of these errors cannot be recognised in the motion: a joint
+with a constant offset of a few centimetres, or an inclined floor.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -25,12 +22,11 @@ from numpy_cae.experiments.clips import (
     project,
     project_ends_held,
 )
-from numpy_cae.experiments.example import Example
-from numpy_cae.experiments.finding import Finding
+from numpy_cae.experiments.drawn_motions import Motions, animated, strips
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.repair.repair_baselines import contenders_of
+from numpy_cae.experiments.repair.repair_baselines import printed, repair_baselines
+from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.split import split_of, split_takes
-from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
@@ -38,120 +34,57 @@ from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 CHOOSING_TAKES, TESTING_TAKES = 24, 60
 """At most, of each source, spread evenly."""
 P = 0.1
-"""Of the linear denoiser: what the paper trains its network to undo."""
+"""Of the linear denoiser; also the paper's corruption in training."""
 SEEN, TRUE = "seen by the Kinect", "truth"
 LINEAR = f"linear denoiser, 15 frames, p = {P}"
+Measured = dict[str, tuple[float, float]]
+"""Method to error in cm and jitter in m/s²."""
 
 
-@dataclass(frozen=True)
-class Kinect:
-    """Error in cm and jitter in m/s², by source of the takes, then by method."""
-
-    tables: dict[str, dict[str, tuple[float, float]]]
-    chosen: dict[str, str]
-    example: Example
-    sample: str
-    title: str = "Repair: a Kinect's recording"
-
-    def text(self) -> str:
-        """A table for each source of takes."""
-        parts = []
-        for source, table in self.tables.items():
-            rows = [
-                [name, f"{error:.2f}", f"{jitter:.2f}", self.chosen.get(name, "")]
-                for name, (error, jitter) in table.items()
-            ]
-            parts.append(text_table([source, "error, cm", "jitter, m/s²", "setting"], rows))
-        return "\n\n".join([*parts, self.sample])
-
-    def findings(self) -> list[Finding]:
-        """The paper's sentence, for each source; and whether a filter does as well."""
-        found = []
-        for source, table in self.tables.items():
-            (before, shaken), (after, smooth) = table[SEEN], table[ALL_SHIFTS]
-            truth = table[TRUE][1]
-            others = {
-                name: error
-                for name, (error, _) in table.items()
-                if name not in (SEEN, NETWORK, ALL_SHIFTS, TRUE)
-            }
-            best = min(others, key=others.__getitem__)
-            found += [
-                Finding(
-                    f"After projection a Kinect's recording far more closely matches the truth "
-                    f"(holden2015, section 7; {source} takes, a simulated Kinect; held if less "
-                    f"than two thirds of the error is left).",
-                    after < before * 2 / 3,
-                    f"{before:.2f} cm before, {after:.2f} cm after "
-                    f"({table[NETWORK][0]:.2f} without what `repair` adds).",
-                ),
-                Finding(
-                    f"Projection brings its jitter nearer to the truth's ({source} takes).",
-                    abs(smooth - truth) < abs(shaken - truth),
-                    f"{shaken:.1f} m/s² before, {smooth:.1f} after, truth {truth:.1f}.",
-                ),
-                Finding(
-                    f"Projection leaves less error than filters and linear manifolds do "
-                    f"({source} takes).",
-                    after < others[best],
-                    f"the network {after:.2f} cm, {best} {others[best]:.2f} cm.",
-                ),
-            ]
-        return found
-
-    def save_picture(self, path: str | Path) -> None:
-        """Strips of what was seen, its projection and the truth, PNG."""
-        self.example.save_strips(path)
-
-    def save_gif(self, path: str | Path) -> None:
-        """The same three in motion."""
-        self.example.save_gif(path)
-
-
-def kinect(manifold: MotionManifold, material: Material, seed: int = 0) -> Kinect:
-    """See held-out takes with a Kinect, repair what it saw, compare with the takes.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    material : Material
-    seed : int
-        Of the sensor's errors.
-    """
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Simulate Kinect recordings of test takes, repair them, compare them with the takes."""
     split = split_of(manifold, material)
     linear = Moments.of(split.training.x, split.training.real).solve(1 - P)
     choosing = evenly(split_takes(material.training)[1], CHOOSING_TAKES)
     practice, practice_truth = _seen(manifold, choosing, seed + 1)
-    contenders = contenders_of(split)
-    best = {each.name: each.best(practice, practice_truth) for each in contenders}
-    tables, example, sample = {}, None, []
+    baselines = repair_baselines(split)
+    best = {each.name: each.best(practice, practice_truth) for each in baselines}
+    tables, claims, motions, sample = [], [], None, []
     for source in sorted({take.source for take in material.testing}, reverse=True):
         takes = evenly(material.of(source).testing, TESTING_TAKES)
         seen, truth = _seen(manifold, takes, seed)
         repaired = {
             SEEN: seen,
-            **{each.name: each.repair(seen, best[each.name]) for each in contenders},
+            **{each.name: each.repair(seen, best[each.name]) for each in baselines},
             LINEAR: linear.repair(seen),
             NETWORK: project(manifold, seen),
             ALL_SHIFTS: project_ends_held(manifold, seen, manifold.shifts),
             TRUE: truth.x,
         }
-        tables[source] = {name: (truth.error(x), truth.jitter(x)) for name, x in repaired.items()}
+        measured = {name: (truth.error(x), truth.jitter(x)) for name, x in repaired.items()}
+        rows = [
+            [name, *values, printed(best[name]) if name in best else None]
+            for name, values in measured.items()
+        ]
+        tables.append(Table("", [source, "error, cm", "jitter, m/s²", "setting"], rows))
+        claims += _claims(source, measured)
         sample.append(f"{len(takes)} {source} takes ({len(truth)} windows)")
-        example = example or _example(repaired, truth)
-    chosen = {name: str(setting).strip("()") for name, setting in best.items()}
-    held_out = " and ".join(sample)
-    text = (
-        f"Measured on {held_out} that nothing was trained on, seen by a simulated Kinect. "
-        f"{split.fitted()}"
+        motions = motions or _motions(repaired, truth)
+    return Result(
+        "Repair: a Kinect recording",
+        tables,
+        claims,
+        strips(motions, manifold.rate),
+        animated(motions, manifold.rate),
+        f"Measured on {' and '.join(sample)} not used in training, seen by a simulated Kinect. "
+        f"{split.fitted()}",
     )
-    return Kinect(tables, chosen, example, text)
 
 
 def _seen(
     manifold: MotionManifold, takes: Sequence[LabelledTake], seed: int
 ) -> tuple[np.ndarray, Clips]:
-    """Windows as seen, and the truth."""
+    """Windows as seen by the Kinect, and the truth."""
     positions = [take.positions for take in takes]
     seen = [
         see_with_kinect(take, JOINTS, PARENTS, manifold.rate, np.random.default_rng([seed, number]))
@@ -160,20 +93,47 @@ def _seen(
     return clips_of(manifold, [each.values for each in seen]).x, clips_of(manifold, positions)
 
 
-def _example(repaired: dict[str, np.ndarray], truth: Clips) -> Example:
+def _claims(source: str, measured: Measured) -> list[Claim]:
+    (before, before_jitter), (after, after_jitter) = measured[SEEN], measured[ALL_SHIFTS]
+    truth = measured[TRUE][1]
+    others = {
+        name: error
+        for name, (error, _) in measured.items()
+        if name not in (SEEN, NETWORK, ALL_SHIFTS, TRUE)
+    }
+    best = min(others, key=others.__getitem__)
+    return [
+        Claim(
+            "After projection a Kinect recording matches the truth far more closely (holden2015, "
+            f"section 7; {source} takes, a simulated Kinect; held if less than two thirds of the "
+            "error remains).",
+            after < before * 2 / 3,
+            f"{before:.2f} cm before, {after:.2f} cm after ({measured[NETWORK][0]:.2f} without "
+            "what `repair` adds).",
+        ),
+        Claim(
+            f"Projection brings its jitter nearer to the truth's ({source} takes).",
+            abs(after_jitter - truth) < abs(before_jitter - truth),
+            f"{before_jitter:.1f} m/s² before, {after_jitter:.1f} after, truth {truth:.1f}.",
+        ),
+        Claim(
+            f"Projection leaves less error than filters and linear methods do ({source} takes).",
+            after < others[best],
+            f"the network {after:.2f} cm, {best} {others[best]:.2f} cm.",
+        ),
+    ]
+
+
+def _motions(repaired: dict[str, np.ndarray], truth: Clips) -> Motions:
     window = truth.typical()
     alone = truth.where(np.arange(len(truth)) == window, truth.real)
-    return Example.of(
-        truth,
-        window,
-        {
-            f"{label}, {alone.error(repaired[name][[window]]):.1f} cm off"
-            if name != TRUE
-            else label: (repaired[name], colour)
-            for label, name, colour in (
-                ("Kinect", SEEN, CORRUPTED),
-                ("projected", ALL_SHIFTS, PROJECTED),
-                ("truth", TRUE, TRUTH),
-            )
-        },
-    )
+
+    def motion(name: str, colour: str) -> tuple[np.ndarray, str]:
+        return truth.features(repaired[name], window), colour
+
+    before, after = (alone.error(repaired[name][[window]]) for name in (SEEN, ALL_SHIFTS))
+    return {
+        f"Kinect, {before:.1f} cm off": motion(SEEN, CORRUPTED),
+        f"projected, {after:.1f} cm off": motion(ALL_SHIFTS, PROJECTED),
+        "truth": motion(TRUE, TRUTH),
+    }

@@ -1,4 +1,4 @@
-"""What a sensible person would repair windows with, each at the best setting that it can have."""
+"""Simple methods that repair windows, each with its best setting."""
 
 from __future__ import annotations
 
@@ -13,29 +13,27 @@ from numpy_cae.experiments.split import Split
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
 MEDIAN, SAVITZKY_GOLAY = "median filter", "Savitzky-Golay filter"
-
-Repair = Callable[[np.ndarray, object], np.ndarray]
-
 AXES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450)
 LENGTHS = (3, 5, 7, 9, 15)
 POLYNOMIALS = tuple(
     (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
 )
+Repair = Callable[[np.ndarray, object], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Contender:
-    """A way to repair windows, with one thing to set.
+class RepairBaseline:
+    """A method with one setting.
 
     Parameters
     ----------
     name : str
     settings : tuple
-        What can be chosen.
+        Possible settings.
     trial : (windows, setting) -> windows
-        For choosing: has seen nothing of `Split.choosing`.
+        Fitted to `Split.fitting`, for choosing a setting on `Split.choosing`.
     repair : (windows, setting) -> windows
-        For measuring: fitted to all training windows.
+        Fitted to all training windows, for measuring.
     """
 
     name: str
@@ -50,42 +48,38 @@ class Contender:
         )
 
 
-def contenders_of(split: Split) -> list[Contender]:
-    """All of them."""
+def repair_baselines(split: Split) -> list[RepairBaseline]:
+    """All of them. A polynomial of order 0 is the moving average."""
+
+    def smoothed(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
+        return savitzky_golay(x, *setting)
+
+    frames = split.testing.x.shape[1]
+    short = tuple(setting for setting in POLYNOMIALS if setting[0] <= frames)
     return [
-        median_filter(),
-        savitzky_golay_filter(split.testing.x.shape[1]),
+        RepairBaseline(MEDIAN, LENGTHS, median, median),
+        RepairBaseline(SAVITZKY_GOLAY, short, smoothed, smoothed),
         pca_on_frames(split),
         pca_on_windows(split),
     ]
 
 
-def pca_on_frames(split: Split) -> Contender:
-    """PCA of poses: knows nothing of time."""
+def pca_on_frames(split: Split) -> RepairBaseline:
+    """PCA of single poses."""
     return _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1])
 
 
-def pca_on_windows(split: Split) -> Contender:
-    """PCA of whole windows: poses and their course."""
+def pca_on_windows(split: Split) -> RepairBaseline:
+    """PCA of whole windows."""
     return _pca(PCA_ON_WINDOWS, split, split.training.x[0].size)
 
 
-def median_filter() -> Contender:
-    """Knows nothing of bodies."""
-    return Contender(MEDIAN, LENGTHS, median, median)
+def printed(setting: object) -> str:
+    """A setting in a table: "7, 2" for (7, 2)."""
+    return str(setting).strip("()")
 
 
-def savitzky_golay_filter(frames: int) -> Contender:
-    """Knows nothing of bodies; for windows of so many frames. Order 0 is the moving average."""
-
-    def repair(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
-        return savitzky_golay(x, *setting)
-
-    short = tuple(setting for setting in POLYNOMIALS if setting[0] <= frames)
-    return Contender(SAVITZKY_GOLAY, short, repair, repair)
-
-
-def _pca(name: str, split: Split, numbers: int) -> Contender:
+def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
     def fitted(clips: Clips) -> tuple[int, Repair]:
         pca = PCA.fit(clips.x.reshape(-1, numbers))
 
@@ -96,4 +90,4 @@ def _pca(name: str, split: Split, numbers: int) -> Contender:
 
     (largest, trial), (_, repair) = fitted(split.fitting), fitted(split.training)
     sizes = tuple(size for size in AXES if size < largest)
-    return Contender(name, (*sizes, largest), trial, repair)
+    return RepairBaseline(name, (*sizes, largest), trial, repair)

@@ -1,158 +1,56 @@
 """Stepped animation, every 15th frame held: holden2015, section 7, "Filling in Missing Data".
 
-The paper projects it blindly and finds smooth transitions between the keys. Who knows which frames
-are the keys can also interpolate between them, as every animation program does, or project and
-keep the keys (`fill_keyframes`).
+The paper projects it without knowing the keys and finds smooth transitions between them. Where the
+keys are known, one can also interpolate between them, or project and keep them (`fill_keyframes`).
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.baselines import Moments, interpolate_cubically, interpolate_linearly
 from numpy_cae.experiments.clips import ENDS_HELD, Clips, project_ends_held
-from numpy_cae.experiments.example import Example
-from numpy_cae.experiments.finding import Finding
+from numpy_cae.experiments.drawn_motions import animated
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.repair.repair_baselines import MEDIAN, contenders_of
+from numpy_cae.experiments.repair.repair_baselines import MEDIAN, printed, repair_baselines
+from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.split import split_of
-from numpy_cae.experiments.table import text_table
 from numpy_cae.manifold import MotionManifold, fill_keyframes
 from numpy_cae.motion import POSITIONS
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Curve, curves_figure, save_figure
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Curve, curves_figure
 
 EVERY = 15
-LATE = (EVERY - 1) // 2
-"""Frames that a held key lags behind on average."""
+DELAY = (EVERY - 1) // 2
+"""Mean number of frames that a held key lags behind."""
 P = 0.1
-"""Of the linear denoiser: what the paper trains its network to undo."""
+"""Of the linear denoiser; also the paper's corruption in training."""
 HELD, TRUE = "held", "truth"
 LINEAR, CUBIC = "linear interpolation of the keys", "cubic interpolation of the keys"
 FILLED = "fill_keyframes, from held keys"
 FILLED_LINE = "fill_keyframes, from a line"
-TOLD = (LINEAR, CUBIC, FILLED, FILLED_LINE)
+KEYS_KNOWN = (LINEAR, CUBIC, FILLED, FILLED_LINE)
+CAPTION = (
+    f"Every {EVERY}th frame is held until the next, in all 63 features; measured up to the last "
+    f"key. A held key lags behind by {DELAY} frames on average, which a method that does not know "
+    f'the keys cannot detect: "delayed" is the error against the truth {DELAY} frames before.'
+)
 
 
-@dataclass(frozen=True)
-class Row:
-    """Error against the truth and against the truth `LATE` frames before, cm; jitter, m/s²."""
-
-    error: float
-    late: float
-    jitter: float
-
-
-@dataclass(frozen=True)
-class SteppedKeyframes:
-    """What each method does, and the setting of each that has one."""
-
-    rows: dict[str, Row]
-    chosen: dict[str, str]
-    example: Example
-    sample: str
-    title: str = "Filling in: stepped keyframes"
-
-    def text(self) -> str:
-        """One table: who is told which frames are keys, and who is not."""
-        lines = [
-            [
-                name,
-                "" if name == TRUE else "yes" if name in TOLD else "no",
-                f"{row.error:.2f}",
-                f"{row.late:.2f}",
-                f"{row.jitter:.2f}",
-                self.chosen.get(name, ""),
-            ]
-            for name, row in self.rows.items()
-        ]
-        header = ["method", "told the keys", "error, cm", "late, cm", "jitter, m/s²", "setting"]
-        return (
-            f"Every {EVERY}th frame is held until the next, all 63 features of it; measured up to "
-            f"the last key. A held key is late, by {LATE} frames on average, and who does not know "
-            f'the keys cannot know that: "late" is the error against the truth of {LATE} frames '
-            f"before.\n\n{text_table(header, lines)}\n\n{self.sample}"
-        )
-
-    def findings(self) -> list[Finding]:
-        """Smooth transitions, nearer to the motion; and whether the keys had better be joined."""
-        held, network, truth = self.rows[HELD], self.rows[ENDS_HELD], self.rows[TRUE].jitter
-        filled = min(self.rows[name].error for name in (FILLED, FILLED_LINE))
-        best = min((LINEAR, CUBIC), key=lambda name: self.rows[name].error)
-        return [
-            Finding(
-                "Projection inserts smooth transitions between stepped keyframes (holden2015, "
-                "section 7; held if the jitter comes within half of the truth's).",
-                abs(network.jitter - truth) < truth / 2,
-                f"{held.jitter:.1f} m/s² held, {network.jitter:.1f} projected, truth {truth:.1f}.",
-            ),
-            Finding(
-                "What it inserts corresponds to motion (section 7; held if it is nearer to the "
-                "true motion than the held keys are, in time or late).",
-                network.error < held.error and network.late < held.late,
-                f"{held.error:.2f} cm held, {network.error:.2f} cm projected; late "
-                f"{held.late:.2f} and {network.late:.2f} cm.",
-            ),
-            Finding(
-                "It is nearer to the true motion than interpolation of the keys (not in the "
-                "paper).",
-                filled < self.rows[best].error,
-                f"{best} {self.rows[best].error:.2f} cm; the network {network.error:.2f} cm blind "
-                f"({network.late:.2f} cm late), {filled:.2f} cm told which frames are keys.",
-            ),
-        ]
-
-    def save_picture(self, path: str | Path) -> None:
-        """The coordinate that moves most, over time: truth, held, interpolated, projected, PNG."""
-        motions = self.example.motions
-        column = int(np.argmax(np.ptp(motions[TRUE][0][:, POSITIONS], axis=0)))
-        name = f"{JOINTS[column // 3]} {'xyz'[column % 3]}".replace("_", " ")
-        styles = {TRUE: "-", HELD: "-", LINEAR: ":", CUBIC: "--"}
-        curves = [
-            Curve(
-                np.arange(len(features)) / self.example.rate,
-                100 * features[:, column],
-                label,
-                colour,
-                styles.get(label, "-"),
-            )
-            for label, (features, colour) in motions.items()
-        ]
-        save_figure(curves_figure(curves, "time, s", f"{name}, cm", (9.5, 4.0)), path)
-
-    def save_gif(self, path: str | Path) -> None:
-        """Held, projected, true."""
-        shown = {label: self.example.motions[label] for label in (HELD, ENDS_HELD, TRUE)}
-        replace(self.example, motions=shown).save_gif(path)
-
-
-def stepped_keyframes(
-    manifold: MotionManifold, material: Material, seed: int = 0
-) -> SteppedKeyframes:
-    """Hold every 15th frame of held-out windows and fill in what lies between.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    material : Material
-    seed : int
-        Nothing is drawn; every experiment takes one.
-    """
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Hold every 15th frame of test windows and fill in the frames between."""
     split = split_of(manifold, material)
     choosing, testing = _up_to_last_key(split.choosing), _up_to_last_key(split.testing)
     moments = Moments.of(split.training.x, split.training.real)
     keys = np.arange(0, testing.x.shape[1], EVERY)
     held, practice = _held(testing.x), _held(choosing.x)
-    filled, chosen = {HELD: held}, {}
-    for contender in contenders_of(split):
-        if contender.name == MEDIAN:
-            continue  # the median of a stair is the stair
-        setting = contender.best(practice, choosing)
-        filled[contender.name] = contender.repair(held, setting)
-        chosen[contender.name] = str(setting).strip("()")
+    filled, settings = {HELD: held}, {}
+    for baseline in repair_baselines(split):
+        if baseline.name == MEDIAN:
+            continue  # the median of a step function is that function
+        setting = baseline.best(practice, choosing)
+        filled[baseline.name] = baseline.repair(held, setting)
+        settings[baseline.name] = printed(setting)
     filled[f"linear denoiser, 15 frames, p = {P}"] = moments.solve(1 - P).repair(held)
     filled[ENDS_HELD] = project_ends_held(manifold, held)
     known = np.zeros(testing.x.shape, dtype=bool)
@@ -164,14 +62,35 @@ def stepped_keyframes(
             lambda x, start=start: fill_keyframes(manifold, x, EVERY, start)
         )
     filled[TRUE] = testing.x
-    late = testing.later(LATE)
-    rows = {
-        name: Row(testing.error(x), late.error(x), testing.jitter(x)) for name, x in filled.items()
+
+    delayed = testing.later(DELAY)
+    measured = {
+        name: (testing.error(x), delayed.error(x), testing.jitter(x)) for name, x in filled.items()
     }
+    rows = [
+        [
+            name,
+            "" if name == TRUE else "yes" if name in KEYS_KNOWN else "no",
+            *values,
+            settings.get(name),
+        ]
+        for name, values in measured.items()
+    ]
+    header = ["method", "keys known", "error, cm", "delayed, cm", "jitter, m/s²", "setting"]
+    window = testing.typical()
     colours = {HELD: CORRUPTED, LINEAR: PLAIN, CUBIC: PLAIN, ENDS_HELD: PROJECTED, TRUE: TRUTH}
-    motions = {name: (filled[name], colour) for name, colour in colours.items()}
-    example = Example.of(testing, testing.typical(), motions)
-    return SteppedKeyframes(rows, chosen, example, split.text())
+    motions = {
+        name: (testing.features(filled[name], window), colour) for name, colour in colours.items()
+    }
+    moving = {name: motions[name] for name in (HELD, ENDS_HELD, TRUE)}
+    return Result(
+        "Filling in: stepped keyframes",
+        [Table(CAPTION, header, rows)],
+        _claims(measured),
+        lambda: _figure(motions, manifold.rate),
+        animated(moving, manifold.rate),
+        split.text(),
+    )
 
 
 def _held(x: np.ndarray) -> np.ndarray:
@@ -180,8 +99,50 @@ def _held(x: np.ndarray) -> np.ndarray:
 
 
 def _up_to_last_key(clips: Clips) -> Clips:
-    """Only the frames that lie between two keys count; windows too short for two go."""
+    """Only frames between two keys count; windows with one key are left out."""
     frames = np.count_nonzero(clips.real, axis=1)
     last = (frames - 1) // EVERY * EVERY
     between = np.arange(clips.real.shape[1]) <= last[:, None]
     return clips.where(last > 0, between)
+
+
+def _claims(measured: dict[str, tuple[float, float, float]]) -> list[Claim]:
+    held, held_delayed, held_jitter = measured[HELD]
+    error, delayed, jitter = measured[ENDS_HELD]
+    truth = measured[TRUE][2]
+    filled = min(measured[name][0] for name in (FILLED, FILLED_LINE))
+    best = min((LINEAR, CUBIC), key=lambda name: measured[name][0])
+    return [
+        Claim(
+            "Projection inserts smooth transitions between stepped keyframes (holden2015, section "
+            "7; held if the jitter differs from the truth's by less than half of it).",
+            abs(jitter - truth) < truth / 2,
+            f"{held_jitter:.1f} m/s² held, {jitter:.1f} projected, truth {truth:.1f}.",
+        ),
+        Claim(
+            "The inserted transitions correspond to motion (section 7; held if they are nearer to "
+            "the true motion than the held keys are, both undelayed and delayed).",
+            error < held and delayed < held_delayed,
+            f"{held:.2f} cm held, {error:.2f} cm projected; delayed {held_delayed:.2f} and "
+            f"{delayed:.2f} cm.",
+        ),
+        Claim(
+            "They are nearer to the true motion than an interpolation of the keys (not in the "
+            "paper).",
+            filled < measured[best][0],
+            f"{best} {measured[best][0]:.2f} cm; the network {error:.2f} cm without the keys "
+            f"({delayed:.2f} cm delayed), {filled:.2f} cm with them.",
+        ),
+    ]
+
+
+def _figure(motions: dict[str, tuple[np.ndarray, str]], rate: float):
+    """The coordinate that moves most, over time."""
+    column = int(np.argmax(np.ptp(motions[TRUE][0][:, POSITIONS], axis=0)))
+    name = f"{JOINTS[column // 3]} {'xyz'[column % 3]}".replace("_", " ")
+    styles = {LINEAR: ":", CUBIC: "--"}
+    curves = [
+        Curve(np.arange(len(x)) / rate, 100 * x[:, column], label, colour, styles.get(label, "-"))
+        for label, (x, colour) in motions.items()
+    ]
+    return curves_figure(curves, "time, s", f"{name}, cm", (9.5, 4.0))
