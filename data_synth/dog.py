@@ -11,7 +11,7 @@ from data_synth.body import SIGN, Body
 from data_synth.curves import drift
 from data_synth.pose import Pose
 from data_synth.stage import bump
-from data_synth.stride import turned
+from numpy_cae.motion.heading import rotate_about_y
 
 
 def hold_lead(
@@ -36,7 +36,7 @@ def hold_lead(
     aside = sign * 0.20 + 0.16 * np.sin(dog) + 0.02 * drift(rng, 1.0, 0.2, 0.8)(t)
     ahead = 0.27 + 0.03 * drift(rng, 1.0, 0.1, 0.6)(t) + 0.15 * tug
     height = 0.605 * body.stature + 0.02 * drift(rng, 1.0, 0.2, 0.9)(t) - 0.03 * tug
-    hand = turned(np.stack([aside, np.zeros(len(t)), ahead], axis=-1) * size, heading)
+    hand = rotate_about_y(np.stack([aside, np.zeros(len(t)), ahead], axis=-1) * size, heading)
     arm = pose.arms[side]
     arm.goal = np.stack(
         [pose.place[:, 0] + hand[:, 0],

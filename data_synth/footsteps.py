@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from data_synth.body import Body
 from data_synth.curves import ease
-from data_synth.stride import pitched, turned
+from data_synth.stride import pitched
+from numpy_cae.motion.heading import rotate_about_y
 
 
 @dataclass
@@ -93,9 +94,9 @@ def stand(
     yaw = heading + np.radians(state[:, 2])
     pitch = -np.radians(heel)
     pivot = np.where((pitch > 0)[:, None], body.heel, body.ball)
-    rise = turned(pivot - pitched(pivot, pitch), yaw)
+    rise = rotate_about_y(pivot - pitched(pivot, pitch), yaw)
     zero = np.zeros(len(state))
-    ankle = turned(np.stack([state[:, 0], zero, state[:, 1]], axis=-1), heading)
+    ankle = rotate_about_y(np.stack([state[:, 0], zero, state[:, 1]], axis=-1), heading)
     ankle += rise
     ankle[:, 1] += body.ankle_height + height
     foot = Rotation.from_euler("YX", np.stack([yaw, -pitch], axis=-1))

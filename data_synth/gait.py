@@ -21,7 +21,8 @@ from data_synth.leg_angles import LegAngles
 from data_synth.manner import Manner, in_radians
 from data_synth.pose import Leg
 from data_synth.route import Route
-from data_synth.stride import LONG_AGO, Stances, pitched, turned
+from data_synth.stride import LONG_AGO, Stances, pitched
+from numpy_cae.motion.heading import rotate_about_y
 
 
 class Gait:
@@ -86,7 +87,7 @@ class Gait:
         twice = np.stack([np.cos(2 * angle), np.sin(2 * angle)], axis=-1)
         surge = 0.012 * vigour * np.cos(2 * angle + 0.9) + 0.004 * (1 - vigour) * self._drifts[1](t)
         bob = vigour**2 * (self._implied.sink + twice @ self._implied.bob)
-        place = turned(
+        place = rotate_about_y(
             np.stack([sway, self._implied.height + bob - self._lowered(t), surge], axis=-1),
             self.route.heading(t),
         )
@@ -167,7 +168,7 @@ class Gait:
         )
         aside = np.full_like(ahead, sign * (self.manner.width - body.hip_width) / 2)
         hip = place + pelvis.apply(body.hip(side))
-        return hip + turned(np.stack([aside, up, ahead], axis=-1), self.route.heading(t))
+        return hip + rotate_about_y(np.stack([aside, up, ahead], axis=-1), self.route.heading(t))
 
     def _plan(self, side: int, rng: np.random.Generator) -> Stances:
         curves, route, m, sign = self.manner.curves, self.route, self.manner, SIGN[side]
@@ -193,7 +194,7 @@ class Gait:
         ahead = self.body.hip(0)[2] - vigour * behind
         ahead += (1 - vigour) * self._angles.way(np.zeros(1), 0.0)[0]
         aside = sign * (0.5 * m.width + np.clip(rng.normal(0, 0.008, count), -0.016, 0.016))
-        ankle = turned(np.stack([aside, np.zeros(count), ahead], axis=-1), heading)
+        ankle = rotate_about_y(np.stack([aside, np.zeros(count), ahead], axis=-1), heading)
         ankle[:, [0, 2]] += route.place(passing)
         ankle[:, 1] = self.body.ankle_height
         yaw = heading + sign * (m.toe_out + np.radians(1.5) * rng.normal(size=count).clip(-2, 2))

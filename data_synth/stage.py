@@ -17,7 +17,7 @@ from data_synth.body import SIDES, SIGN, Body
 from data_synth.curves import drift, ease, smooth_over, yielding
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
-from data_synth.stride import turned
+from numpy_cae.motion.heading import rotate_about_y
 
 # How far gestures together can take an angle, degrees; the joints themselves go a little further.
 _REACH = {"bend": (-45, 95), "side": (-60, 60), "twist": (-58, 58), "nod": (-45, 75),
@@ -127,18 +127,20 @@ class Stage:
     def asked(self) -> np.ndarray:
         """x and z of the asked path, (F, 2), metres."""
         if self.prone is not None:
-            return turned(self.prone.place, self.heading)[:, [0, 2]]
+            return rotate_about_y(self.prone.place, self.heading)[:, [0, 2]]
         way = np.stack([self.path[:, 0], np.zeros(len(self.t)), self.path[:, 1]], axis=-1)
-        return self.start + turned(way, self.heading)[:, [0, 2]]
+        return self.start + rotate_about_y(way, self.heading)[:, [0, 2]]
 
     def _place(self) -> np.ndarray:
         height = self.body.standing - 0.009 * self.body.leg + self.angles["up"]
         aside = self.path[:, 0] + self.angles["aside"]
         ahead = self.path[:, 1] + self.angles["ahead"]
-        place = turned(np.stack([aside, np.zeros_like(aside), ahead], axis=-1), self.heading)
+        place = rotate_about_y(
+            np.stack([aside, np.zeros_like(aside), ahead], axis=-1), self.heading
+        )
         place += [self.start[0], 0.0, self.start[1]]
         # The hip joints, not the root, stand above the ankles.
-        place -= turned(self.body.hip(0) * [0, 0, 1], self.heading)
+        place -= rotate_about_y(self.body.hip(0) * [0, 0, 1], self.heading)
         place[:, 1] = height
         return place
 
@@ -174,7 +176,7 @@ class Stage:
             down = upper * np.cos(thigh) + lower * np.cos(shank)
             way = np.stack([sign * down * np.sin(out), -down * np.cos(out), ahead], axis=-1)
             facing = pelvis.as_euler("YXZ")[:, 0]
-            lifted = place + pelvis.apply(self.body.hip(side)) + turned(way, facing)
+            lifted = place + pelvis.apply(self.body.hip(side)) + rotate_about_y(way, facing)
             ankle = ankle + free[:, None] * (lifted - ankle)
             # Up before forwards, so that the toes clear the floor.
             ankle[:, 1] += 0.16 * self.body.leg * free * (1 - free)

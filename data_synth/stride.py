@@ -13,6 +13,7 @@ import numpy as np
 
 from data_synth.body import Body
 from data_synth.curves import ease
+from numpy_cae.motion.heading import rotate_about_y
 
 # Seconds before a walk that begins standing, and after one that ends so.
 LONG_AGO = 1e4
@@ -50,7 +51,7 @@ class Stances:
         """The ankle at times within stance k, (F, 3): turned about the heel or the ball."""
         pivot = np.where((t < self.flat[k])[:, None], body.heel, body.ball)
         moved = pivot - pitched(pivot, pitch)
-        return self.ankle[k] + turned(moved, self.yaw[k])
+        return self.ankle[k] + rotate_about_y(moved, self.yaw[k])
 
 
 def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
@@ -58,10 +59,3 @@ def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
     c, s = np.cos(pitch), np.sin(pitch)
     x, y, z = np.moveaxis(np.broadcast_to(way, (*pitch.shape, 3)), -1, 0)
     return np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
-
-
-def turned(way: np.ndarray, yaw: np.ndarray) -> np.ndarray:
-    """The ways (F, 3) turned about Y by `yaw` radians, from Z towards X."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    x, y, z = np.moveaxis(np.broadcast_to(way, (*np.shape(yaw), 3)), -1, 0)
-    return np.stack([c * x + s * z, y, c * z - s * x], axis=-1)

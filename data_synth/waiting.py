@@ -12,7 +12,7 @@ from data_synth.body import LEFT, RIGHT, SIDES, SIGN
 from data_synth.curves import drift
 from data_synth.stage import Stage, bump
 from data_synth.standing import fidget, glance, shift_weight
-from data_synth.stride import turned
+from numpy_cae.motion.heading import rotate_about_y
 
 
 def waiting(stage: Stage, seconds: float, tempo: float) -> None:
@@ -125,7 +125,7 @@ def rest_on_wall(stage: Stage, start: float, tempo: float) -> float:
     )  # fmt: skip
     out = sign * (abs(body.offset("lhumerus")[0]) + far + 0.80 * body.arm)
     height = body.stature * rng.uniform(0.80, 0.86)
-    goal = turned(
+    goal = rotate_about_y(
         np.array([out, 0.0, rng.uniform(0.0, 0.12)]) + np.zeros((len(t), 3)), stage.heading
     )
     goal += [stage.start[0], height, stage.start[1]]

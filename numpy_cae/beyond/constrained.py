@@ -1,38 +1,74 @@
-"""Projection that keeps what a body must keep: "a constrained projection operator", which
-holden2015, section 7, leaves to the future.
+"""Projection under constraints, "a constrained projection operator" (holden2015, section 7).
 
-Among the hidden units near Φ(X), those whose motion stays close to the plain projection while
+Among the hidden units near Φ(X), those are found whose motion is close to the plain projection and
 
-    bones       keep their lengths
-    feet        stay where they stand
-    joints      stay above the ground
-    pins        are where the user wants them
+    bones       keep their lengths,
+    feet        do not slide while in contact,
+    joints      stay above the ground,
+    pins        are where the user wants them.
 
-are found by descent along the manifold (`descent`). The last step, which leaves it, sets the
-lengths exactly; what is asked of feet, ground and pins is asked of the motion after that step, so
-that it undoes nothing.
+The last step, which leaves the manifold, sets the bone lengths exactly. The losses of feet, ground
+and pins are evaluated after this step, so that it cannot undo them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from numpy_cae.beyond import constraints
 from numpy_cae.beyond.constraints import Pullback
 from numpy_cae.beyond.exact_lengths import exact_lengths
-from numpy_cae.beyond.optimise_latent import descend_to
-from numpy_cae.beyond.pins import Pins
+from numpy_cae.beyond.optimise_latent import optimise_latent
+from numpy_cae.beyond.pins import Pin, Pins, pins_on_mean_skeleton
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.contacts import find_contacts, floor_height
 from numpy_cae.motion.features import RootTransform, features_to_positions
+from numpy_cae.motion.motion import Motion
 
-CLOSE, BONES, FEET, GROUND, PINS = 1.0, 0.1, 10.0, 1.0, 1.0
-"""What the squared distance to the plain projection and that from each constraint weigh."""
-NEAR = 0.1
-"""β of `descend_to`: what a mean square of 1 in the hidden units weighs."""
-UNDER = 0.01
-"""Metres that a joint may be below where the feet of the plain projection stand."""
-STEPS = 200
+CLOSENESS_WEIGHT, BONES_WEIGHT, FEET_WEIGHT, GROUND_WEIGHT, PINS_WEIGHT = 1.0, 0.1, 10.0, 1.0, 1.0
+"""Weights of the squared distance to the plain projection and of the error of each constraint."""
+BETA = 0.1
+"""β of `optimise_latent`."""
+GROUND_MARGIN = 0.01
+"""Metres that a joint may be below the floor on which the feet of the plain projection stand."""
+MAX_STEPS = 200
+
+
+def repair_constrained(
+    motion: Motion,
+    manifold: MotionManifold,
+    mapping: dict[str, str] | None = None,
+    pins: Sequence[Pin] = (),
+) -> Motion:
+    """As `numpy_cae.manifold.repair`, under constraints.
+
+    The trajectory of the root is the projection's own: on another one the feet would slide.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
+    mapping : dict of joint name to the rig's joint name, optional
+    pins : sequence of Pin
+        Target positions of joints.
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate, unit and length.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    """
+    body = manifold.body(motion, mapping)
+    targets = pins_on_mean_skeleton(pins, body) if pins else None
+    root = targets.root(body.root) if targets else body.root
+    return body.to_rig(project_constrained(manifold, body.features, root, pins=targets), root)
 
 
 def project_constrained(
@@ -41,9 +77,9 @@ def project_constrained(
     start: RootTransform | None = None,
     contacts: np.ndarray | None = None,
     pins: Pins | None = None,
-    steps: int = STEPS,
+    steps: int = MAX_STEPS,
 ) -> np.ndarray:
-    """The motion on the manifold near Φ†(Φ(X)) that keeps bones, feet, ground and pins.
+    """The motion on the manifold near Φ†(Φ(X)) that satisfies the constraints.
 
     Parameters
     ----------
@@ -51,17 +87,17 @@ def project_constrained(
     features : (F, 63) array of float
         On the manifold's mean skeleton.
     start : RootTransform, optional
-        Where the motion starts, for pins; the origin where None.
-    contacts : (F, 2) array of bool, optional
+        Of the first frame, for pins; the origin where None.
+    contacts : (F, 2) array of bool
         When each foot stands; found in the plain projection where None.
     pins : Pins, optional
     steps : int
-        Of the descent, at most.
+        Largest number of iterations.
 
     Returns
     -------
     (F, 63) array of float64
-        Every bone at the length of the manifold's mean skeleton, up to rounding.
+        Every bone has the length of the manifold's mean skeleton, up to rounding.
     """
     start = start or RootTransform()
     units = manifold.encode(features)
@@ -69,24 +105,25 @@ def project_constrained(
     positions = features_to_positions(plain, start)
     if contacts is None:
         contacts = find_contacts(positions, manifold.rate)
-    ground = floor_height(positions) - UNDER
-    everything = np.ones_like(plain)
+    ground = floor_height(positions) - GROUND_MARGIN
+    everywhere = np.ones_like(plain)
 
-    def wish(x: np.ndarray) -> tuple[float, np.ndarray]:
+    def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
         exact, exact_back = exact_lengths(x, manifold.lengths)
         terms = [
-            (CLOSE, constraints.unlike(exact, plain, everything)),
-            (FEET, constraints.feet_moved(exact, contacts)),
-            (GROUND, constraints.below_ground(exact, ground)),
+            (CLOSENESS_WEIGHT, constraints.squared_difference(exact, plain, everywhere)),
+            (FEET_WEIGHT, constraints.foot_sliding_error(exact, contacts)),
+            (GROUND_WEIGHT, constraints.ground_penetration(exact, ground)),
         ]
         if pins is not None:
-            asked = (pins.targets, pins.weights, pins.body)
-            terms.append((PINS, constraints.out_of_place(exact, start, *asked)))
+            target = (pins.targets, pins.weights, pins.body)
+            terms.append((PINS_WEIGHT, constraints.pin_error(exact, start, *target)))
         loss, d_exact = _weighted(terms)
-        before, d = _weighted([(BONES, constraints.bone_lengths_off(x, manifold.lengths))])
-        return loss + before, d + exact_back(d_exact)
+        bones = constraints.bone_length_error(x, manifold.lengths)
+        bones_loss, d = _weighted([(BONES_WEIGHT, bones)])
+        return loss + bones_loss, d + exact_back(d_exact)
 
-    found = descend_to(manifold, units, len(features), wish, NEAR, steps)
+    found = optimise_latent(manifold, units, len(features), objective, BETA, steps)
     exact, _ = exact_lengths(manifold.decode(found, len(features)), manifold.lengths)
     return exact
 

@@ -1,10 +1,10 @@
-"""What a motion is asked for beyond being on the manifold, each as one loss and its pullback.
+"""Constraints on a motion, each as a loss and its pullback.
 
 holden2015, section 7: "Currently the manifold projection cannot guarantee constraints such as
-ground contact and joint lengths." Each function here says how far a motion is from keeping one of
-them, in squared metres, and how that changes with the features (F, 63). Everything but a place in
-the world can be said in the body's own frame, from one frame to the next; for a place velocities
-are summed up, and the pullback sums gradients from the end backwards.
+ground contact and joint lengths." Each function returns the mean squared error of one constraint,
+in squared metres, and its pullback to the features (F, 63). All but positions in the world can be
+computed in the body's frame, from one frame to the next; positions in the world are sums of
+velocities, and their pullback sums gradients from the last frame backwards.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ from numpy_cae.motion.features import (
     RootTransform,
     features_to_positions,
 )
+from numpy_cae.motion.heading import rotate_on_floor
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 CENTIMETRES = 1e4
-"""Squared centimetres in a squared metre: times this, an error of a centimetre counts 1."""
+"""Squared centimetres in a square metre: multiplied by this, an error of a centimetre is 1."""
 
 Pullback = Callable[..., np.ndarray]
 _X, _Z = (0, 2)
@@ -32,7 +33,7 @@ _ENDS = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
 _STARTS = [PARENTS[joint] for joint in _ENDS]
 
 
-def bone_lengths_off(features: np.ndarray, lengths: np.ndarray) -> tuple[float, Pullback]:
+def bone_length_error(features: np.ndarray, lengths: np.ndarray) -> tuple[float, Pullback]:
     """L = mean over bones and frames of (|b| - l)², with b = q_j - q_parent.
 
         dL/db = 2 (|b| - l) / N · b / |b|,    dq_j += db,    dq_parent -= db
@@ -59,8 +60,8 @@ def bone_lengths_off(features: np.ndarray, lengths: np.ndarray) -> tuple[float, 
     return float(np.mean(gap**2)), pullback
 
 
-def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullback]:
-    """L = mean over contacts of |s_t|²: how far a standing foot gets until the next frame.
+def foot_sliding_error(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullback]:
+    """L = mean over contacts of |s_t|², s_t the step of a standing foot until the next frame.
 
     In the body's frame at t, with velocity v, turn ω and the foot's x and z in q:
 
@@ -72,12 +73,12 @@ def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullb
     ----------
     features : (F, 63) array of float
     contacts : (F, 2) array of bool
-        Left and right; a foot is asked to stay where both t and t + 1 are in contact.
+        Left and right; a foot must stay where both t and t + 1 are in contact.
     """
     q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
     feet = q[:, FEET][..., [_X, _Z]]
     velocity, turn = features[:-1, None, VELOCITY], features[:-1, TURN]
-    carried = _turned(feet[1:], turn)
+    carried = rotate_on_floor(feet[1:], turn)
     stays = (contacts[1:] & contacts[:-1])[..., None]
     moved = stays * (velocity + carried - feet[:-1])
     count = max(int(stays.sum()), 1)
@@ -89,21 +90,21 @@ def feet_moved(features: np.ndarray, contacts: np.ndarray) -> tuple[float, Pullb
         d[:-1, TURN.start] = np.sum(d_moved * _quarter_turned(carried), axis=(1, 2))
         dq = np.zeros_like(q)
         for n, foot in enumerate(FEET):
-            dq[1:, foot, [_X, _Z]] += _turned(d_moved, -turn)[:, n]
+            dq[1:, foot, [_X, _Z]] += rotate_on_floor(d_moved, -turn)[:, n]
             dq[:-1, foot, [_X, _Z]] -= d_moved[:, n]
         return d + _only_positions(features, dq)
 
     return float(np.sum(moved**2) / count), pullback
 
 
-def below_ground(features: np.ndarray, ground: float) -> tuple[float, Pullback]:
+def ground_penetration(features: np.ndarray, ground: float) -> tuple[float, Pullback]:
     """L = mean over joints and frames of max(0, ground - y)².   dL/dy = -2 max(0, ground - y) / N
 
     Parameters
     ----------
     features : (F, 63) array of float
     ground : float
-        Its height, metres.
+        Height of the ground, metres.
     """
     q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
     depth = np.maximum(0.0, ground - q[..., 1])
@@ -116,15 +117,15 @@ def below_ground(features: np.ndarray, ground: float) -> tuple[float, Pullback]:
     return float(np.mean(depth**2)), pullback
 
 
-def unlike(features: np.ndarray, wanted: np.ndarray, weights: np.ndarray) -> tuple[float, Pullback]:
-    """L = Σ w (f - f*)² / Σ w: how far features are from wanted ones, where somebody cares.
+def squared_difference(features: np.ndarray, target: np.ndarray, weights: np.ndarray) -> tuple[float, Pullback]:
+    """L = Σ w (f - f*)² / Σ w, the weighted squared difference from target features f*.
 
     Parameters
     ----------
-    features, wanted, weights : (F, 63) arrays of float
+    features, target, weights : (F, 63) arrays of float
         A weight of 0 leaves an entry free.
     """
-    gap = features - wanted
+    gap = features - target
     total = max(float(weights.sum()), 1e-12)
 
     def pullback(dloss: float = 1.0) -> np.ndarray:
@@ -133,16 +134,16 @@ def unlike(features: np.ndarray, wanted: np.ndarray, weights: np.ndarray) -> tup
     return float(np.sum(weights * gap**2) / total), pullback
 
 
-def out_of_place(
+def pin_error(
     features: np.ndarray,
     start: RootTransform,
     targets: np.ndarray,
     weights: np.ndarray,
     body: np.ndarray | None = None,
 ) -> tuple[float, Pullback]:
-    """L = Σ w |M p - p*|² / Σ w over joints in the world: a hand at a point, hips on a path.
+    """L = Σ w |M p - p*|² / Σ w over world positions p: a hand at a point, hips on a path.
 
-    M makes the joints of another body of those of the mean skeleton; g = Mᵀ dL/d(Mp). Positions
+    M maps the joints of the mean skeleton to those of another body; g = Mᵀ dL/d(Mp). Positions
     are sums of velocities and turns (`features_to_positions`), so a gradient g reaches every
     earlier frame, in sums that run backwards:
 
@@ -157,7 +158,7 @@ def out_of_place(
     start : RootTransform
         Of the first frame.
     targets : (F, 20, 3) array of float
-        p*, metres; what stands where the weight is 0 does not matter.
+        p*, metres; ignored where the weight is 0.
     weights : (F, 20) array of float, or (F, 20, 3) where coordinates differ
     body : (20, 20) array of float, optional
         M, the identity where None.
@@ -175,13 +176,13 @@ def out_of_place(
         flat, angle = g[..., [_X, _Z]], theta[:, None]
         local = positions[..., [_X, _Z]] - _floor(features, start, theta)[:, None]  # R(θ) q
         dq = g.copy()
-        dq[..., [_X, _Z]] = _turned(flat, -angle)
+        dq[..., [_X, _Z]] = rotate_on_floor(flat, -angle)
         later = _sum_of_later(flat.sum(axis=1))
-        step = _turned(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
+        step = rotate_on_floor(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
         d_theta = np.sum(flat * _quarter_turned(local), axis=(1, 2))
         d_theta += np.sum(later * _quarter_turned(step), axis=1)
         d = _only_positions(features, dq)
-        d[:-1, VELOCITY] = _turned(later[:, None], -angle)[:-1, 0]
+        d[:-1, VELOCITY] = rotate_on_floor(later[:, None], -angle)[:-1, 0]
         d[:-1, TURN.start] = _sum_of_later(d_theta)[:-1]
         return d
 
@@ -196,20 +197,13 @@ def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:
 
 def _floor(features: np.ndarray, start: RootTransform, theta: np.ndarray) -> np.ndarray:
     """h: where the hips stand, (F, 2)."""
-    steps = _turned(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
+    steps = rotate_on_floor(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
     return np.array([start.x, start.z]) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, 0)])
 
 
 def _sum_of_later(values: np.ndarray) -> np.ndarray:
     """For each t the sum over all s > t."""
     return np.cumsum(values[::-1], axis=0)[::-1] - values
-
-
-def _turned(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """R(θ) about Y of x and z (F, N, 2) by θ (F, 1): x cos θ + z sin θ, z cos θ - x sin θ."""
-    cos, sin = np.cos(angles), np.sin(angles)
-    x, z = vectors[..., 0], vectors[..., 1]
-    return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)
 
 
 def _quarter_turned(vectors: np.ndarray) -> np.ndarray:

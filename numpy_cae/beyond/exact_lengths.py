@@ -1,4 +1,4 @@
-"""Bones set to their lengths, exactly, each in the direction that it has: the way to any body."""
+"""Bones set exactly to given lengths, each in its own direction."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def exact_lengths(
     Returns
     -------
     exact : (F, 63) array of float64
-        The hips, velocities and turns as they were.
+        The hips, velocities and turns are unchanged.
     pullback : d_exact -> d_features
     """
     features = np.asarray(features, np.float64)

@@ -1,11 +1,10 @@
-"""Along the manifold downhill: the hidden units whose motion suits a wish, near given ones.
+"""Minimise a loss of the decoded motion over the latent code.
 
     min_Y   L(Φ†(Y)) + β mean((Y - Y_0)²),   Y within the bound of arctanh
 
-L is a loss of the motion's features with a pullback (`numpy_cae.beyond.constraints`); its
-gradient comes down to Y through the decoder. The second term keeps Y where motions are: a decoder
-makes something of every Y. Steps are those of L-BFGS (`scipy.optimize`), which learns the
-curvature from the gradients as it goes.
+L is a loss of the motion's features with its gradient (`numpy_cae.beyond.constraints`); the
+gradient for Y comes through the decoder. The second term keeps Y near codes of real motion, since
+the decoder accepts any Y. The method is L-BFGS-B (`scipy.optimize`).
 """
 
 from __future__ import annotations
@@ -17,26 +16,31 @@ from scipy.optimize import minimize
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
-Wish = Callable[[np.ndarray], tuple[float, np.ndarray]]
+Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
 """From features (F, 63) to a loss and its gradient for them."""
 
 
-def descend_to(
-    manifold: MotionManifold, start: np.ndarray, frames: int, wish: Wish, near: float, steps: int
+def optimise_latent(
+    manifold: MotionManifold,
+    start: np.ndarray,
+    frames: int,
+    objective: Objective,
+    beta: float,
+    steps: int,
 ) -> np.ndarray:
-    """The hidden units of a motion that suits the wish.
+    """The hidden units of a motion with a small loss.
 
     Parameters
     ----------
     manifold : MotionManifold
     start : (units, 256) array of float
-        Y_0, as `manifold.encode` gives it for a clip of so many frames.
+        Y_0, as `manifold.encode` returns it for a clip of `frames` frames.
     frames : int
-    wish : function, features (frames, 63) -> (loss, gradient)
-    near : float
+    objective : function, features (frames, 63) -> (loss, gradient)
+    beta : float
         β.
     steps : int
-        At most so many.
+        Largest number of iterations.
 
     Returns
     -------
@@ -47,19 +51,24 @@ def descend_to(
     bound = network.layers[-1].bound
     start = np.clip(start, -bound, bound)
 
-    def of_units(flat: np.ndarray) -> tuple[float, np.ndarray]:
-        y = flat.reshape(start.shape)
-        x_hat, decode_pullback = network.decode_with_pullback(y[None].astype(start.dtype))
-        loss, d_features = wish(manifold.denormalise(x_hat[0])[own])
+    def of_windows(x_hat: np.ndarray) -> tuple[float, np.ndarray]:
+        loss, d_features = objective(manifold.denormalise(x_hat[0])[own])
         dx_hat = np.zeros_like(x_hat)
         dx_hat[0, own] = d_features / manifold.scale
-        dy = decode_pullback(dx_hat)
-        away = y - start
-        loss += near * np.mean(away**2)
-        return loss, (dy[0] + 2 * near / away.size * away).ravel().astype(np.float64)
+        return loss, dx_hat
+
+    def total(flat: np.ndarray) -> tuple[float, np.ndarray]:
+        y = flat.reshape(start.shape)
+        x_hat, pullback = network.decode_with_pullback(y[None].astype(start.dtype))
+        loss, dx_hat = of_windows(x_hat)
+        dy = pullback(dx_hat)
+        difference = y - start
+        dy = dy[0] + 2 * beta / difference.size * difference
+        loss += beta * np.mean(difference**2)
+        return loss, dy.ravel().astype(np.float64)
 
     found = minimize(
-        of_units,
+        total,
         start.ravel().astype(np.float64),
         jac=True,
         method="L-BFGS-B",

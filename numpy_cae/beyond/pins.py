@@ -1,11 +1,11 @@
-"""Where joints are wanted in the world: "a hand at a point, a root path", for a motion of any rig.
+"""Pins, target positions of joints in the world ("a hand at a point, a root path"), for any rig.
 
-A person pins joints of their own rig, in its frames; the descent knows the mean skeleton at its own
-rate. Between the two the lengths of bones change, and that is linear: joints of the rig's body are
+A user pins joints of a rig in frames of its file; the optimisation is on the mean skeleton at its
+own rate. The positions of the rig's joints are linear in those of the mean skeleton,
 
-    p_j = Σ_k M_jk q_k
+    p_j = Σ_k M_jk q_k,    M from `change_lengths`,
 
-of those of the mean skeleton, M from `change_lengths`. So pins are asked of M q itself.
+so the loss compares M q with the targets.
 """
 
 from __future__ import annotations
@@ -17,28 +17,26 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
-from numpy_cae.motion.retarget.to_body import RATE, body_of
+from numpy_cae.motion.retarget.to_body import RATE
 
 _HIPS = 0
 
 
 @dataclass(frozen=True)
 class Pins:
-    """What the descent is asked for.
+    """The target positions of an optimisation, frame by frame.
 
     Parameters
     ----------
     targets : (F, 20, 3) array of float
-        Metres; any number where nothing is wanted.
+        Metres; ignored where the weight is 0.
     weights : (F, 20) or (F, 20, 3) array of float
-        0 where nothing is wanted, 1 where it is.
     body : (20, 20) array of float, optional
         M, for targets of another body than the mean skeleton.
     """
@@ -47,8 +45,8 @@ class Pins:
     weights: np.ndarray
     body: np.ndarray | None = None
 
-    def start(self, own: RootTransform) -> RootTransform:
-        """Its own place, or where hips are pinned in the first frame."""
+    def root(self, own: RootTransform) -> RootTransform:
+        """The root transform of the first frame: `own`, except where the hips are pinned."""
         weights = np.broadcast_to(self.weights.T, self.targets.T.shape).T[0, _HIPS]
         ratio = 1.0 if self.body is None else self.body[_HIPS, _HIPS]
         x, _, z = self.targets[0, _HIPS] / ratio
@@ -59,7 +57,7 @@ class Pins:
 
 @dataclass(frozen=True)
 class Pin:
-    """One wish of a person.
+    """Target positions of one joint.
 
     Parameters
     ----------
@@ -68,8 +66,8 @@ class Pin:
     first, last : int
         Frames of the file, counted from 0, both included.
     points : (N, 3) array of float
-        Metres in the world; one to stay at, or several to pass evenly from first to last. A
-        coordinate that is NaN is left free.
+        Metres in the world: one point to stay at, or several at equal intervals from first to last.
+        A coordinate that is NaN is free.
     """
 
     joint: str
@@ -77,59 +75,52 @@ class Pin:
     last: int
     points: np.ndarray
 
-    def at(self, frames: np.ndarray) -> np.ndarray:
-        """Where the joint is wanted at these frames, (len(frames), 3)."""
+    def targets(self, frames: np.ndarray) -> np.ndarray:
+        """The target positions at these frames, (len(frames), 3)."""
         if len(self.points) == 1 or self.first == self.last:
             return np.repeat(self.points[:1], len(frames), axis=0)
         keys = np.linspace(self.first, self.last, len(self.points))
         return np.stack([np.interp(frames, keys, column) for column in self.points.T], axis=-1)
 
-    def missed(self, motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
-        """How far a motion's joint is from where it is wanted, metres, a number a pinned frame."""
+    def errors(self, motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
+        """Distance of a motion's joint from its target in each pinned frame, metres."""
         frames = np.arange(self.first, self.last + 1)
-        gap = body_positions(motion, mapping)[frames, JOINTS.index(self.joint)] - self.at(frames)
-        return np.sqrt(np.nansum(gap**2, axis=-1))
+        reached = body_positions(motion, mapping)[frames, JOINTS.index(self.joint)]
+        return np.sqrt(np.nansum((reached - self.targets(frames)) ** 2, axis=-1))
 
 
-def pins_for(
-    pins: Sequence[Pin],
-    motion: Motion,
-    manifold: MotionManifold,
-    mapping: dict[str, str] | None = None,
-) -> Pins:
-    """Pins on a motion's own body, for the descent.
+def pins_on_mean_skeleton(pins: Sequence[Pin], body: Body) -> Pins:
+    """Pins of a motion's rig as targets for its features.
 
     Raises
     ------
     UnknownRigError
         If joints are missing.
     """
-    own = bone_lengths(body_of(motion, mapping))
-    moments = np.asarray(motion.source_frames(RATE), dtype=np.float64)
-    targets = np.full((len(moments), len(JOINTS), 3), np.nan)
+    frames = np.asarray(body.motion.source_frames(RATE), dtype=np.float64)
+    targets = np.full((len(frames), len(JOINTS), 3), np.nan)
     for pin in pins:
-        within = (moments >= pin.first) & (moments <= pin.last)
-        within[np.argmin(np.abs(moments - pin.first))] = True  # between two poses, the nearer
-        targets[within, JOINTS.index(pin.joint)] = pin.at(moments[within])
-    # One joint at a time away from the origin, along one axis: the columns of M.
-    each = np.eye(len(JOINTS))[..., None]
-    body = change_lengths(each, manifold.lengths, own)[..., 0].T
-    return Pins(np.nan_to_num(targets), np.isfinite(targets).astype(np.float64), body)
+        within = (frames >= pin.first) & (frames <= pin.last)
+        within[np.argmin(np.abs(frames - pin.first))] = True  # a pin between two poses
+        targets[within, JOINTS.index(pin.joint)] = pin.targets(frames[within])
+    # The columns of M: one joint at a time away from the origin, along one axis.
+    to_own = body.on_own_bones(np.eye(len(JOINTS))[..., None])[..., 0].T
+    return Pins(np.nan_to_num(targets), np.isfinite(targets).astype(np.float64), to_own)
 
 
 def read_pins(path: str | Path, motion: Motion) -> list[Pin]:
-    """Pins from a JSON file: a list of objects such as
+    """Read pins from a JSON file: a list of objects such as
 
         {"joint": "left_wrist", "frames": [30, 45], "at": [20, 130, 35]}
         {"joint": "hips", "frames": [0, 119], "path": [[0, null, 0], [50, null, 200]]}
 
-    in the unit of length and the frames of the motion's file, counted from 0. null leaves a
-    coordinate free; a path is passed evenly.
+    in the unit of length and the frames of the motion's file, counted from 0. A coordinate that is
+    null is free; the points of a path are at equal intervals.
 
     Raises
     ------
     MotionFileError
-        If the file is not such a list, naming the pin, from 1, and what is wrong with it.
+        If the file is not such a list; the message names the pin, from 1, and its error.
     """
     try:
         listed = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -141,30 +132,30 @@ def read_pins(path: str | Path, motion: Motion) -> list[Pin]:
     if not isinstance(listed, list) or not listed:
         raise MotionFileError(path, None, "expected a list of pins, [{…}, …]")
     found = []
-    for number, one in enumerate(listed, start=1):
+    for number, entry in enumerate(listed, start=1):
         try:
-            found.append(_pin(one, motion))
+            found.append(_pin(entry, motion))
         except ValueError as error:
             raise MotionFileError(path, None, f"pin {number}: {error}") from None
     return found
 
 
-def _pin(one: object, motion: Motion) -> Pin:
-    if not isinstance(one, dict):
+def _pin(entry: object, motion: Motion) -> Pin:
+    if not isinstance(entry, dict):
         raise ValueError("expected an object with joint, frames, and at or path")
-    extra = sorted(set(one) - {"joint", "frames", "at", "path"})
+    extra = sorted(set(entry) - {"joint", "frames", "at", "path"})
     if extra:
-        raise ValueError(f"nothing is known of {', '.join(extra)}")
-    joint = one.get("joint")
+        raise ValueError(f"unknown: {', '.join(extra)}")
+    joint = entry.get("joint")
     if joint not in JOINTS:
         raise ValueError(f"there is no joint {joint!r}, expected one of {', '.join(JOINTS)}")
-    if ("at" in one) == ("path" in one):
-        raise ValueError("expected at, a point, or path, a list of points, one of the two")
-    points = [_point(p) for p in ([one["at"]] if "at" in one else _list(one["path"]))]
+    if ("at" in entry) == ("path" in entry):
+        raise ValueError("expected either at, a point, or path, a list of points")
+    points = [_point(p) for p in ([entry["at"]] if "at" in entry else _list(entry["path"]))]
     for axis, column in zip("xyz", np.transpose(points), strict=True):
         if 0 < np.isnan(column).sum() < len(column):
-            raise ValueError(f"{axis} is null in some points of the path: in all or in none")
-    first, last = _frames(one.get("frames"), len(motion))
+            raise ValueError(f"{axis} is null in some points of the path, expected in all or in none")
+    first, last = _frames(entry.get("frames"), len(motion))
     return Pin(joint, first, last, np.array(points) * motion.unit)
 
 
@@ -181,7 +172,7 @@ def _point(point: object) -> list[float]:
         or not all(n is None or (type(n) in (int, float) and abs(n) < 1e9) for n in point)
         or all(n is None for n in point)
     ):
-        raise ValueError(f"{point!r} is no point, expected [x, y, z], null where it is free")
+        raise ValueError(f"{point!r} is not a point, expected [x, y, z], null where it is free")
     return [np.nan if n is None else float(n) for n in point]
 
 

@@ -1,4 +1,4 @@
-"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: how unlike motions are."""
+"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: compute distances between motions."""
 
 from __future__ import annotations
 
@@ -11,82 +11,71 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli import one_motion
 from numpy_cae.cli.as_json import add_json_argument, print_json
-from numpy_cae.manifold import (
-    distance_matrix,
-    hidden_units,
-    load_manifold,
-    signature,
-)
+from numpy_cae.manifold import distance_matrix, hidden_units, load_manifold, signature
 from numpy_cae.motion import find_motion_files, load_body
-from numpy_cae.viz import save_figure
-from numpy_cae.viz.matrix import matrix_figure
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Files or folders in, a table and its picture out."""
+    """Add the subcommand and its arguments."""
     parser = subparsers.add_parser(
         "compare",
-        help="measure how unlike motions are",
-        description="Compare every motion with every other by G, equation 4 of holden2015: what "
-        "happens counts, when it happens does not. "
-        "Prints the nearest of each.",
+        help="compute the distances between motions",
+        description="Compute G, equation 4 of holden2015, between every two motions, and print "
+        "the nearest motion of each. G depends on what happens in a motion, not on when.",
         epilog="example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png",
     )
     parser.add_argument(
-        "motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="a folder, or files"
+        "motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="a folder, or motion files"
     )
-    parser.add_argument("-m", "--model", type=Path, required=True, help="from `numpy-cae train`")
-    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the matrix")
+    one_motion.add_model_arguments(parser)
+    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     parser.add_argument(
         "--picture",
         type=Path,
         metavar="PNG",
-        help="draw it (√G), motions that are alike side by side",
+        help="path of a picture of the matrix (√G) with similar motions side by side",
     )
     add_json_argument(parser)
-    kinds.add_motion_arguments(parser)
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, encode, compare, write."""
-    manifold = load_manifold(args.model)
+    """Compute, print and write the distances."""
+    model = load_manifold(args.model)
+    manifold = one_motion.require_convolutional(model, args.model, "compare")
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
-    mapping = kinds.chosen_mapping(args)
+    mapping, names = kinds.chosen_mapping(args), list(files)
     clips = [
         manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files.values()
     ]
-    names, distances = (
-        list(files),
-        distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips]),
-    )
-    nearest, said = _nearest(names, distances), []
+    distances = distance_matrix([signature(hidden_units(manifold, clip)) for clip in clips])
+    nearest, written = _nearest(names, distances), []
     if args.output:
         _write_csv(names, distances, args.output)
-        said.append(f"{args.output}: G of {len(names)} motions")
+        written.append(f"{args.output}: G of {len(names)} motions")
     if args.picture:
-        # G is a sum of squares, and a length is none.
+        from numpy_cae.viz import save_figure
+        from numpy_cae.viz.matrix import matrix_figure
+
+        # G is a sum of squares; its root is comparable to a length.
         save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
-        said.append(f"{args.picture}: √G of {len(names)} motions, clustered")
+        written.append(f"{args.picture}: √G of {len(names)} motions, clustered")
     if args.json:
         compared = {"distance": "G", "motions": names, "matrix": distances}
         print_json({**compared, "nearest": [other for other, _ in nearest]})
         return 0
-    for name, (other, length) in zip(names, nearest, strict=True):
-        print(f"{name}: nearest is {other}, G = {length:.3f}")
-    for line in said:
-        print(line)
+    for name, (other, distance) in zip(names, nearest, strict=True):
+        print(f"{name}: nearest is {other}, G = {distance:.3f}")
+    print("\n".join(written), end="\n" if written else "")
     return 0
 
 
 def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
-    """Every motion file by a name that tells it from the others.
-
-    A file of a folder bears its path below that folder, where that is enough.
-    """
+    """Every motion file by a unique name: its path below its folder, or its whole path."""
     short, whole = {}, {}
     count = 0
     for each in motions:
@@ -99,7 +88,7 @@ def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
 
 
 def _nearest(names: list[str], distances: np.ndarray) -> list[tuple[str, float]]:
-    """Of each motion the other that is least unlike it, and how unlike."""
+    """For each motion the nearest other one, and its distance."""
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     return [(names[int(np.argmin(row))], float(row.min())) for row in others]
 
@@ -108,6 +97,5 @@ def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
     with atomic_write(path) as beside, open(beside, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["", *names])
-        rows.writerows(
-            [name, *[f"{g:.6g}" for g in row]] for name, row in zip(names, distances, strict=True)
-        )
+        for name, row in zip(names, distances, strict=True):
+            rows.writerow([name, *[f"{g:.6g}" for g in row]])

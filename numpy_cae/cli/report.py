@@ -77,13 +77,14 @@ def run(args: argparse.Namespace) -> int:
     missing = [name for name in ("data", "model", "output") if getattr(args, name) is None]
     if missing:
         raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
+    from numpy_cae.cli import one_motion
     from numpy_cae.experiments.material import read_material
     from numpy_cae.experiments.page import page, plain_text
     from numpy_cae.experiments.run_all import run_all
     from numpy_cae.manifold import load_manifold
 
     started = time.monotonic()
-    manifold = load_manifold(args.model)
+    manifold = one_motion.require_convolutional(load_manifold(args.model), args.model, "report")
     patterns = _test_patterns(manifold, args)
     _say(f"reading {', '.join(map(str, args.data))}")
     material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)

@@ -76,7 +76,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read or synthesise the actions, train, measure and write."""
     from numpy_cae.experiments.sequences.sequential import sequential
-    from numpy_cae.manifold import save_sequences
+    from numpy_cae.manifold import save_manifold
 
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
@@ -101,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
         if result.animation:
             result.save_gif(args.output / f"{name}.gif")
     for name, manifold in study.manifolds.items():
-        save_sequences(manifold, args.output / f"{name}.npz")
+        save_manifold(manifold, args.output / f"{name}.npz")
     if args.json:
         print_json([result.data() for result in tables])
     else:

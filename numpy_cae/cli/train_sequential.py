@@ -11,8 +11,8 @@ from numpy_cae.experiments.sequences.actions import read_action
 from numpy_cae.experiments.sequences.figure_3 import figure_3
 from numpy_cae.experiments.sequences.reconstruction import reconstruction
 from numpy_cae.experiments.sequences.study import Study
-from numpy_cae.manifold import learn_sequences, save_sequences
-from numpy_cae.manifold.sequence_learning import HIDDEN, LATENT
+from numpy_cae.manifold import learn_sequences, save_manifold
+from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.motion import ANGLE_RATE, CLIP
 from numpy_cae.training import Checkpoint, SequenceSchedule
 
@@ -104,7 +104,7 @@ def run(args: argparse.Namespace, checkpoint: Checkpoint) -> int:
         checkpoint=checkpoint,
     )
     manifold.settings["test"] = args.test
-    save_sequences(manifold, args.output)
+    save_manifold(manifold, args.output)
     checkpoint.remove()
     trained = Study(action, manifold)
     table = reconstruction([trained]) if action.testing else None

@@ -1,20 +1,22 @@
-"""What a trained network is for."""
+"""Applications of a trained network: projection, repair, filling in, interpolation, comparison and
+sampling of motions. `learn_manifold` and `load_manifold` make the manifold that they take."""
 
 from numpy_cae.array_file import ModelFileError
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature
-from numpy_cae.manifold.fill import fill_joint, fill_keyframes
-from numpy_cae.manifold.filled_motion import fill_motion_joint, fill_motion_keyframes
+from numpy_cae.manifold.fill import (
+    fill_joint,
+    fill_keyframes,
+    fill_motion_joint,
+    fill_motion_keyframes,
+)
 from numpy_cae.manifold.interpolate import interpolate
-from numpy_cae.manifold.learning import learn_manifold
-from numpy_cae.manifold.long_sequences import project_sequence, sample_sequence
+from numpy_cae.manifold.learning import learn_manifold, learn_sequences
+from numpy_cae.manifold.long_sequences import project_sequence, repair_sequence, sample_sequence
 from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repair import repair
 from numpy_cae.manifold.sample import NeighbourPrior, sample
-from numpy_cae.manifold.sequence_file import is_sequential, load_sequences, save_sequences
-from numpy_cae.manifold.sequence_learning import learn_sequences
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
-from numpy_cae.manifold.sequence_repair import repair_sequence
 
 __all__ = [
     "G",
@@ -29,17 +31,14 @@ __all__ = [
     "fill_motion_keyframes",
     "hidden_units",
     "interpolate",
-    "is_sequential",
     "learn_manifold",
     "learn_sequences",
     "load_manifold",
-    "load_sequences",
     "project_sequence",
     "repair",
     "repair_sequence",
     "sample",
     "sample_sequence",
     "save_manifold",
-    "save_sequences",
     "signature",
 ]

@@ -1,9 +1,9 @@
-"""How unlike two motions are: holden2015, section 7, "Motion Comparison", equation 4.
+"""Distance between two motions: holden2015, section 7, "Motion Comparison", equation 4.
 
     G(X_0, X_1) = ‖max_i Φ(X_0) - max_i Φ(X_1)‖² + ‖min_i Φ(X_0) - min_i Φ(X_1)‖²
 
-i counts the frames of the hidden units. Since only the largest and the smallest value of each unit
-are kept, when something happens no longer matters, nor how long the clip is.
+i counts the frames of the hidden units. Only the largest and the smallest value of each unit are
+kept, so neither the time of an event nor the length of a clip matters.
 """
 
 from __future__ import annotations
@@ -17,12 +17,10 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 
 
 def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """Φ(X) of a clip of any length: the hidden units of its own frames.
+    """Φ(X) of a clip of any length, without units that see only padding.
 
-    The clip is continued as `MotionManifold.project` does it, its first and its last frame held as
-    far as a unit sees, so that nothing is drawn to the mean pose at its ends. Units that stand on
-    held frames alone are left out again: they are of a motion that did not happen. The pooling grid
-    begins with the clip, so that not even the unit at its end sees beyond what is held.
+    As in `MotionManifold.encode` the first and last frame are held, but here the pooling grid
+    begins with the clip and the units before and after it are removed.
 
     Parameters
     ----------
@@ -45,22 +43,17 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     own = -(-len(features) // unit)
     before = -(-manifold.reach // unit)
     after = before * unit + own * unit - len(features)
-    held = ((before * unit, after), (0, 0))
-    whole = np.pad(manifold.normalise(features), held, mode="edge")
-    return manifold.network.encode(whole[None])[0, before : before + own]
+    padded = np.pad(manifold.normalise(features), ((before * unit, after), (0, 0)), mode="edge")
+    return manifold.network.encode(padded[None])[0, before : before + own]
 
 
 def signature(series: np.ndarray) -> np.ndarray:
-    """max_i and min_i of a time series (i, k), one after the other: (2k,).
-
-    Of the hidden units it is what equation 4 compares. Of anything else over time it is what a
-    sensible person would try instead.
-    """
+    """max_i and min_i of a time series (i, k), concatenated: (2k,)."""
     return np.concatenate([series.max(axis=0), series.min(axis=0)])
 
 
 def G(units_0: np.ndarray, units_1: np.ndarray) -> float:
-    """Equation 4 as it is written, of the hidden units (i, k) and (j, k) of two motions."""
+    """Equation 4, of the hidden units (i, k) and (j, k) of two motions."""
     largest = units_0.max(axis=0) - units_1.max(axis=0)
     smallest = units_0.min(axis=0) - units_1.min(axis=0)
     return float(np.sum(largest**2, dtype=np.float64) + np.sum(smallest**2, dtype=np.float64))
@@ -69,19 +62,10 @@ def G(units_0: np.ndarray, units_1: np.ndarray) -> float:
 def distance_matrix(
     signatures: Sequence[np.ndarray], others: Sequence[np.ndarray] | None = None
 ) -> np.ndarray:
-    """G of every motion and every other, from their signatures (2k,).
+    """G between M motions and N others, (M, N) of float64, from their signatures (2k,).
 
-    The two squared norms of equation 4 are one, of the signatures' difference.
-
-    Parameters
-    ----------
-    signatures : sequence of M arrays (2k,)
-    others : sequence of N arrays (2k,), optional
-        The same motions where None.
-
-    Returns
-    -------
-    (M, N) array of float64
+    The others are the same motions where None. The two squared norms of equation 4 together are
+    the squared norm of the difference of the signatures.
     """
     rows = np.asarray(signatures, dtype=np.float64)
     columns = rows if others is None else np.asarray(others, dtype=np.float64)

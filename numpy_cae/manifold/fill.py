@@ -1,11 +1,14 @@
-"""What is missing from a motion, filled in by projection (holden2015, section 7, "Filling in
-Missing Data"), on features.
+"""Filling in missing joints and poses by projection (holden2015, section 7, "Filling in Missing
+Data"), in features and in motions of any rig.
 
-Both are one plain projection Φ†(Φ(X)) of a start in which only what is known went in. Of what comes
-out only the unknown is taken; what was observed stays as it was, to the bit.
+A start in which only the known values are right is projected once, Φ†(Φ(X)). Only unknown values
+are taken from the projection; known values stay the same to the bit.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator, make_interp_spline
@@ -18,43 +21,39 @@ from numpy_cae.motion.features import (
     trajectory_of,
     velocities_along,
 )
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.motion import Motion, slerp
+from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.retarget.to_rig import moves_alone
 
-
-def require_joint(joint: str) -> str:
-    """Raise ValueError, with the names that there are, unless `joint` is one of the twenty."""
-    if joint not in JOINTS:
-        raise ValueError(f"there is no joint {joint!r}, expected one of {', '.join(JOINTS)}")
-    return joint
+JointFiller = Callable[[MotionManifold, np.ndarray, str], np.ndarray]
 
 
 def fill_joint(manifold: MotionManifold, features: np.ndarray, joint: str) -> np.ndarray:
-    """A motion whose marker of one joint is missing, with the joint where the manifold has it.
+    """Fill in one joint of a motion whose marker is missing.
 
-    The paper: "We use our technique to automatically infer the marker position of a character's
-    wrist". The unknown goes in as zero, the mean pose; every other number counts as observed, the
-    velocity and the turn of the body too.
+    The unknown values are replaced by the mean pose, zero after normalisation, and projected.
 
     Parameters
     ----------
     manifold : MotionManifold
     features : (F, 63) array of float
         On the mean skeleton, not normalised. The joint is unknown in the frames where one of its
-        three numbers is NaN; where none is, in all of them.
+        three values is NaN, or in all frames if there is none.
     joint : str
         One of `numpy_cae.motion.JOINTS`, such as "left_wrist".
 
     Returns
     -------
     (F, 63) array of float64
-        The same to the bit but for the joint's three numbers where they were unknown.
+        Only the unknown values of the joint differ from `features`.
 
     Raises
     ------
     ValueError
         If there is no such joint.
     """
-    place = joint_slice(require_joint(joint))
+    place = joint_slice(_require_joint(joint))
     filled = np.array(features, dtype=np.float64)
     unknown = np.isnan(filled[:, place]).any(axis=1)
     if not unknown.any():
@@ -67,24 +66,24 @@ def fill_joint(manifold: MotionManifold, features: np.ndarray, joint: str) -> np
 def fill_keyframes(
     manifold: MotionManifold, features: np.ndarray, every: int, start: str = "line"
 ) -> np.ndarray:
-    """A motion of which every n-th frame is known, with what the manifold has in between.
+    """Fill in the poses between keyframes, which are every n-th frame from the first on.
 
-    The paper: "stepped animation data using only every 15 frames". Known of a keyframe are the
-    pose and where the body stands and faces. From one to the next it goes evenly. Projected once,
-    the poses miss the keyframes; what they miss them by is taken away, easing from one to
-    the next: keyframes are met to the bit, without a jump. After the last one its pose is held.
+    The pose and the root transform of a keyframe are known. The root moves linearly from keyframe
+    to keyframe. The poses are projected once; the difference between projection and keyframes is
+    interpolated smoothly and subtracted, so that keyframes are met exactly without a jump. The
+    pose of the last keyframe is held.
 
     Parameters
     ----------
     manifold : MotionManifold
     features : (F, 63) array of float
-        On the mean skeleton, not normalised. Poses in between may be anything; of the velocity
+        On the mean skeleton, not normalised. Poses between keyframes are ignored; of the velocity
         and the turn only the sums from keyframe to keyframe are used.
     every : int
-        Frames from one keyframe to the next; the first frame is one.
+        Frames from one keyframe to the next.
     start : {"line", "held"}
-        What is projected: poses along a line from keyframe to keyframe, or, as in the paper, each
-        held until the next.
+        What is projected: poses interpolated linearly between keyframes, or, as in the paper, each
+        keyframe held until the next.
 
     Returns
     -------
@@ -93,46 +92,198 @@ def fill_keyframes(
     Raises
     ------
     ValueError
-        If `every` is below 1 or `start` is none of the two.
+        If `every` is below 1 or `start` is invalid.
     """
-    if every < 1:
-        raise ValueError(f"keyframes every {every} frames, expected 1 or more")
-    return fill_between(manifold, features, np.arange(0, len(features), every), start)
-
-
-def fill_between(
-    manifold: MotionManifold, features: np.ndarray, keys: np.ndarray, start: str = "line"
-) -> np.ndarray:
-    """As `fill_keyframes`, from keyframes anywhere: (K,) int, increasing from 0."""
     if start not in ("line", "held"):
         raise ValueError(f"start is {start!r}, expected 'line' or 'held'")
+    return _fill_between(manifold, features, _keyframes(len(features), every), start)
+
+
+def fill_motion_joint(
+    motion: Motion,
+    manifold: MotionManifold,
+    joint: str,
+    mapping: dict[str, str] | None = None,
+    frames: tuple[int, int] | None = None,
+    filler: JointFiller = fill_joint,
+) -> Motion:
+    """Fill in one joint of a motion, ignoring where the file has it.
+
+    The other nineteen joints and all bone lengths are kept. A joint at the end of a limb is moved
+    along its bone's new direction. One within a limb, such as an elbow, can only be on a circle
+    about the line between its neighbours and is moved to the point of it nearest to the filled
+    position. Only the rotations of joints whose bones change direction differ; what hangs from them
+    is carried along.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
+    joint : str
+        One of `numpy_cae.motion.JOINTS`, such as "left_wrist".
+    mapping : dict of joint name to the rig's joint name, optional
+    frames : (first, last), optional
+        Frames of the file in which the joint is missing, from 0, both included; all where None.
+    filler : function (manifold, features, joint) -> features
+        Fills in the values of the joint that are NaN.
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate, unit and length.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    ValueError
+        If there are no such frames, no such joint, or the rig cannot move it alone.
+    """
+    place = JOINTS.index(_require_joint(joint))
+    body = manifold.body(motion, mapping)
+    if not moves_alone(motion, joint, mapping):
+        movable = [name for name in JOINTS if moves_alone(motion, name, mapping)]
+        raise ValueError(
+            f"{joint} is fixed between its neighbours in this rig and cannot be filled "
+            f"without moving them; {', '.join(movable)} can"
+        )
+    first, last = frames or (0, len(motion) - 1)
+    if not 0 <= first <= last < len(motion):
+        raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
+    source = motion.source_frames(RATE)
+    missing = (source > first - 1) & (source < last + 1)
+    filled = body.features.copy()
+    if missing.any():
+        filled[missing, joint_slice(joint)] = np.nan
+        filled = filler(manifold, filled, joint)
+    target = body.in_file_frames(body.positions_of(filled)[:, [place]])[:, 0]
+    positions = body.positions_in_file.copy()
+    children = [child for child in range(len(JOINTS)) if PARENTS[child] == place]
+    if children:
+        parent, child = positions[:, PARENTS[place]], positions[:, children[0]]
+        target = _nearest_on_circle(target, positions[:, place], parent, child)
+    positions[first : last + 1, place] = target[first : last + 1]
+    return body.retarget(positions)
+
+
+def fill_motion_keyframes(
+    motion: Motion, manifold: MotionManifold, every: int, mapping: dict[str, str] | None = None
+) -> Motion:
+    """Fill in the poses between keyframes of a motion, ignoring what the file has there.
+
+    Frames 0, n, 2n, … of the file are kept to the bit. Rotations that positions do not determine
+    (about a bone's axis, of fingers) are interpolated by slerp from keyframe to keyframe. The pose
+    of the last keyframe is held.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
+    every : int
+        Frames of the file from one keyframe to the next.
+    mapping : dict of joint name to the rig's joint name, optional
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate, unit and length.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    ValueError
+        If `every` is below 1.
+    """
+    keys = _keyframes(len(motion), every)
+    body = manifold.body(_interpolated(motion, keys), mapping)
+    source = motion.source_frames(RATE)
+    nearest = np.unique([np.abs(source - key).argmin() for key in keys])
+    filled = body.positions_of(_fill_between(manifold, body.features, nearest, "line"))
+    positions = body.in_file_frames(filled)
+    known = body.positions_in_file[keys]
+    positions += _interpolate_smoothly(known - positions[keys], keys, len(motion))
+    positions[keys] = known
+    return body.retarget(positions)
+
+
+def _require_joint(joint: str) -> str:
+    if joint not in JOINTS:
+        raise ValueError(f"there is no joint {joint!r}, expected one of {', '.join(JOINTS)}")
+    return joint
+
+
+def _keyframes(frames: int, every: int) -> np.ndarray:
+    if every < 1:
+        raise ValueError(f"keyframes every {every} frames, expected 1 or more")
+    return np.arange(0, frames, every)
+
+
+def _fill_between(
+    manifold: MotionManifold, features: np.ndarray, keys: np.ndarray, start: str
+) -> np.ndarray:
+    """`fill_keyframes` for keyframes at any frames: (K,) int, increasing from 0."""
     features = np.asarray(features, dtype=np.float64)
     floor, theta = trajectory_of(features)
     frames = len(features)
     filled = np.empty(features.shape)
     filled[:, VELOCITY.start :] = velocities_along(
-        between(floor[keys], keys, frames), between(theta[keys], keys, frames)
+        _interpolate_linearly(floor[keys], keys, frames),
+        _interpolate_linearly(theta[keys], keys, frames),
     )
     poses = features[keys, POSITIONS]
     if start == "line":
-        filled[:, POSITIONS] = between(poses, keys, frames)
+        filled[:, POSITIONS] = _interpolate_linearly(poses, keys, frames)
     else:
         filled[:, POSITIONS] = poses[np.searchsorted(keys, np.arange(frames), side="right") - 1]
     filled[:, POSITIONS] = manifold.project(filled)[:, POSITIONS]
-    filled[:, POSITIONS] += eased(poses - filled[keys, POSITIONS], keys, frames)
+    filled[:, POSITIONS] += _interpolate_smoothly(poses - filled[keys, POSITIONS], keys, frames)
     filled[keys, POSITIONS] = poses
     return filled
 
 
-def between(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
-    """Values (K, …) at the frames `keys`, along a line in each frame from one to the next."""
+def _interpolate_linearly(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
+    """Values (K, …) at the frames `keys`, interpolated linearly; the last is held."""
     if len(keys) == 1:
         return np.repeat(values, frames, axis=0)
     return make_interp_spline(keys, values, k=1)(np.minimum(np.arange(frames), keys[-1]))
 
 
-def eased(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
-    """As `between`, smoothly and without overshooting (a monotone cubic)."""
+def _interpolate_smoothly(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
+    """The same by a monotone cubic, which does not overshoot."""
     if len(keys) == 1:
         return np.repeat(values, frames, axis=0)
     return PchipInterpolator(keys, values)(np.minimum(np.arange(frames), keys[-1]))
+
+
+def _nearest_on_circle(
+    target: np.ndarray, own: np.ndarray, parent: np.ndarray, child: np.ndarray
+) -> np.ndarray:
+    """The point nearest to `target` at the distances that `own` has from its neighbours.
+
+    These points are a circle about the line from parent to child; its centre is the projection of
+    `own` on that line. All arrays are (F, 3).
+    """
+    line = child - parent
+    line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-12)
+
+    def off_line(points: np.ndarray) -> np.ndarray:
+        along = np.sum((points - parent) * line, axis=-1, keepdims=True) * line
+        return points - parent - along
+
+    radius = np.linalg.norm(off_line(own), axis=-1, keepdims=True)
+    outward = off_line(target)
+    distance = np.linalg.norm(outward, axis=-1, keepdims=True)
+    on_circle = outward / np.maximum(distance, 1e-12) * radius
+    return own - off_line(own) + np.where(distance > 1e-6, on_circle, off_line(own))
+
+
+def _interpolated(motion: Motion, keys: np.ndarray) -> Motion:
+    """Keyframes with rotations interpolated by slerp between them, and translations linearly."""
+    rotations = slerp(keys, motion.rotations[keys], np.arange(len(motion)))
+    rotations[keys] = motion.rotations[keys]
+    translations = _interpolate_linearly(motion.translations[keys], keys, len(motion))
+    translations[keys] = motion.translations[keys]
+    return replace(motion, rotations=rotations, translations=translations)

@@ -1,8 +1,8 @@
-"""Between two motions, along the manifold (holden2015, section 7, "Motion Interpolation").
+"""Interpolation of two motions on the manifold (holden2015, section 7, "Motion Interpolation").
 
     X̂_s = Φ†((1 - s) Φ(X_0) + s Φ(X_1))
 
-The hidden units lie within [-1, 1], and so does everything between them: the space has no holes.
+Hidden units lie within [-1, 1], and so do all points between them.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import numpy as np
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
 TRANSITION = "transition"
-"""For a share that grows from 0 at the first frame to 1 at the last."""
+"""A share that grows from 0 at the first frame to 1 at the last."""
 
 
 def shares(share: float | str, steps: int) -> np.ndarray:
-    """s at each of so many steps, (steps, 1): a constant, or 0 to 1 for `TRANSITION`.
+    """s at each of `steps` steps, (steps, 1): a constant, or 0 to 1 for `TRANSITION`.
 
     Raises
     ------
     ValueError
-        If the share is neither that word nor a number from 0 to 1.
+        If the share is neither `TRANSITION` nor a number from 0 to 1.
     """
     if share == TRANSITION:
         return np.linspace(0.0, 1.0, steps)[:, None]
@@ -31,15 +31,11 @@ def shares(share: float | str, steps: int) -> np.ndarray:
 
 
 def interpolate(
-    manifold: MotionManifold,
-    first: np.ndarray,
-    second: np.ndarray,
-    share: float | str = 0.5,
+    manifold: MotionManifold, first: np.ndarray, second: np.ndarray, share: float | str = 0.5
 ) -> np.ndarray:
-    """The motion between two motions that lies on the manifold.
+    """The motion on the manifold between two motions.
 
-    They run side by side from their first frames on, and what the longer one has more is left out:
-    to stretch the shorter one would change how fast its person moves.
+    The motions start together and the longer one is truncated.
 
     Parameters
     ----------
@@ -47,8 +43,8 @@ def interpolate(
     first, second : (F, 63), (G, 63) arrays of float
         Features on the manifold's mean skeleton.
     share : float or "transition"
-        0 is the projection of the first motion, 1 that of the second; a transition begins as the
-        one and ends as the other.
+        Weight of the second motion: 0 is the projection of the first, 1 that of the second; a
+        transition goes from the first to the second.
 
     Returns
     -------
@@ -57,13 +53,13 @@ def interpolate(
     Raises
     ------
     ValueError
-        If a motion has no frames, or the share makes no sense.
+        If a motion has no frames or the share is invalid.
     """
     frames = min(len(first), len(second))
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
     one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
-    # A unit stands for 8 frames, the first of them `reach` frames before the clip.
+    # A unit stands for 8 frames; the first unit begins `reach` frames before the clip.
     middles = (np.arange(len(one)) + 0.5) * manifold.network.frames_per_unit - 0.5 - manifold.reach
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
     s = shares(share, frames)[nearest].astype(one.dtype)

@@ -1,37 +1,44 @@
-"""From takes to a manifold: holden2015, sections 4 and 6, in their order."""
+"""Learning manifolds: holden2015, sections 4 and 6; jang2018, "Experimental Setup"."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 import numpy as np
 
-from numpy_cae.fast import accelerate
+from numpy_cae.manifold.engine import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.features import (
-    FEATURES,
-    POSITIONS,
-    TURN,
-    VELOCITY,
-)
+from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones, standardisation
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.motion.angles import AngleSequence
+from numpy_cae.motion.clips import CLIP, cut_clips
+from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
 from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
 from numpy_cae.motion.retarget.to_body import RATE
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
-from numpy_cae.training import Checkpoint, Schedule, train_autoencoder
+from numpy_cae.training import (
+    Checkpoint,
+    Schedule,
+    SequenceSchedule,
+    train_autoencoder,
+    train_sequential,
+)
 
 RMS = 0.25
-"""What each kind of features is scaled to, root mean square. The paper does not say; much
-smaller and the rate 0.5 hardly learns, much larger and it diverges (lessons/papers_to_code.md)."""
-LOUDEST = 2.0
-"""How many times that the loudest window may have: at one window a step, a person lying down among
-people standing is enough to diverge."""
+"""Root mean square to which each kind of features is scaled. The paper does not state it; at much
+smaller values a rate of 0.5 hardly learns, at much larger ones it diverges (docs/lab_book.md)."""
+MAX_WINDOW_RMS = 2.0
+"""Largest root mean square of a window, as a multiple of `RMS`: with steps of one window, a person
+lying down among people standing makes training diverge."""
+MIN_SPREAD = 1e-3
+"""Spread (metres, radians) below which a kind of features is scaled no further: where nobody turned
+in training, the first turn must not become a value of a thousand."""
 
-
-STILL = 1e-3
-"""A kind of features that varies less (metres, radians) is not blown up to be seen: where nobody
-turned in training, the first who does must not be a thousand."""
+HIDDEN, LATENT = 128, 8
+"""Units of each GRU and size of z. jang2018 states neither."""
+CLIP_STEP = 5
+"""Frames between the clips of which the mean and deviation are taken."""
 
 
 def learn_manifold(
@@ -46,30 +53,29 @@ def learn_manifold(
     rms: float = RMS,
     show_progress: bool = True,
     checkpoint: Checkpoint | None = None,
+    engine: str = "fast",
 ) -> MotionManifold:
-    """Train a manifold on takes.
+    """Train a convolutional manifold on takes.
 
     Parameters
     ----------
     takes : sequence of (F, 20, 3) arrays of float
         World positions of the twenty joints in metres, at 30 frames a second.
     schedule : Schedule, optional
-        The paper's where none is given.
+        The paper's where None.
     seed : int
-        Of every draw: the first weights, the order, the corruption, the unpooling.
+        Of all random numbers: initial weights, order, corruption, unpooling.
     window, overlap : int
         In frames; `window` is a multiple of 8 with three layers.
     filters, taps, bound
         Of `ConvAutoencoder`.
     rms : float
-        What the features are scaled to, root mean square; less where a single window would have
-        more than `LOUDEST` times it.
+        Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
+    show_progress : bool
     checkpoint : Checkpoint, optional
         Of `train_autoencoder`.
-
-    Returns
-    -------
-    MotionManifold
+    engine : {"fast", "ops"}
+        Whether the network computes with `numpy_cae.fast` or with the definitions.
 
     Raises
     ------
@@ -80,17 +86,18 @@ def learn_manifold(
         raise ValueError("there are no takes to learn from")
     schedule = schedule or Schedule()
     rng = np.random.default_rng(seed)
-    network = accelerate(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng))
+    network = with_engine(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng), engine)
     if window % network.frames_per_unit:
         raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
 
     features, lengths = features_on_mean_skeleton(takes, RATE)
-    # Of a large database the features are gigabytes: here they are there once, as parts of frames.
+    # The features of a large database are gigabytes: keep them once, as views of one array.
     frames = np.concatenate(features)
     features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
     mean_pose, scale = _mean_and_scale(frames, features, window, overlap, rms)
-    manifold = MotionManifold(network, mean_pose, scale, lengths, RATE)
-    windows = _windows(manifold, features, window, overlap)
+    manifold = MotionManifold(network, mean_pose, scale, lengths, RATE, window=window)
+    manifold.rescales = schedule.fine_tuning.rescaled
+    windows = _windows(manifold, features, overlap)
     del features, frames
     history = train_autoencoder(network, windows, schedule, rng, show_progress, checkpoint)
     manifold.settings = {
@@ -106,10 +113,83 @@ def learn_manifold(
     return manifold
 
 
+def learn_sequences(
+    sequences: Sequence[AngleSequence],
+    schedule: SequenceSchedule | None = None,
+    seed: int = 0,
+    hidden: int = HIDDEN,
+    latent: int = LATENT,
+    frames: int = CLIP,
+    watch: Callable[[SequenceManifold, int], None] | None = None,
+    network: type[SequentialAutoencoder] = SequentialAutoencoder,
+    show_progress: bool = True,
+    checkpoint: Checkpoint | None = None,
+    engine: str = "fast",
+) -> SequenceManifold:
+    """Train a sequential manifold on motions of one action.
+
+    Parameters
+    ----------
+    sequences : sequence of AngleSequence
+        Motions shorter than a clip are skipped.
+    schedule : SequenceSchedule, optional
+    seed : int
+        Of all random numbers: initial weights, clips, prior, directions.
+    hidden, latent : int
+        Of `SequentialAutoencoder`.
+    frames : int
+        Of a clip.
+    watch : function (manifold, step), optional
+        Called before the first step, with 0, and after every step.
+    network : type
+        A subclass with another loss, for comparison; it computes with the definitions.
+    show_progress : bool
+    checkpoint : Checkpoint, optional
+        Of `train_sequential`.
+    engine : {"fast", "ops"}
+        As in `learn_manifold`.
+
+    Raises
+    ------
+    ValueError
+        If there are no motions, all are too short, or their rigs differ.
+    """
+    if not sequences:
+        raise ValueError("there are no motions to learn from")
+    schedule = schedule or SequenceSchedule()
+    table, bones = common_bones(sequences)
+    mean, deviation = standardisation(cut_clips(sequences, CLIP_STEP, frames))
+    rng = np.random.default_rng(seed)
+    plain = network(len(table.columns), hidden, latent, rng)
+    model = with_engine(plain, engine if network is SequentialAutoencoder else "ops")
+    manifold = SequenceManifold(model, mean, deviation, table, bones, frames=frames)
+    if watch is not None:
+        watch(manifold, 0)
+    history = train_sequential(
+        model,
+        manifold.drawing_from(sequences, frames),
+        schedule,
+        rng,
+        show_progress,
+        None if watch is None else lambda step: watch(manifold, step),
+        checkpoint,
+    )
+    manifold.settings = {
+        "seed": seed,
+        "frames": frames,
+        "motions": len(sequences),
+        "schedule": asdict(schedule),
+        "reconstruction": history.reconstruction[-1:],
+        "discrepancy": history.discrepancy[-1:],
+    }
+    return manifold
+
+
 def _windows(
-    manifold: MotionManifold, features: Sequence[np.ndarray], window: int, overlap: int
+    manifold: MotionManifold, features: Sequence[np.ndarray], overlap: int
 ) -> np.ndarray:
-    """The windows of all takes as the network sees them, single precision, take by take."""
+    """The normalised windows of all takes, written take by take into one array."""
+    window = manifold.window
     counts = [len(cut_windows(take, window, overlap)[0]) for take in features]
     dtype = manifold.network.layers[0].w.dtype
     windows = np.empty((sum(counts), window, FEATURES), dtype)
@@ -121,20 +201,20 @@ def _windows(
 def _mean_and_scale(
     frames: np.ndarray, features: Sequence[np.ndarray], window: int, overlap: int, rms: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The mean pose and what each feature is multiplied by, (63,) both: one factor for a kind.
+    """The mean pose and the factor of each feature, (63,) both.
 
-    Each kind (positions, velocity, turn) is brought to `rms`, or none would learn to turn: a turn
-    of a frame is a hundredth of a radian where positions are a tenth of a metre.
+    One factor each for positions, velocity and turn: the turn of a frame is a hundredth of a
+    radian where positions are a tenth of a metre, and would not be learned.
     """
     mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
     for kind in (POSITIONS, VELOCITY, TURN):
         spread = np.sqrt(np.mean((frames[:, kind] - mean_pose[kind]) ** 2))
-        if kind is POSITIONS and spread < STILL:
+        if kind is POSITIONS and spread < MIN_SPREAD:
             raise ValueError("every frame of the takes is the same: there is nothing to learn")
-        scale[kind] = rms / max(spread, STILL)
-    loudest = max(
+        scale[kind] = rms / max(spread, MIN_SPREAD)
+    largest = max(
         np.sqrt(np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2)).max())
         for windows in (cut_windows(take, window, overlap)[0] for take in features)
     )
-    return mean_pose, scale * min(1.0, LOUDEST * rms / loudest)
+    return mean_pose, scale * min(1.0, MAX_WINDOW_RMS * rms / largest)

@@ -1,73 +1,112 @@
-"""Motions of any length on jang2018's manifold, whose clips are two seconds long.
+"""Motions of any length and rig with jang2018's network, whose clips are two seconds long.
 
-A motion is read in clips that overlap by half, and what they are decoded to is blended,
+A motion is encoded in clips that overlap by half, and the decoded clips are blended,
 
     x_t = Σ_i w_i(t) x̂_i(t) / Σ_i w_i(t),    w_i(t) = sin²(π (t - t_i + ½) / F)
 
-where clip i begins at t_i and has F frames: each gives way to the next over half its length, its
-own first and last frames, the worst, hardly count, and there is no seam. Rotations are blended as
-quaternions of one sign; a clip's translation, which is relative to its first frame, is put back to
-where the motion was there.
+where clip i begins at t_i and has F frames. The first and last frames of a clip, which are the
+worst, hardly count. Rotations are blended as quaternions of one sign. The translation of a clip is
+relative to its first frame, so the position of the motion at t_i is added.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
-from numpy_cae.motion import ANGLE_RATE, AngleSequence, Motion, body_positions
 from numpy_cae.motion.angle_table import TRANSLATION
-from numpy_cae.motion.angles import motion_of, on_floor
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, angles_of, motion_of, on_floor
+from numpy_cae.motion.body import Body
 from numpy_cae.motion.clips import cut_clips
 from numpy_cae.motion.features import POSITIONS, positions_to_features
+from numpy_cae.motion.io.t_pose import without_t_pose
+from numpy_cae.motion.lengths import bone_lengths
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.to_body import body_of
 
 CANDIDATES = 32
-"""Clips that are drawn for each that follows in a sample."""
+"""Clips drawn for each clip that is appended to a sample."""
+
+
+def repair_sequence(
+    motion: Motion, manifold: SequenceManifold, mapping: dict[str, str] | None = None
+) -> Motion:
+    """The motion projected onto the manifold of clips, in its own rig.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of the action that the manifold was learned from, at any rate and of any length.
+    manifold : SequenceManifold
+    mapping : dict of joint name to the rig's joint name, optional
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate, unit and length, but without a T-pose at its beginning.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    """
+    motion = without_t_pose(motion, mapping)
+    projected = body_of(project_sequence(manifold, angles_of(motion, mapping)))
+    body = Body(motion, bone_lengths(projected), mapping)
+    positions = body.on_own_bones(projected)
+    # Changing lengths scales the path of the hips; here the hips stay where they were.
+    positions += projected[:, :1] - positions[:, :1]
+    # 25 frames a second can end up to 1/25 s before 30 do.
+    frames = len(body.positions)
+    missing = max(frames - len(positions), 0)
+    positions = np.concatenate([positions, positions[-1:].repeat(missing, axis=0)])
+    return body.retarget(body.in_file_frames(positions[:frames]))
 
 
 def project_sequence(manifold: SequenceManifold, sequence: AngleSequence) -> Motion:
-    """The motion on the manifold that stands for a motion of any length.
+    """The projection of a motion of any length.
 
     Parameters
     ----------
     manifold : SequenceManifold
     sequence : AngleSequence
-        In the manifold's table of numbers.
+        With the manifold's table of columns.
 
     Returns
     -------
     Motion
-        As many frames at 25 a second, on the manifold's own bones.
+        As many frames at 25 a second, on the manifold's bones.
 
     Raises
     ------
     ValueError
-        If the motion's numbers are those of another table, or it has no frames.
+        If the motion has another table, or no frames.
     """
     if sequence.table is not manifold.table:
         raise ValueError("the motion and the model have different numbers a frame")
     if len(sequence) == 0:
         raise ValueError("the motion has no frames")
-    begin = starts(len(sequence), min(_frames(manifold), len(sequence)))
-    frames = len(sequence) - begin[-1]
-    pieces = [
-        AngleSequence(sequence.numbers[t : t + frames], sequence.table, sequence.offsets)
-        for t in begin
-    ]
-    clips = cut_clips(pieces, frames, frames)
+    starts = clip_starts(len(sequence), min(manifold.frames, len(sequence)))
+    frames = len(sequence) - starts[-1]
+    parts = [replace(sequence, numbers=sequence.numbers[t : t + frames]) for t in starts]
+    clips = cut_clips(parts, frames, frames)
     decoded = manifold.denormalise(manifold.network.denoise(manifold.normalise(clips)))
-    for clip, piece in zip(decoded, pieces, strict=True):
-        clip[:, TRANSLATION] += piece.numbers[0, TRANSLATION]
-    return _blended(manifold, [_motion(manifold, clip) for clip in decoded], begin)
+    for clip, part in zip(decoded, parts, strict=True):
+        clip[:, TRANSLATION] += part.numbers[0, TRANSLATION]
+    motions = [motion_of(clip, manifold.table, manifold.offsets) for clip in decoded]
+    return _blended(motions, starts, manifold.rate)
 
 
 def sample_sequence(manifold: SequenceManifold, frames: int, rng: np.random.Generator) -> Motion:
-    """A motion of any length that nobody made, from draws of the prior.
+    """A new motion of any length, from draws of the prior.
 
-    Each clip begins where the one before is halfway through: of `CANDIDATES` draws it is the one
-    whose first half is most like the other's second half, seen from the body, and it is turned and
-    moved to go on from there.
+    Each clip begins in the middle of the one before: of `CANDIDATES` draws the one whose first half
+    is nearest, in the body's frame, to the second half of the one before, rotated and moved to
+    continue it.
 
     Parameters
     ----------
@@ -83,85 +122,73 @@ def sample_sequence(manifold: SequenceManifold, frames: int, rng: np.random.Gene
     """
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
-    length = _frames(manifold)
-    half = length // 2
-    drawn = [_draw(manifold, 1, rng)[0]]
-    # Half a clip more than is wanted: the last frame of a clip, the first written, is its worst.
-    while half * len(drawn) < frames:
-        ahead = _poses(_part(drawn[-1], slice(half, 2 * half)))
-        others = _draw(manifold, CANDIDATES, rng)
-        misses = [np.mean((_poses(_part(other, slice(half))) - ahead) ** 2) for other in others]
-        drawn.append(_joined(drawn[-1], others[int(np.argmin(misses))], half))
-    begin = half * np.arange(len(drawn))
-    whole = _blended(manifold, drawn, begin)
-    return on_floor(_part(whole, slice(frames)))
+    half = manifold.frames // 2
+    clips = [_draw(manifold, 1, rng)[0]]
+    # Half a clip more than needed: the last frame of a clip, decoded first, is its worst.
+    while half * len(clips) < frames:
+        ending = _poses(_part(clips[-1], slice(half, 2 * half)))
+        candidates = _draw(manifold, CANDIDATES, rng)
+        beginnings = [_poses(_part(candidate, slice(half))) for candidate in candidates]
+        errors = [np.mean((beginning - ending) ** 2) for beginning in beginnings]
+        clips.append(_moved_to_continue(clips[-1], candidates[int(np.argmin(errors))], half))
+    blended = _blended(clips, half * np.arange(len(clips)), manifold.rate)
+    return on_floor(_part(blended, slice(frames)))
 
 
-def starts(frames: int, length: int) -> np.ndarray:
-    """Where clips of so many frames begin that cover all: every half clip, the last at the end."""
-    begin = np.arange(0, frames - length + 1, max(length // 2, 1))
-    return begin if begin[-1] == frames - length else np.append(begin, frames - length)
-
-
-def _frames(manifold: SequenceManifold) -> int:
-    return manifold.settings.get("frames", 50)
-
-
-def _motion(manifold: SequenceManifold, numbers: np.ndarray) -> Motion:
-    return motion_of(numbers, manifold.table, manifold.offsets)
+def clip_starts(frames: int, length: int) -> np.ndarray:
+    """First frames of clips that cover `frames` frames: every half clip, the last at the end."""
+    starts = np.arange(0, frames - length + 1, max(length // 2, 1))
+    return starts if starts[-1] == frames - length else np.append(starts, frames - length)
 
 
 def _draw(manifold: SequenceManifold, count: int, rng: np.random.Generator) -> list[Motion]:
-    clips = manifold.network.sample(count, rng, _frames(manifold))
-    return [_motion(manifold, manifold.denormalise(clip)) for clip in clips]
+    clips = manifold.denormalise(manifold.network.sample(count, rng, manifold.frames))
+    return [motion_of(clip, manifold.table, manifold.offsets) for clip in clips]
 
 
 def _part(motion: Motion, frames: slice) -> Motion:
-    return Motion(
-        motion.skeleton, motion.rate, motion.rotations[frames], motion.translations[frames]
+    return replace(
+        motion, rotations=motion.rotations[frames], translations=motion.translations[frames]
     )
 
 
 def _poses(motion: Motion) -> np.ndarray:
-    """The pose features of every frame: where it is and where it faces do not matter."""
-
+    """Positions in the body's frame of every frame, (F, 60)."""
     return positions_to_features(body_positions(motion), ANGLE_RATE)[0][:, POSITIONS]
 
 
-def _blended(manifold: SequenceManifold, pieces: list[Motion], begin: np.ndarray) -> Motion:
-    """One motion of overlapping ones of equal length."""
-    length = len(pieces[0])
-    frames = begin[-1] + length
-    weight = np.sin(np.pi * (np.arange(length) + 0.5) / length) ** 2
-    joints = pieces[0].rotations.shape[1]
-    turned, moved = np.zeros((frames, joints, 4)), np.zeros((frames, joints, 3))
+def _blended(clips: list[Motion], starts: np.ndarray, rate: float) -> Motion:
+    """One motion of overlapping clips of equal length."""
+    length, joints = clips[0].rotations.shape[:2]
+    frames = starts[-1] + length
+    weight = (np.sin(np.pi * (np.arange(length) + 0.5) / length) ** 2)[:, None, None]
+    rotations, translations = np.zeros((frames, joints, 4)), np.zeros((frames, joints, 3))
     total = np.zeros((frames, 1, 1))
-    for first, piece in zip(begin, pieces, strict=True):
-        here, w = slice(first, first + length), weight[:, None, None]
-        # q and -q are one rotation: the sign nearer to what is there already.
-        against = np.sum(turned[here] * piece.rotations, axis=-1, keepdims=True) < 0
-        turned[here] += w * np.where(against, -1, 1) * piece.rotations
-        moved[here] += w * piece.translations
-        total[here] += w
-    rotations = turned / np.maximum(np.linalg.norm(turned, axis=-1, keepdims=True), 1e-12)
-    return Motion(pieces[0].skeleton, manifold.rate, rotations, moved / total)
+    for start, clip in zip(starts, clips, strict=True):
+        here = slice(start, start + length)
+        # q and -q are the same rotation: add the one nearer to the sum so far.
+        opposite = np.sum(rotations[here] * clip.rotations, axis=-1, keepdims=True) < 0
+        rotations[here] += weight * np.where(opposite, -1, 1) * clip.rotations
+        translations[here] += weight * clip.translations
+        total[here] += weight
+    rotations /= np.maximum(np.linalg.norm(rotations, axis=-1, keepdims=True), 1e-12)
+    return Motion(clips[0].skeleton, rate, rotations, translations / total)
 
 
-def _joined(before: Motion, then: Motion, half: int) -> Motion:
-    """`then` turned about Y and moved along the floor so that its first half runs on average where
-    the second half of `before` does."""
-
-    ahead, own = (body_positions(m) for m in (before, then))
-    ahead, own = ahead[half : 2 * half], own[:half]
-    middle, own_middle = ahead.mean(axis=(0, 1)), own.mean(axis=(0, 1))
-    a, b = ahead - middle, own - own_middle
-    # The turn θ about Y that brings b nearest to a: tan θ = Σ (b × a)_y / Σ b · a on the floor.
+def _moved_to_continue(before: Motion, clip: Motion, half: int) -> Motion:
+    """The clip rotated about Y and moved on the floor so that its first half is nearest to the
+    second half of `before`."""
+    ending = body_positions(before)[half : 2 * half]
+    beginning = body_positions(clip)[:half]
+    centre, own_centre = ending.mean(axis=(0, 1)), beginning.mean(axis=(0, 1))
+    a, b = ending - centre, beginning - own_centre
+    # The rotation θ about Y that brings b nearest to a: tan θ = Σ (b × a)_y / Σ b · a on the floor.
     theta = np.arctan2(
         np.sum(b[..., 2] * a[..., 0] - b[..., 0] * a[..., 2]),
         np.sum(b[..., 0] * a[..., 0] + b[..., 2] * a[..., 2]),
     )
-    turn = Rotation.from_rotvec([0.0, theta, 0.0])
-    rotations, translations = then.rotations.copy(), then.translations.copy()
-    rotations[:, 0] = (turn * Rotation.from_quat(rotations[:, 0])).as_quat()
-    translations[:, 0] = turn.apply(translations[:, 0] - own_middle) + middle
-    return Motion(then.skeleton, then.rate, rotations, translations)
+    about_y = Rotation.from_rotvec([0.0, theta, 0.0])
+    rotations, translations = clip.rotations.copy(), clip.translations.copy()
+    rotations[:, 0] = (about_y * Rotation.from_quat(rotations[:, 0])).as_quat()
+    translations[:, 0] = about_y.apply(translations[:, 0] - own_centre) + centre
+    return replace(clip, rotations=rotations, translations=translations)

@@ -1,4 +1,4 @@
-"""A manifold as one `.npz` file: plain arrays and one text of JSON, nothing pickled."""
+"""Both kinds of manifold as one `.npz` file: plain arrays and settings in JSON, nothing pickled."""
 
 from __future__ import annotations
 
@@ -8,69 +8,142 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import (
-    checked,
-    load_arrays,
-    positive,
-    save_arrays,
-    text,
-)
-from numpy_cae.fast import accelerate
+from numpy_cae.array_file import checked, form_of, load_arrays, positive, save_arrays, text
+from numpy_cae.manifold.engine import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.models import ConvAutoencoder
+from numpy_cae.manifold.sequence_manifold import SequenceManifold
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.motion.angle_table import TABLES
 from numpy_cae.motion.features import FEATURES
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
-FORMAT = "numpy_cae convolutional manifold 1"
+CONVOLUTIONAL = "numpy_cae convolutional manifold 2"
+SEQUENTIAL = "numpy_cae sequential manifold 2"
+MAX_FRAMES = 100_000
+"""Longest window or clip that a file may state."""
 
 
-def save_manifold(manifold: MotionManifold, path: str | Path) -> None:
-    """Write the manifold, beside first and then moved into place."""
-    network = manifold.network
+def save_manifold(manifold: MotionManifold | SequenceManifold, path: str | Path) -> None:
+    """Write a manifold of either kind, atomically."""
+    if isinstance(manifold, SequenceManifold):
+        arrays = _arrays_of_sequences(manifold)
+    else:
+        arrays = _arrays_of_motions(manifold)
+    save_arrays(arrays | {"settings": np.array(json.dumps(manifold.settings))}, path)
+
+
+def load_manifold(path: str | Path, engine: str = "fast") -> MotionManifold | SequenceManifold:
+    """Read a manifold of either kind, as `save_manifold` wrote it.
+
+    Parameters
+    ----------
+    path : path
+    engine : {"fast", "ops"}
+        Whether the network computes with `numpy_cae.fast` or with the definitions.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing, is not a model of this version, or its arrays do not fit together.
+    """
+    if form_of(path) == SEQUENTIAL:
+        return load_arrays(path, SEQUENTIAL, lambda arrays: _sequences_of(arrays, engine))
+    return load_arrays(path, CONVOLUTIONAL, lambda arrays: _motions_of(arrays, engine))
+
+
+def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
+    layers = manifold.network.layers
     arrays = {
-        "format": np.array(FORMAT),
+        "format": np.array(CONVOLUTIONAL),
         "mean_pose": manifold.mean_pose,
         "scale": manifold.scale,
         "rate": np.array(manifold.rate),
         "joints": np.array(JOINTS),
         "parents": np.array(PARENTS),
         "lengths": manifold.lengths,
-        "bound": np.array(network.layers[0].bound),
-        "settings": np.array(json.dumps(manifold.settings)),
+        "bound": np.array(layers[0].bound),
+        "rescales": np.array(manifold.rescales),
+        "window": np.array(manifold.window),
     }
-    for index, layer in enumerate(network.layers):
-        arrays[f"w{index + 1}"], arrays[f"b{index + 1}"] = layer.w, layer.b
-    save_arrays(arrays, path)
+    for number, layer in enumerate(layers, start=1):
+        arrays[f"w{number}"], arrays[f"b{number}"] = layer.w, layer.b
+    return arrays
 
 
-def load_manifold(path: str | Path) -> MotionManifold:
-    """Read what `save_manifold` wrote.
-
-    Raises
-    ------
-    ModelFileError
-        If the file is missing, is none of ours, or its arrays do not fit together.
-    """
-    return load_arrays(path, FORMAT, _assembled)
-
-
-def _assembled(arrays: dict[str, np.ndarray]) -> MotionManifold:
+def _motions_of(arrays: dict[str, np.ndarray], engine: str) -> MotionManifold:
     if not np.array_equal(arrays["joints"], JOINTS):
-        raise ValueError("its twenty joints are not the ones of this version")
-    count = max(1, sum(f"w{index + 1}" in arrays for index in range(len(arrays))))
-    taps, filters = len(arrays["w1"]), [arrays[f"b{index + 1}"].size for index in range(count)]
-    # Before the network is made: it is as large as these say.
-    for index, (below, above) in enumerate(pairwise((FEATURES, *filters))):
-        checked(arrays, f"w{index + 1}", (taps, below, above))
-        checked(arrays, f"b{index + 1}", (above,))
+        raise ValueError("its twenty joints are not those of this version")
+    count = max(1, sum(f"w{number}" in arrays for number in range(1, len(arrays))))
+    taps = len(arrays["w1"])
+    filters = [arrays[f"b{number}"].size for number in range(1, count + 1)]
+    # All sizes are checked before a network of these sizes is made.
+    for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
+        checked(arrays, f"w{number}", (taps, below, above))
+        checked(arrays, f"b{number}", (above,))
     network = ConvAutoencoder(FEATURES, filters, taps, float(checked(arrays, "bound", ())))
-    for index, layer in enumerate(network.layers):
-        layer.w, layer.b = arrays[f"w{index + 1}"], arrays[f"b{index + 1}"]
+    for number, layer in enumerate(network.layers, start=1):
+        layer.w, layer.b = arrays[f"w{number}"], arrays[f"b{number}"]
     return MotionManifold(
-        accelerate(network),
+        with_engine(network, engine),
         checked(arrays, "mean_pose", (FEATURES,)),
         positive(arrays, "scale", (FEATURES,)),
         checked(arrays, "lengths", (len(JOINTS),)),
         float(positive(arrays, "rate", ())),
         text(arrays, "settings"),
+        bool(_scalar(arrays, "rescales", "b")),
+        _frames(arrays, "window"),
     )
+
+
+def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
+    return {
+        "format": np.array(SEQUENTIAL),
+        "table": np.array(manifold.table.name),
+        "columns": np.array(manifold.table.columns),
+        "mean": manifold.mean,
+        "deviation": manifold.deviation,
+        "offsets": manifold.offsets,
+        "rate": np.array(manifold.rate),
+        "frames": np.array(manifold.frames),
+        **manifold.network.weights,
+    }
+
+
+def _sequences_of(arrays: dict[str, np.ndarray], engine: str) -> SequenceManifold:
+    table = TABLES.get(str(arrays["table"]))
+    if table is None or not np.array_equal(arrays["columns"], table.columns):
+        raise ValueError("its table of numbers is none of this version")
+    if arrays["state_w"].ndim != 2:
+        raise ValueError("state_w is not a matrix")
+    latent, hidden = arrays["state_w"].shape
+    numbers = len(table.columns)
+    if hidden**2 > sum(array.size for array in arrays.values()):
+        raise ValueError("its weights are smaller than state_w says")
+    network = SequentialAutoencoder(numbers, hidden, latent)
+    for name, weight in network.weights.items():
+        weight[...] = checked(arrays, name, weight.shape)
+    return SequenceManifold(
+        with_engine(network, engine),
+        checked(arrays, "mean", (numbers,)),
+        positive(arrays, "deviation", (numbers,)),
+        table,
+        checked(arrays, "offsets", (len(table.joints), 3)),
+        text(arrays, "settings"),
+        float(positive(arrays, "rate", ())),
+        _frames(arrays, "frames"),
+    )
+
+
+def _scalar(arrays: dict[str, np.ndarray], name: str, kind: str) -> np.ndarray:
+    """The array of that name if it is one value of that kind of dtype; else ValueError."""
+    array = arrays[name]
+    if array.shape != () or array.dtype.kind != kind:
+        raise ValueError(f"{name} has shape {array.shape} and dtype {array.dtype}")
+    return array
+
+
+def _frames(arrays: dict[str, np.ndarray], name: str) -> int:
+    frames = int(_scalar(arrays, name, "i"))
+    if not 1 <= frames <= MAX_FRAMES:
+        raise ValueError(f"{name} is {frames}, expected 1 to {MAX_FRAMES}")
+    return frames

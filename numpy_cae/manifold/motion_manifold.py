@@ -1,8 +1,4 @@
-"""A trained network together with what it was taught to see: the motion manifold.
-
-The network knows numbers near zero. What turns a body into those numbers and back (the mean
-skeleton, the mean pose, a scale) belongs to it and is kept with it.
-"""
+"""A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
 from __future__ import annotations
 
@@ -10,30 +6,37 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.manifold.blind import lost_share, project_shifted
+from numpy_cae.manifold.blind import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.windows import LENGTH
 
 
 @dataclass
 class MotionManifold:
-    """The manifold and the way there from motions of the twenty joints.
+    """A network, and the conversion between features of motions and its normalised input.
 
     Parameters
     ----------
     network : ConvAutoencoder
+        Plain or accelerated; everything is computed with it.
     mean_pose : (63,) array of float64
         Subtracted from every frame of features (holden2015, section 4).
     scale : (63,) array of float64
-        Multiplies what is left: one factor for all positions, one for the velocity, one for the
-        turn.
+        Multiplies the difference: one factor each for positions, velocity and turn.
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate : float
         Frames a second.
     settings : dict
-        How it was made, as far as JSON can say: data, schedule, seed, losses.
+        Provenance (data, schedule, seed, losses) as JSON values; nothing is computed from it.
+    rescales : bool
+        Whether the network was trained on X_c / (1 - p): see `training.corruption`.
+    window : int
+        Frames of the windows that the network was trained on.
     """
 
     network: ConvAutoencoder
@@ -42,53 +45,42 @@ class MotionManifold:
     lengths: np.ndarray
     rate: float = 30.0
     settings: dict = field(default_factory=dict)
+    rescales: bool = False
+    window: int = LENGTH
+
+    def body(self, motion: Motion, mapping: dict[str, str] | None = None) -> Body:
+        """A motion of any rig with its features on this manifold's mean skeleton."""
+        return Body(motion, self.lengths, mapping)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
-        """Features on the mean skeleton, and where the motion starts.
-
-        Parameters
-        ----------
-        positions : (F, 20, 3) array of float
-            World positions in metres, on anyone's bones, at `rate`.
-
-        Returns
-        -------
-        features : (F, 63) array of float64
-        start : RootTransform
-        """
+        """Features (F, 63) on the mean skeleton and the root transform of the first frame, of
+        world positions (F, 20, 3) in metres on bones of any lengths, at `rate`."""
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)
 
     def normalise(self, features: np.ndarray) -> np.ndarray:
-        """X: the mean pose subtracted, scaled, in the dtype of the network; any shape (…, 63)."""
+        """X of features (…, 63): the mean pose subtracted, scaled, in the dtype of the network."""
         return ((features - self.mean_pose) * self.scale).astype(self.network.layers[0].w.dtype)
 
     def denormalise(self, x: np.ndarray) -> np.ndarray:
-        """The features that `normalise` makes x of, float64."""
+        """The features of which `normalise` makes x, float64."""
         return x.astype(np.float64) / self.scale + self.mean_pose
 
     @property
     def reach(self) -> int:
-        """How many frames to either side of its own a unit of the top layer sees."""
+        """Frames on either side of its own that influence a unit of the top layer."""
         return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
 
     @property
-    def rescales(self) -> bool:
-        """Whether the network was trained on X_c / (1 - p): see `training.corruption`."""
-        fine_tuning = self.settings.get("schedule", {}).get("fine_tuning", {})
-        return bool(fine_tuning.get("rescaled", False))
-
-    @property
     def shifts(self) -> int:
-        """Places of the pooling grid that differ: the most that `project` can average over."""
+        """Number of different positions of the pooling grid, the most that `project` averages."""
         return self.network.frames_per_unit
 
     def encode(self, features: np.ndarray) -> np.ndarray:
-        """Y = Φ(X) of a clip of any length, its ends continued.
+        """Y = Φ(X) of a clip of any length.
 
-        The zeros that a convolution sees beyond a clip are the mean pose, and near its ends they
-        pull a motion there. So the clip is continued on both sides, its first and its last
-        frame held as far as the network sees, and `decode` cuts that off again.
+        The zeros with which a convolution pads a clip are the mean pose and would distort its ends.
+        So the first and last frame are held for `reach` frames; `decode` removes these again.
 
         Parameters
         ----------
@@ -96,43 +88,32 @@ class MotionManifold:
 
         Returns
         -------
-        (units, 256) array within [-1, 1], in the dtype of the network
-            (F + 2 · `reach`) / 8 units, rounded up.
+        (⌈(F + 2 · reach) / 8⌉, 256) array within [-1, 1], in the dtype of the network
         """
-        return self.network.encode(self._continued(features))[0]
+        return self.network.encode(self._padded(features))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
-        """Φ†(Y) of what `encode` made of a clip of so many frames, (frames, 63) of float64."""
+        """Φ†(Y), (frames, 63) of float64, of what `encode` returned for a clip of that length."""
         return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
 
     def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)): the nearest motion that the network believes in, of any length.
+        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64.
 
-        Parameters
-        ----------
-        features : (F, 63) array of float
-        shifts : int
-            How many shifts to average over: see `manifold.blind.project_shifted`.
-
-        Returns
-        -------
-        (F, 63) array of float64
+        `shifts` is the number of positions of the pooling grid to average over: see
+        `manifold.blind.project_shifted`.
         """
-        projected = project_shifted(self.network, self._continued(features), shifts)[0]
+        projected = project_shifted(self.network, self._padded(features), shifts)[0]
         return self.denormalise(projected)[self.reach : self.reach + len(features)]
 
     def project_windows(self, x: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of windows as the network was trained on them, zeros around them.
-
-        A network that was trained on X_c / (1 - p) is given that, with p̂ = `lost_share`: blind, for
-        nothing but X_c is asked.
+        """Φ†(Φ(X)) of normalised windows as in training, with zeros around them.
 
         Parameters
         ----------
         x : (N, T, 63) array of float32
             Normalised; T is a multiple of `network.frames_per_unit`.
         shifts : int
-            How many shifts to average over: see `manifold.blind.project_shifted`.
+            As in `project`.
 
         Returns
         -------
@@ -140,11 +121,12 @@ class MotionManifold:
         """
         return project_shifted(self.network, self._rescaled(x), shifts)
 
-    def _continued(self, features: np.ndarray) -> np.ndarray:
-        """A clip as one window whose ends are held as far as the network sees."""
+    def _padded(self, features: np.ndarray) -> np.ndarray:
+        """A clip as one normalised window, its first and last frame held for `reach` frames."""
         more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
         ends = ((0, 0), (self.reach, self.reach + more), (0, 0))
         return np.pad(self._rescaled(self.normalise(features)[None]), ends, mode="edge")
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
-        return x / (1 - lost_share(x)) if self.rescales else x
+        """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""
+        return x / (1 - zeroed_fraction(x)) if self.rescales else x

@@ -1,10 +1,9 @@
-"""New motion: hidden units drawn from a prior, and Φ† of them (holden2015, section 3).
+"""New motions: Φ† of hidden units drawn from a prior (holden2015, section 3).
 
 The paper: "the uniform distribution of values […] drawn from [-1, 1]^(i×k) represents a prior
 probability distribution over the space of human motion which can be augmented with other beliefs".
-`draw_uniform` is that. `NeighbourPrior` adds the belief that hidden units occur together as they
-did in real motion: what each drew alone is far from anything that Φ gives
-(lessons/papers_to_code.md, "The prior").
+`draw_uniform` is that prior. `NeighbourPrior` adds the belief that hidden units occur together as
+in recorded motion; independent units are far from anything that Φ returns (docs/lab_book.md).
 """
 
 from __future__ import annotations
@@ -16,30 +15,30 @@ import numpy as np
 
 from numpy_cae.manifold.compare import hidden_units
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.windows import LENGTH, cut_windows
+from numpy_cae.motion.windows import cut_windows
 
 NEIGHBOURS = 8
-"""Windows that are mixed into a new one."""
-_OVERLAP = 0.25  # share of a window in which one gives way to the next
+"""Windows that are mixed with the one drawn."""
+_OVERLAP = 0.25
+"""Share of a window over which it is blended into the next one."""
 
 
 def draw_uniform(units: int, channels: int, rng: np.random.Generator) -> np.ndarray:
-    """Y from the prior of section 3: every hidden unit by itself, (units, channels)."""
+    """Y from the uniform prior of section 3, (units, channels) of float32."""
     return rng.uniform(-1.0, 1.0, (units, channels)).astype(np.float32)
 
 
 def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
-    """Φ of every whole window of takes' features (F, 63), (windows, 20, 256).
+    """Φ of every whole window of takes' features (F, 63), (windows, window / 8, 256).
 
-    Windows overlap by half. Each one's ends are continued as `compare.hidden_units` does it, or
-    what is drawn would begin and end in the mean pose.
+    Windows overlap by half; their ends are padded as in `compare.hidden_units`.
 
     Raises
     ------
     ValueError
         If no take is as long as a window.
     """
-    length = manifold.settings.get("window", LENGTH)
+    length = manifold.window
     cut = [cut_windows(take, length, length // 2)[0] for take in takes if len(take) >= length]
     if not cut:
         raise ValueError(f"no take is as long as a window of {length} frames")
@@ -48,45 +47,41 @@ def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.
 
 @dataclass(frozen=True)
 class NeighbourPrior:
-    """A prior fitted to encoded motion: a window at random, mixed with the ones most like it.
+    """A prior fitted to encoded motion: a random window mixed with its nearest neighbours.
 
         Y = Σ_i a_i Y_i,   a ~ Dirichlet(1, …, 1) over a window Y_0 and its nearest Y_1 … Y_n
 
-    A mixture of small simplexes that together follow the encoded motion. It needs no clipping,
-    since what lies between points of [-1, 1] lies there too. A single Gaussian over all windows
-    fills the room between walking and pressing up, where nobody moves.
+    A mixture of small simplexes. Unlike a single Gaussian over all windows it puts no weight
+    between unlike motions, and it needs no clipping to [-1, 1].
 
     Parameters
     ----------
     encoded : (windows, units, channels) array of float
-        As `encode_windows` gives them.
+        As returned by `encode_windows`.
     """
 
     encoded: np.ndarray
 
     def draw(self, units: int, rng: np.random.Generator) -> np.ndarray:
-        """Y of so many units, (units, channels) of float32.
-
-        Where that is more than a window, windows follow each other, and over a quarter of a
-        window one gives way to the next: an interpolation along the manifold.
-        """
+        """Draw Y, (units, channels) of float32; windows are joined and blended where needed."""
         y = self._window(rng)
+        overlap = max(1, round(_OVERLAP * self.encoded.shape[1]))
         while len(y) < units:
-            y = _continued(y, self._window(rng), max(1, round(_OVERLAP * self.encoded.shape[1])))
+            y = _joined(y, self._window(rng), overlap)
         return y[:units]
 
     def _window(self, rng: np.random.Generator) -> np.ndarray:
         chosen = self.encoded[rng.integers(len(self.encoded))]
-        apart = np.square(self.encoded - chosen).sum(axis=(1, 2))
-        nearest = np.argsort(apart, kind="stable")[: NEIGHBOURS + 1]
+        distances = np.square(self.encoded - chosen).sum(axis=(1, 2))
+        nearest = np.argsort(distances, kind="stable")[: NEIGHBOURS + 1]
         weights = rng.dirichlet(np.ones(len(nearest))).astype(np.float32)
         return np.tensordot(weights, self.encoded[nearest], axes=1)
 
 
-def _continued(y: np.ndarray, then: np.ndarray, overlap: int) -> np.ndarray:
+def _joined(y: np.ndarray, following: np.ndarray, overlap: int) -> np.ndarray:
     s = (np.arange(1, overlap + 1, dtype=y.dtype) / (overlap + 1))[:, None]
-    between = (1 - s) * y[-overlap:] + s * then[:overlap]
-    return np.concatenate([y[:-overlap], between, then[overlap:]])
+    blended = (1 - s) * y[-overlap:] + s * following[:overlap]
+    return np.concatenate([y[:-overlap], blended, following[overlap:]])
 
 
 def sample(
@@ -95,15 +90,7 @@ def sample(
     rng: np.random.Generator,
     prior: NeighbourPrior | None = None,
 ) -> np.ndarray:
-    """A motion that nobody made, (frames, 63) features of float64.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    frames : int
-    rng : numpy.random.Generator
-    prior : NeighbourPrior, optional
-        The uniform one of section 3 where None.
+    """Features (frames, 63) of a new motion, from `prior` or, where None, the uniform prior.
 
     Raises
     ------
@@ -122,13 +109,12 @@ def sample(
 
 
 def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
-    """Φ†(Y) of the hidden units of a clip's own frames, (8 · units, 63).
+    """Φ†(Y), features (8 · units, 63), of the hidden units of a clip's own frames.
 
-    The first and the last unit are held as far as the network sees, as `compare.hidden_units`
-    holds frames: beyond them the convolutions would see zeros, the mean pose.
+    The first and last unit are held as padding, the counterpart of `compare.hidden_units`.
     """
     unit = manifold.network.frames_per_unit
     more = -(-manifold.reach // unit)
-    whole = np.pad(y, ((more, more), (0, 0)), mode="edge")
-    decoded = manifold.denormalise(manifold.network.decode(whole[None])[0])
+    padded = np.pad(y, ((more, more), (0, 0)), mode="edge")
+    decoded = manifold.denormalise(manifold.network.decode(padded[None])[0])
     return decoded[more * unit : (more + len(y)) * unit]

@@ -1,15 +1,11 @@
-"""How fast the standing foot slides over the floor: a foot that stands should not."""
+"""The speed at which the standing foot slides over the floor, 0 in an ideal motion."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from numpy_cae.motion.contacts import FEET, STANDING_HEIGHT, floor_height
 from numpy_cae.motion.joints import JOINTS
-
-_TOES = [JOINTS.index("left_toe"), JOINTS.index("right_toe")]
-HEIGHT = 0.025
-"""Metres above the floor within which a toe joint is taken to stand on it."""
-_FLOOR_SHARE = 0.05
 
 
 def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None) -> float:
@@ -17,10 +13,10 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
 
         100 · rate · mean_{t in contact} ‖xz(p_{t+1,f(t)}) - xz(p_{t,f(t)})‖
 
-    f(t) is the foot whose toe joint is the lower one from t to t + 1, and t is in contact where
-    that toe is within `HEIGHT` of the floor. A swinging foot passes the floor as closely as that,
-    at several metres a second, but while it does the other one stands lower. No speed is asked
-    for: a foot that slides fast is what is to be found.
+    f(t) is the foot whose toe joint is the lower one from t to t + 1, and t is in contact if that
+    toe is within `STANDING_HEIGHT` of the floor. A swinging foot passes the floor as closely,
+    at several metres a second, but meanwhile the other foot is lower. There is no bound on the
+    speed, as in `find_contacts`, because a fast slide is what is to be measured.
 
     Parameters
     ----------
@@ -29,13 +25,13 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
     rate : float
         Frames a second.
     floor : float, optional
-        Its height in metres. Where none is given, that below which the lower toe is for a
-        twentieth of the time: a motion that floats as a whole still slides.
+        Its height in metres; by default `floor_height`, so that a motion that floats as a whole
+        still slides.
 
     Returns
     -------
     float
-        0 where nothing touches the floor.
+        0 if nothing touches the floor.
 
     Raises
     ------
@@ -47,11 +43,10 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
         raise ValueError(
             f"positions have shape {positions.shape}, expected (2 frames or more, 20, 3)"
         )
-    toes = positions[:, _TOES]
+    toes = positions[:, FEET]
     height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
     lower, frames = height.argmin(axis=1), np.arange(len(height))
     speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
-    lowest = height[frames, lower]
-    ground = np.quantile(lowest, _FLOOR_SHARE) if floor is None else floor
-    contact = lowest <= ground + HEIGHT
+    ground = floor_height(positions) if floor is None else floor
+    contact = height[frames, lower] <= ground + STANDING_HEIGHT
     return float(100 * speed[contact].mean()) if contact.any() else 0.0

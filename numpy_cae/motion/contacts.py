@@ -1,4 +1,10 @@
-"""Which foot stands on the floor, and when: a toe joint that is low and hardly moves."""
+"""Which foot stands on the floor, and when: a toe joint that is low and hardly moves.
+
+The definition of a standing foot for the whole project. The height was chosen on 88 takes of
+Bandai and 49 of CMU: 2.5 cm above the floor are 99.9% and 80% of the frames in which a toe rests
+(100% and 90% at 3.5 cm, as CMU's floor is uneven), but also 13% and 4% of the frames in which it
+swings at more than 1 m/s (21% and 11% at 3.5 cm).
+"""
 
 from __future__ import annotations
 
@@ -9,16 +15,16 @@ from numpy_cae.motion.joints import JOINTS
 
 FEET = (JOINTS.index("left_toe"), JOINTS.index("right_toe"))
 """The joint of each foot that stands: the ball of the foot."""
-HEIGHT = 0.035
-"""Metres above the floor below which a toe may stand."""
-SPEED = 0.45
+STANDING_HEIGHT = 0.025
+"""Metres above the floor within which a toe may stand."""
+STANDING_SPEED = 0.45
 """Metres a second below which it does. A foot that rolls off its ball is slower, one that swings
 through is four times as fast."""
-_BRIEF = 3
+_MIN_FRAMES = 3
 
 
 def floor_height(positions: np.ndarray) -> float:
-    """Metres: what the lower toe is below for a twentieth of the time.
+    """The height of the floor, metres: the 5% quantile of the lower toe's height.
 
     Parameters
     ----------
@@ -31,8 +37,8 @@ def floor_height(positions: np.ndarray) -> float:
 def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None) -> np.ndarray:
     """Whether each foot stands.
 
-    A foot is in contact at a frame where its toe is within `HEIGHT` of the floor and moves along it
-    slower than `SPEED`; gaps and contacts of less than three frames are taken for noise.
+    A foot is in contact at a frame if its toe is within `STANDING_HEIGHT` of the floor and moves
+    along it slower than `STANDING_SPEED`; gaps and contacts of less than three frames are noise.
 
     Parameters
     ----------
@@ -41,7 +47,7 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
     rate : float
         Frames a second.
     floor : float, optional
-        Its height in metres; `floor_height` where None.
+        Its height in metres; `floor_height` if None.
 
     Returns
     -------
@@ -53,10 +59,10 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
     floor = floor_height(positions) if floor is None else floor
     toes = positions[:, FEET]
     speed = np.linalg.norm(np.gradient(toes[..., [0, 2]], axis=0), axis=-1) * rate
-    stands = (toes[..., 1] < floor + HEIGHT) & (speed < SPEED)
+    stands = (toes[..., 1] < floor + STANDING_HEIGHT) & (speed < STANDING_SPEED)
     for foot in stands.T:
-        # Edges are continued as they are: a clip may begin and end in the middle of a step.
-        longer = np.pad(foot, _BRIEF, mode="edge")
-        steady = binary_opening(binary_closing(longer, np.ones(_BRIEF)), np.ones(_BRIEF))
-        foot[:] = steady[_BRIEF:-_BRIEF]
+        # The edge values are repeated: a clip may begin and end in the middle of a step.
+        padded = np.pad(foot, _MIN_FRAMES, mode="edge")
+        window = np.ones(_MIN_FRAMES)
+        foot[:] = binary_opening(binary_closing(padded, window), window)[_MIN_FRAMES:-_MIN_FRAMES]
     return stands

@@ -1,14 +1,14 @@
-"""The 63 features of holden2015, section 4, and the way back.
+"""The 63 features of holden2015, section 4, and their inverse.
 
-Of every frame the body's place on the floor and its heading are taken away; how both change until
-the next frame is kept instead. With h_t the hips on the floor, θ_t the heading, R(θ) the rotation
+The body's position on the floor and its heading are removed from every frame; their changes until
+the next frame are kept instead. With h_t the hips on the floor, θ_t the heading, R(θ) the rotation
 by θ about Y and p_t a joint's position:
 
     positions   q_t = R(-θ_t) (p_t - h_t)           60 numbers, metres
     velocity    v_t = R(-θ_t) (h_{t+1} - h_t)       x and z, metres a frame
     turn        ω_t = θ_{t+1} - θ_t                 radians a frame
 
-and back, from the first frame's h_0 and θ_0, by summing up:
+and the inverse, from the first frame's h_0 and θ_0, by summation:
 
     θ_{t+1} = θ_t + ω_t,    h_{t+1} = h_t + R(θ_t) v_t,    p_t = h_t + R(θ_t) q_t
 """
@@ -18,17 +18,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion.heading import heading
+from numpy_cae.motion.heading import heading, rotate_about_y, rotate_on_floor
 from numpy_cae.motion.joints import JOINTS
 
 POSITIONS = slice(0, 3 * len(JOINTS))
 """x, y and z of each of the twenty joints, metres."""
 VELOCITY = slice(60, 62)
-"""How far the hips move along the body's x and z until the next frame, metres."""
+"""Movement of the hips along the body's x and z until the next frame, metres."""
 TURN = slice(62, 63)
-"""How far the body turns about Y until the next frame, radians."""
+"""Rotation of the body about Y until the next frame, radians."""
 FEATURES = 63
 
 
@@ -40,7 +39,7 @@ def joint_slice(joint: str) -> slice:
 
 @dataclass(frozen=True)
 class RootTransform:
-    """Where a body stands and faces: metres along X and Z, radians about Y."""
+    """Position of a body on the floor in metres and its heading about Y in radians."""
 
     x: float = 0.0
     z: float = 0.0
@@ -48,7 +47,7 @@ class RootTransform:
 
 
 def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarray, RootTransform]:
-    """The features of a motion and the place where it starts.
+    """The features of a motion and its root transform in the first frame.
 
     The last frame has no next one; its velocity and turn repeat those of the frame before.
 
@@ -63,7 +62,6 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     -------
     features : (F, 63) array of float64
     start : RootTransform
-        Of the first frame.
 
     References
     ----------
@@ -72,14 +70,14 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     theta = heading(positions, rate)
     floor = positions[:, 0] * [1.0, 0.0, 1.0]
     features = np.zeros((len(positions), FEATURES))
-    local = _turned(positions - floor[:, None], -theta)
+    local = rotate_about_y(positions - floor[:, None], -theta[:, None])
     features[:, POSITIONS] = local.reshape(len(positions), -1)
     features[:, VELOCITY.start :] = velocities_along(floor, theta)
     return features, RootTransform(floor[0, 0], floor[0, 2], theta[0])
 
 
 def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Velocity and turn, v_t and ω_t, of a body that goes a way: the inverse of `trajectory_of`.
+    """Velocity and turn, v_t and ω_t, along a trajectory: the inverse of `trajectory_of`.
 
     Parameters
     ----------
@@ -94,58 +92,47 @@ def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
         In the order of the features; the last frame repeats the one before.
     """
     steps = np.zeros((len(floor), 3))
-    velocity = _turned(np.diff(floor, axis=0)[:, None], -theta[:-1])[:, 0]
-    steps[:-1] = np.column_stack([velocity[:, [0, 2]], np.diff(theta)])
+    velocity = rotate_on_floor(np.diff(floor, axis=0)[:, [0, 2]], -theta[:-1])
+    steps[:-1] = np.column_stack([velocity, np.diff(theta)])
     steps[-1] = steps[-2] if len(steps) > 1 else 0.0
     return steps
 
 
 def features_to_positions(features: np.ndarray, start: RootTransform | None = None) -> np.ndarray:
-    """World positions by integrating the velocities, from the first frame's place on.
+    """World positions, by integrating the velocities from the first frame's root transform.
 
     Parameters
     ----------
     features : (F, 63) array of float
     start : RootTransform, optional
-        The origin facing +Z where none is given.
+        By default the origin facing +Z.
 
     Returns
     -------
     (F, 20, 3) array of float64
         Metres.
     """
-    frames = len(features)
     features = np.asarray(features, dtype=np.float64)
     floor, theta = trajectory_of(features, start)
-    local = features[:, POSITIONS].reshape(frames, len(JOINTS), 3)
-    return _turned(local, theta) + floor[:, None]
+    local = features[:, POSITIONS].reshape(len(features), len(JOINTS), 3)
+    return rotate_about_y(local, theta[:, None]) + floor[:, None]
 
 
 def trajectory_of(
     features: np.ndarray, start: RootTransform | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The way that a body goes: h_t (F, 3) in metres and θ_t (F,) in radians.
+    """The trajectory of a body: h_t (F, 3) in metres and θ_t (F,) in radians.
 
     Parameters
     ----------
     features : (F, 63) array of float
     start : RootTransform, optional
-        The origin facing +Z where none is given.
+        By default the origin facing +Z.
     """
     start = start or RootTransform()
-    theta = start.heading + _running_sum(features[:-1, TURN.start])
-    steps = np.zeros((len(features) - 1, 1, 3))
-    steps[:, 0, [0, 2]] = features[:-1, VELOCITY]
-    steps = _turned(steps, theta[:-1])[:, 0]
-    floor = np.stack([_running_sum(step) for step in steps.T], axis=-1)
-    return floor + [start.x, 0.0, start.z], theta
-
-
-def _running_sum(steps: np.ndarray) -> np.ndarray:
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _turned(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """Each frame's vectors (F, N, 3) turned about Y by that frame's angle (F,)."""
-    about_y = Rotation.from_rotvec(angles[:, None] * [0.0, 1.0, 0.0]).as_matrix()
-    return vectors @ about_y.transpose(0, 2, 1)
+    theta = np.full(len(features), start.heading, dtype=np.float64)
+    theta[1:] += np.cumsum(features[:-1, TURN.start])
+    floor = np.tile([start.x, 0.0, start.z], (len(features), 1))
+    steps = rotate_on_floor(features[:-1, VELOCITY], theta[:-1])
+    floor[1:, [0, 2]] += np.cumsum(steps, axis=0)
+    return floor, theta

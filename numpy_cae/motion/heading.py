@@ -1,4 +1,5 @@
-"""Where a body faces: the angle about Y that holden2015, section 4 removes from a motion."""
+"""The heading of a body, an angle about Y that holden2015, section 4 removes from a motion, and the
+rotation by such an angle: from Z towards X."""
 
 from __future__ import annotations
 
@@ -8,16 +9,16 @@ from scipy.ndimage import gaussian_filter1d
 from numpy_cae.motion.joints import JOINTS
 
 SMOOTHING_SECONDS = 1 / 3
-"""Spread of the Gaussian that smooths the heading: slow enough not to follow the swing of the
-shoulders within a step, quick enough to follow a turn."""
+"""Standard deviation of the Gaussian that smooths the heading: long enough to ignore the swing of
+the shoulders within a step, short enough to keep a turn of the body."""
 
 
 def heading(positions: np.ndarray, rate: float) -> np.ndarray:
     """The smoothed angle about Y of a body's forward direction, (sin θ, 0, cos θ).
 
-    Forward is square to the line from the right hip and shoulder to the left ones and to Y. Its
-    direction is smoothed as a vector, so that moments in which the body leans far over, and the
-    line has little length along the floor, count little.
+    Forward is perpendicular to Y and to the line from the right hip and shoulder to the left ones.
+    It is smoothed as a vector, so that frames in which the body leans far over, and the line is
+    short along the floor, have little weight.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
     Returns
     -------
     (F,) array of float64
-        Radians, 0 facing +Z, growing towards +X, unwrapped: never a jump of a whole turn.
+        Radians, 0 facing +Z, growing towards +X, unwrapped: without jumps of 2π.
     """
     at = {joint: positions[:, index] for index, joint in enumerate(JOINTS)}
     across = at["left_shoulder"] - at["right_shoulder"] + at["left_hip"] - at["right_hip"]
@@ -37,3 +38,17 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
     sigma = SMOOTHING_SECONDS * rate
     smooth = gaussian_filter1d(forward, sigma, axis=0, mode="nearest")
     return np.unwrap(np.arctan2(smooth[:, 0], smooth[:, 2]))
+
+
+def rotate_about_y(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """R(θ) v: vectors (…, 3) rotated about Y by angles in radians that broadcast to (…)."""
+    floor = rotate_on_floor(vectors[..., [0, 2]], angles)
+    y = np.broadcast_to(vectors[..., 1], floor.shape[:-1])
+    return np.stack([floor[..., 0], y, floor[..., 1]], axis=-1)
+
+
+def rotate_on_floor(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """The x and z of `rotate_about_y`: (x cos θ + z sin θ, z cos θ - x sin θ) of (…, 2)."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    x, z = vectors[..., 0], vectors[..., 1]
+    return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)

@@ -6,20 +6,13 @@ them; `checkpoint`, `progress` and `divergence` are called by the loop between i
 
 from numpy_cae.training.adam import Adam
 from numpy_cae.training.checkpoint import Checkpoint, CheckpointError
-from numpy_cae.training.clipping import clip_norm
 from numpy_cae.training.corruption import zero_values
-from numpy_cae.training.directions import unit_directions
 from numpy_cae.training.divergence import DivergedError
 from numpy_cae.training.layerwise import History, train_autoencoder
-from numpy_cae.training.schedule import (
-    Schedule,
-    SequenceSchedule,
-    Stage,
-    decayed_rate,
-    one_cycle,
-)
+from numpy_cae.training.schedule import Schedule, SequenceSchedule, Stage, decayed_rate, one_cycle
 from numpy_cae.training.sequential import SequenceHistory, train_sequential
-from numpy_cae.training.sgd import Sgd, descend, descend_with_momentum
+from numpy_cae.training.sgd import clip_norm, descend, descend_with_momentum
+from numpy_cae.training.step import unit_directions
 
 __all__ = [
     "Adam",
@@ -30,7 +23,6 @@ __all__ = [
     "Schedule",
     "SequenceHistory",
     "SequenceSchedule",
-    "Sgd",
     "Stage",
     "clip_norm",
     "decayed_rate",

@@ -12,27 +12,19 @@ BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 class Adam:
     """Adam on named parameters, with the constants of the paper.
 
-        m ← β₁ m + (1 - β₁) g              v ← β₂ v + (1 - β₂) g²          g = dL/dθ
-        θ ← θ - η · m̂ / (√v̂ + ε)           m̂ = m / (1 - β₁ᵗ),   v̂ = v / (1 - β₂ᵗ)
+        m ← β₁ m + (1 - β₁) g        v ← β₂ v + (1 - β₂) g²          g = dL/dθ
+        θ ← θ - η · m̂ / (√v̂ + ε)     m̂ = m / (1 - β₁ᵗ),   v̂ = v / (1 - β₂ᵗ)
 
-    m and v estimate the mean of g and of g². They start at 0, so they are too small at first. Where
-    every g_i has the same mean E[g], step t has
+    m and v estimate the mean of g and of g². They start at 0, so they are too small at first. If
+    the gradient has the same mean E[g] at all steps, then after step t
 
-        m_t = (1 - β₁) Σ_i β₁^(t-i) g_i      (i = 1, …, t)
-        E[m_t] = E[g] · (1 - β₁) Σ_i β₁^(t-i) = E[g] · (1 - β₁ᵗ)
+        m = (1 - β₁) Σ β₁^(t-i) g_i      summed over i = 1, …, t
+        E[m] = E[g] · (1 - β₁) Σ β₁^(t-i) = E[g] · (1 - β₁ᵗ)
 
-    by the geometric series. Dividing by 1 - β₁ᵗ corrects this bias; v likewise. The first step is
-    therefore η · g / (|g| + ε), of length η in every coordinate.
+    by the geometric series. Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step
+    is η · g / (|g| + ε): it has length η in every coordinate.
 
-    Parameters
-    ----------
-    parameters : dict of name to array
-        Changed in place by `update`.
-
-    Attributes
-    ----------
-    state : dict of name to array
-        The estimates m and v and the number of steps t. A checkpoint keeps them.
+    `update` changes the parameters in place. `state` holds m, v and t for a checkpoint.
 
     References
     ----------

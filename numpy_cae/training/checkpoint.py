@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays, text
 from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.errors import FileError, NumpyCaeError
+from numpy_cae.training.loop import Callback, Loop, Position
 
 FORMAT = "numpy_cae checkpoint 2"
 
@@ -22,60 +23,14 @@ class CheckpointError(NumpyCaeError, ValueError):
     """A checkpoint that cannot be continued from, or cannot be written."""
 
 
-@dataclass
-class Position:
-    """How far training is.
-
-    Parameters
-    ----------
-    stage, epoch, step : int
-        How many of each are done: stages, epochs of this stage, steps of this epoch.
-    total : float
-        The sum of the losses of this epoch's examples so far.
-    seconds : float
-        Time spent on this stage.
-    order : array of int
-        The examples in this epoch's order; empty between epochs.
-    """
-
-    stage: int = 0
-    epoch: int = 0
-    step: int = 0
-    total: float = 0.0
-    seconds: float = 0.0
-    order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
-
-
-@dataclass
-class State:
-    """Everything that the rest of the training depends on.
-
-    Parameters
-    ----------
-    arrays : dict of name to array
-        The weights and the state of the optimiser.
-    rng : dict
-        `numpy.random.Generator.bit_generator.state`.
-    position : Position
-    history : dict
-        What has been measured, in types that JSON can hold.
-    """
-
-    arrays: dict[str, np.ndarray]
-    rng: dict
-    position: Position
-    history: dict
-
-
-class Checkpoint:
-    """The file of one run.
+class Checkpoint(Callback):
+    """The file of one run: the state after every epoch, and within one every so many seconds.
 
     Parameters
     ----------
     path : path
         Ends in .npz.
     seconds : float
-        Time between two states that are saved within an epoch; one is saved after every epoch.
     resume : bool
         Whether to continue from what the file holds. If False, an existing file is an error,
         since it may be hours of training.
@@ -84,11 +39,13 @@ class Checkpoint:
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
         self.path, self.seconds, self.resume = Path(path), seconds, resume
         self.run = ""
-        self.saved: str | None = None
+        self.saved: Position | None = None
         self.last = time.monotonic()
 
-    def begin(self, run: str) -> State | None:
-        """Return the state of this run (`fingerprint`) to continue from; None where there is none.
+    def attach(self, loop: Loop, run: str) -> None:
+        """Continue the loop from the file, where there is one, and save its states from now on.
+
+        `run` is its `fingerprint`: a file of another run is refused.
 
         Raises
         ------
@@ -98,7 +55,9 @@ class Checkpoint:
         self.run = run
         remove_leftovers(self.path)
         self.require_none_unless_resumed()
-        return self._load() if self.path.exists() else None
+        if self.path.exists():
+            loop.resume(*self._load())
+        loop.callbacks.append(self)
 
     def require_none_unless_resumed(self) -> None:
         """Raise CheckpointError if there is a file and `resume` is False."""
@@ -108,11 +67,17 @@ class Checkpoint:
                 "remove the file"
             )
 
-    def is_due(self) -> bool:
-        """Whether the last state is older than `seconds`."""
-        return time.monotonic() - self.last >= self.seconds
+    def after_step(self, loop: Loop) -> None:
+        """Save the state if the last one is old, but never one whose weights are not finite."""
+        if loop.at.step < loop.steps and time.monotonic() - self.last >= self.seconds:
+            if all(np.isfinite(array).all() for array in loop.parameters.values()):
+                self.save(loop)
 
-    def save(self, state: State) -> None:
+    def after_epoch(self, loop: Loop, loss: float) -> None:
+        """Save the state; `DivergenceCheck` comes before and has checked the weights."""
+        self.save(loop)
+
+    def save(self, loop: Loop) -> None:
         """Replace the state in the file.
 
         Raises
@@ -120,24 +85,23 @@ class Checkpoint:
         CheckpointError
             If the disk is full or the folder is read-only; the file is then unchanged.
         """
-        position = dict(vars(state.position))
-        order = position.pop("order")
+        position = dict(vars(loop.at))
+        arrays = {f"array {name}": array for name, array in loop.arrays.items()}
+        arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}
         about = {
             "run": self.run,
-            "rng": state.rng,
+            "rng": loop.rng.bit_generator.state,
             "position": position,
-            "history": state.history,
+            "history": vars(loop.history),
         }
-        arrays = {f"array {name}": array for name, array in state.arrays.items()}
-        arrays |= {"format": np.array(FORMAT), "about": np.array(json.dumps(about)), "order": order}
+        arrays["about"] = np.array(json.dumps(about))
         try:
             save_arrays(arrays, self.path, compressed=False)
         except FileError as error:
             raise CheckpointError(
                 f"{error}; {self.status()}. Correct that and continue with --resume"
             ) from error
-        self.saved = _describe(state.position)
-        self.last = time.monotonic()
+        self.saved, self.last = Position(**position), time.monotonic()
 
     def remove(self) -> None:
         """Remove the file: the training has ended and its model is saved."""
@@ -147,11 +111,14 @@ class Checkpoint:
         """Where the last good state is, for a message."""
         if self.saved is None:
             return "no state has been saved yet"
-        return f"the last good state is in {self.path} ({self.saved})"
+        at = self.saved
+        done = f"stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done"
+        return f"the last good state is in {self.path} ({done})"
 
-    def _load(self) -> State:
+    def _load(self) -> tuple[Position, dict[str, np.ndarray], dict, dict]:
+        """What `Loop.resume` takes."""
         try:
-            run, state = load_arrays(self.path, FORMAT, _assemble)
+            run, *found = load_arrays(self.path, FORMAT, _assemble)
         except ModelFileError:
             raise CheckpointError(f"{self.path}: is not a checkpoint of this version") from None
         if run != self.run:
@@ -159,8 +126,8 @@ class Checkpoint:
                 f"{self.path}: is of a run with other motions, settings or seed; give the same "
                 "again or remove the file"
             )
-        self.saved = _describe(state.position)
-        return state
+        self.saved = replace(found[0])
+        return tuple(found)
 
 
 def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
@@ -172,16 +139,8 @@ def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
     return digest.hexdigest()
 
 
-def _assemble(arrays: dict[str, np.ndarray]) -> tuple[str, State]:
-    about = text(arrays, "about")
-    named = {
-        name.removeprefix("array "): array
-        for name, array in arrays.items()
-        if name.startswith("array ")
-    }
+def _assemble(arrays: dict[str, np.ndarray]) -> tuple:
+    about, prefix = text(arrays, "about"), "array "
+    named = {name.removeprefix(prefix): array for name, array in arrays.items() if prefix in name}
     position = Position(**about["position"], order=arrays["order"])
-    return about["run"], State(named, about["rng"], position, about["history"])
-
-
-def _describe(position: Position) -> str:
-    return f"stage {position.stage + 1}, {position.epoch} epochs and {position.step} steps done"
+    return about["run"], position, named, about["rng"], about["history"]

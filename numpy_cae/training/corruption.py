@@ -6,20 +6,13 @@ import numpy as np
 
 
 def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """X_c: each value of x set to zero with probability p, by itself.
-
-    Zero is the mean pose, since that has been subtracted.
+    """X_c: each value of x set to zero with probability p, independently; zero is the mean pose.
 
     Parameters
     ----------
     x : array of float, any shape
-    p : float, or array that broadcasts to x
-        Between 0 and 1.
+    p : float between 0 and 1, or array of them that broadcasts to x
     rng : numpy.random.Generator
-
-    Returns
-    -------
-    array of the shape and dtype of x
     """
     if not np.all((0 <= np.asarray(p)) & (np.asarray(p) <= 1)):
         raise ValueError(f"p is {p}, expected a probability between 0 and 1")
@@ -32,12 +25,12 @@ def corrupt(
     rescaled: bool,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """X_c of a batch of windows: with one p, or with a p of its own for each window.
+    """X_c of a batch of windows, with one p or a p for each window.
 
         X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
 
-    A sum over many inputs shrinks by 1 - p where a share p of them is zero. Dividing by that leaves
-    its mean as it was, whatever p: the filters need not learn one p, and see only the noise.
+    Zeroing a share p of many inputs shrinks their sum by 1 - p. Dividing by that restores its mean,
+    whatever p is, so the filters need not be fitted to one p.
 
     Parameters
     ----------
@@ -51,6 +44,7 @@ def corrupt(
     -------
     (B, T, C) array in the dtype of x
     """
+    p: float | np.ndarray
     if isinstance(zeroed, (int, float)):
         p = zeroed
     else:

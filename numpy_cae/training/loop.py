@@ -2,60 +2,79 @@
 
 What follows from a point in training depends on the weights, the state of the optimiser and of the
 random numbers, the order of this epoch's examples and the position in it, and on nothing else. A
-checkpoint keeps exactly these, so an interrupted run ends in the same bits as an uninterrupted one.
+`Checkpoint` keeps exactly these, so a run that continues from one ends in the same bits.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.callback import Callback
-from numpy_cae.training.checkpoint import Checkpoint, Position, State
+from numpy_cae.training.schedule import SequenceSchedule, Stage, rate_at
 from numpy_cae.training.sgd import Sgd
 
 
 @dataclass
 class Task:
-    """One stage of training.
+    """One stage of training, such as layer 1.
 
     Parameters
     ----------
     name : str
-        Such as "layer 1".
-    epochs : int
-    count, batch : int
-        Examples in an epoch; of them in a step.
-    draw_order : () -> array of int
-        The examples of an epoch in their order.
-    rate : (epoch, step, steps) -> float
-        The learning rate; epochs and the `steps` steps of each count from 0.
-    step : (examples, rate) -> float
-        Takes one step of descent on these examples and returns the loss before it.
+    stage : Stage or SequenceSchedule
+        Its epochs, batch and rate.
+    count : int
+        Examples in an epoch.
+    shuffled : bool
+        Whether each epoch draws a new order of the examples.
     optimiser : Sgd or Adam
         What `step` uses.
+    step : (examples, rate) -> float
+        Takes one step of descent on these examples and returns the loss before it.
     culprit : (examples) -> str
         Names the part of the network that is not finite, where the loss on these is not.
     """
 
     name: str
-    epochs: int
+    stage: Stage | SequenceSchedule
     count: int
-    batch: int
-    draw_order: Callable[[], np.ndarray]
-    rate: Callable[[int, int, int], float]
-    step: Callable[[np.ndarray, float], float]
+    shuffled: bool
     optimiser: Sgd | Adam
+    step: Callable[[np.ndarray, float], float]
     culprit: Callable[[np.ndarray], str]
 
 
+@dataclass
+class Position:
+    """How many stages, epochs of this stage and steps of this epoch are done; the sum of this
+    epoch's losses, the time spent on the stage and the examples in this epoch's order.
+    """
+
+    stage: int = 0
+    epoch: int = 0
+    step: int = 0
+    total: float = 0.0
+    seconds: float = 0.0
+    order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+
+class Callback:
+    """Called between steps; each method does nothing unless it is overridden."""
+
+    def after_step(self, loop: Loop) -> None:
+        """A step was made; `loop.loss`, `loop.rate` and `loop.examples` are its own."""
+
+    def after_epoch(self, loop: Loop, loss: float) -> None:
+        """An epoch ended with this mean loss; `loop.at.epoch` epochs are done."""
+
+
 class Loop:
-    """Runs stages one after another, from the beginning or from where a checkpoint says.
+    """Runs stages one after another.
 
     Parameters
     ----------
@@ -64,79 +83,66 @@ class Loop:
     rng : numpy.random.Generator
         The one that the steps draw from.
     history : object
-        Its attributes are what JSON can hold; a checkpoint keeps them.
-
-    Attributes
-    ----------
-    at : Position
-    task : Task
-    steps : int
-        Steps in an epoch of the task.
-    examples : array of int
-        The examples of the last step.
-    loss, rate : float
-        Of the last step.
+        Its attributes are of types that JSON knows.
+    callbacks : list of Callback
     """
 
-    def __init__(self, parameters: dict[str, np.ndarray], rng: np.random.Generator, history: Any):
+    def __init__(
+        self,
+        parameters: dict[str, np.ndarray],
+        rng: np.random.Generator,
+        history: Any,
+        callbacks: list[Callback],
+    ):
         self.parameters, self.rng, self.history = parameters, rng, history
-        self.at = Position()
-        self.loss = self.rate = 0.0
+        self.callbacks, self.at = callbacks, Position()
         self._stages = 0
-        self._saved: dict[str, np.ndarray] = {}
+        self._resumed: dict[str, np.ndarray] = {}
 
-    def resume(self, checkpoint: Checkpoint, run: str) -> None:
-        """Continue from the checkpoint if it holds a state of this run (`fingerprint`)."""
-        state = checkpoint.begin(run)
-        if state is None:
-            return
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The weights and the state of the optimiser."""
+        return self.parameters | self.task.optimiser.state
+
+    def resume(
+        self, position: Position, arrays: dict[str, np.ndarray], rng: dict, history: dict
+    ) -> None:
+        """Continue from here; `rng` is a state of the generator. Call it before `run`."""
         for name, array in self.parameters.items():
-            array[...] = state.arrays[name]
-        self.rng.bit_generator.state = state.rng
-        vars(self.history).update(state.history)
-        self.at, self._saved = state.position, state.arrays
+            array[...] = arrays[name]
+        self.rng.bit_generator.state = rng
+        vars(self.history).update(history)
+        self.at, self._resumed = position, arrays
 
-    def state(self) -> State:
-        """Everything that the rest of the training depends on, as it is now."""
-        arrays = self.parameters | self.task.optimiser.state
-        return State(arrays, self.rng.bit_generator.state, self.at, vars(self.history))
-
-    def run(self, task: Task, callbacks: Sequence[Callback]) -> None:
+    def run(self, task: Task) -> None:
         """Run the next stage, or what an interrupted run left of it."""
         stage, self._stages = self._stages, self._stages + 1
         if stage < self.at.stage:
             return
         if stage > self.at.stage:
             self.at = Position(stage)
-        elif self._saved:
+        elif self._resumed:
             for name, array in task.optimiser.state.items():
-                array[...] = self._saved[name]
-        self.task = task
-        self.steps = -(-task.count // task.batch)
+                array[...] = self._resumed[name]
+        self.task, self.steps = task, -(-task.count // task.stage.batch)
         started = time.perf_counter() - self.at.seconds
-        try:
-            for callback in callbacks:
-                callback.begin(self)
-            while self.at.epoch < task.epochs:
-                self._epoch(callbacks, started)
-        finally:
-            for callback in callbacks:
-                callback.end()
+        while self.at.epoch < task.stage.epochs:
+            self._epoch(started)
 
-    def _epoch(self, callbacks: Sequence[Callback], started: float) -> None:
-        """Every example once, or those that are left of an interrupted epoch."""
-        at, task = self.at, self.task
+    def _epoch(self, started: float) -> None:
+        """Use every example once, or those that are left of an interrupted epoch."""
+        at, task, batch = self.at, self.task, self.task.stage.batch
         if at.step == 0:
-            at.order = task.draw_order()
+            at.order = self.rng.permutation(task.count) if task.shuffled else np.arange(task.count)
         for step in range(at.step, self.steps):
-            self.examples = at.order[step * task.batch : (step + 1) * task.batch]
-            self.rate = task.rate(at.epoch, step, self.steps)
+            self.examples = at.order[step * batch : (step + 1) * batch]
+            self.rate = rate_at(task.stage, at.epoch, step, self.steps)
             self.loss = task.step(self.examples, self.rate)
             at.total += self.loss * len(self.examples)
             at.step = step + 1
             at.seconds = time.perf_counter() - started
-            for callback in callbacks:
+            for callback in self.callbacks:
                 callback.after_step(self)
         self.at = Position(at.stage, at.epoch + 1, seconds=at.seconds)
-        for callback in callbacks:
+        for callback in self.callbacks:
             callback.after_epoch(self, at.total / task.count)

@@ -1,69 +1,38 @@
-"""Progress on standard error: a bar where tqdm is installed, else a line for each epoch."""
+"""Progress on standard error: a line after each epoch, and every half minute within one."""
 
 from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING, Any
 
-from numpy_cae.training.callback import Callback
+from numpy_cae.training.loop import Callback, Loop
 
-try:
-    from tqdm import tqdm
-except ImportError:  # the extra `progress` is optional
-    tqdm = None
-
-if TYPE_CHECKING:
-    from numpy_cae.training.loop import Loop
+INTERVAL = 30.0
 
 
 class Progress(Callback):
-    """Shows the progress of each stage.
+    """Prints lines such as "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left"."""
 
-    Parameters
-    ----------
-    show : bool
-        False prints nothing.
-    bar : bool
-        False prints lines even where tqdm is installed.
-    """
-
-    def __init__(self, show: bool = True, bar: bool = True):
-        self.show, self.with_bar = show, bar
-        self.bar: Any = None
-
-    def begin(self, loop: Loop) -> None:
-        """Start the clock; open a bar, at the steps that were done before an interruption."""
-        done, task = loop.at.epoch * loop.steps + loop.at.step, loop.task
-        self.started, self.epochs_before = time.monotonic(), done / loop.steps
-        if self.show and self.with_bar and tqdm is not None and task.epochs:
-            total = task.epochs * loop.steps
-            self.bar = tqdm(
-                total=total, initial=done, desc=task.name, unit=" steps", file=sys.stderr
-            )
+    def __init__(self) -> None:
+        self.printed = time.monotonic()
 
     def after_step(self, loop: Loop) -> None:
-        """Move the bar."""
-        if self.bar is not None:
-            self.bar.update()
+        """Print a line if the last one is older than `INTERVAL` seconds."""
+        if time.monotonic() - self.printed > INTERVAL and loop.at.step < loop.steps:
+            self._print(loop, loop.at.epoch + loop.at.step / loop.steps, "")
 
     def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Show the mean loss."""
-        done, epochs = loop.at.epoch, loop.task.epochs
-        if self.bar is not None:
-            self.bar.set_postfix_str(f"epoch {done}/{epochs}, loss {loss:.5f}")
-        elif self.show:
-            seconds = time.monotonic() - self.started
-            left = seconds / (done - self.epochs_before) * (epochs - done)
-            print(
-                f"{loop.task.name}, epoch {done}/{epochs}: loss {loss:.5f}, "
-                f"{seconds:.0f} s elapsed, {left:.0f} s left",
-                file=sys.stderr,
-                flush=True,
-            )
+        """Print a line with the mean loss."""
+        self._print(loop, loop.at.epoch, f": loss {loss:.5f}")
 
-    def end(self) -> None:
-        """Close the bar."""
-        if self.bar is not None:
-            self.bar.close()
-            self.bar = None
+    def _print(self, loop: Loop, done: float, loss: str) -> None:
+        elapsed, epochs = loop.at.seconds, loop.task.stage.epochs
+        left = elapsed / done * (epochs - done)
+        epoch = f"{done:.2f}" if done % 1 else f"{done:.0f}"
+        print(
+            f"{loop.task.name}, epoch {epoch}/{epochs}{loss}, {elapsed:.0f} s elapsed, "
+            f"{left:.0f} s left",
+            file=sys.stderr,
+            flush=True,
+        )
+        self.printed = time.monotonic()

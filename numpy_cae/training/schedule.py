@@ -59,13 +59,8 @@ class Stage:
 class Schedule:
     """Training of the convolutional autoencoder: each layer by itself, then all of them together.
 
-    Parameters
-    ----------
-    layer : Stage
-        For each layer in turn, unpooling at random. With 0 epochs training is end to end.
-    fine_tuning : Stage
-        For the whole stack, unpooling evenly. The paper does not state its epochs; we take as
-        many as for a layer.
+    With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
+    fine tuning; we take as many as for a layer.
     """
 
     layer: Stage = field(default_factory=Stage)
@@ -79,25 +74,22 @@ class SequenceSchedule:
     Parameters
     ----------
     epochs, steps : int
-        Number of epochs, and of steps of descent in each. Clips are drawn anew at every step, so
-        an epoch is only the period of the decay.
-    rate, decay, optimiser, rate_schedule
-        As in `Stage`.
+        Number of epochs, and of steps in each. Clips are drawn anew at every step, so an epoch is
+        only the period of the decay.
     batch : int
-        Clips in one step. The distance between two draws of the prior itself falls with their
-        number (2.1 for one point, 0.28 for 16, 0.08 for 64), so below 64 it dominates the
-        regulariser.
+        Clips in one step. Two draws of so many points of the prior are 2.1 apart for one point,
+        0.28 for 16 and 0.08 for 64: below 64 this noise dominates the regulariser.
     weight : float
         λ of the sliced Wasserstein distance.
     directions : int
         Number of directions it projects on, drawn anew at every step.
     norm : float
         The bound on the gradient's norm.
-    momentum : float
-        μ of `training.descend_with_momentum`, at least 0 and below 1.
     posture : float
         Standard deviation of a constant that is added to each number of a clip, drawn anew for
-        each clip, so that the network learns postures that the few people of the data do not have.
+        each clip: postures that the few people of the data do not have.
+    rate, decay, momentum, optimiser, rate_schedule
+        As in `Stage`.
     """
 
     epochs: int = 40
@@ -122,16 +114,10 @@ def decayed_rate(initial: float, decay: float, epoch: int) -> float:
 
 
 def one_cycle(peak: float, share: float) -> float:
-    """The rate when a share of all steps is done: half a cosine up to the peak, then one down.
+    """The rate when a share (0 to 1) of all steps is done: half a cosine up, then one down.
 
     It starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small first
     rates let Adam's estimates settle, the small last ones let the weights settle.
-
-    Parameters
-    ----------
-    peak : float
-    share : float
-        Between 0 and 1.
 
     References
     ----------

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from numpy_cae.training.callback import Callback
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.divergence import DivergenceCheck, SaveState, nonfinite
-from numpy_cae.training.loop import Loop, Task
+from numpy_cae.training.divergence import DivergenceCheck, nonfinite
+from numpy_cae.training.loop import Callback, Loop, Task
 from numpy_cae.training.progress import Progress
-from numpy_cae.training.schedule import SequenceSchedule, rate_at
+from numpy_cae.training.schedule import SequenceSchedule
 from numpy_cae.training.step import make_optimiser, sequence_step
 
 ADVICE = "a lower rate or a lower bound on the gradient's norm may keep it finite"
@@ -24,39 +22,15 @@ Draw = Callable[[np.random.Generator, int], np.ndarray]
 
 
 @dataclass
-class SequenceHistory(Callback):
-    """What happened at each step, before it changed the weights.
-
-    Attributes
-    ----------
-    reconstruction : list of float
-        Mean squared error of the step's batch.
-    discrepancy : list of float
-        Sliced Wasserstein distance between its latent vectors and draws of the prior.
-    norm : list of float
-        Of the gradient, before it was clipped.
-    seconds : float
-        Of all steps together.
+class SequenceHistory:
+    """For each step: the mean squared error of its batch, the sliced Wasserstein distance from its
+    latent vectors to draws of the prior, and the norm of the gradient before it was clipped.
     """
 
     reconstruction: list[float] = field(default_factory=list)
     discrepancy: list[float] = field(default_factory=list)
     norm: list[float] = field(default_factory=list)
     seconds: float = 0.0
-
-    def after_step(self, loop: Loop) -> None:
-        """Note the time."""
-        self.seconds = loop.at.seconds
-
-
-@dataclass
-class _Watch(Callback):
-    """Calls a function with the number of steps made so far."""
-
-    function: Callable[[int], None]
-
-    def after_step(self, loop: Loop) -> None:
-        self.function(loop.at.epoch * loop.steps + loop.at.step)
 
 
 def train_sequential(
@@ -77,40 +51,31 @@ def train_sequential(
         Returns normalised clips, others at every call.
     schedule : SequenceSchedule, optional
     rng : numpy.random.Generator, optional
-        Draws the clips, the prior and the directions. Two runs from the same seed on the same
-        number of threads are equal to the bit.
+        Draws the clips, the prior and the directions.
     show_progress : bool
     each : (step) -> None, optional
         Called after every step with the number of steps made so far; if it draws random numbers,
         it must use a generator of its own.
     checkpoint : Checkpoint, optional
-        As in `train_autoencoder`; the data are identified by a first draw.
-
-    Returns
-    -------
-    SequenceHistory
 
     Raises
     ------
-    DivergedError
-        If a loss or a weight is not finite, with the epoch and the step.
-    CheckpointError
-        If the checkpoint is of another run or cannot be written.
+    DivergedError, CheckpointError
+        As `train_autoencoder` does; a checkpoint identifies the data by a first draw.
     """
     schedule = schedule or SequenceSchedule()
     rng = rng or np.random.default_rng(0)
     history = SequenceHistory()
-    check = DivergenceCheck("step", ADVICE, checkpoint)
-    callbacks: list[Callback] = [check, history, Progress(show_progress)]
-    if each is not None:
-        callbacks.append(_Watch(each))
-    loop = Loop(model.weights, rng, history)
+    callbacks: list[Callback] = [DivergenceCheck(ADVICE, checkpoint)]
+    if show_progress:
+        callbacks.append(Progress())
+    loop = Loop(model.weights, rng, history, callbacks)
     if checkpoint is not None:
-        callbacks.append(SaveState(checkpoint, check))
         # A copy draws, so that a run with a checkpoint draws the same as one without.
         data = [*model.weights.values(), draw(deepcopy(rng), schedule.batch)]
-        loop.resume(checkpoint, fingerprint(data, schedule, rng.bit_generator.state))
-    loop.run(_task(model, draw, schedule, rng, history), callbacks)
+        checkpoint.attach(loop, fingerprint(data, schedule, rng.bit_generator.state))
+    loop.run(_task(model, draw, schedule, rng, history, each))
+    history.seconds = loop.at.seconds
     return history
 
 
@@ -120,8 +85,9 @@ def _task(
     schedule: SequenceSchedule,
     rng: np.random.Generator,
     history: SequenceHistory,
+    each: Callable[[int], None] | None,
 ) -> Task:
-    """The training; an example is one step, which draws its clips itself."""
+    """The whole training as one stage; its examples are clips that each step draws itself."""
     optimiser = make_optimiser(schedule, model.weights)
     clips = np.zeros(0)
 
@@ -132,6 +98,8 @@ def _task(
         history.reconstruction.append(losses.reconstruction)
         history.discrepancy.append(losses.discrepancy)
         history.norm.append(norm)
+        if each is not None:
+            each(len(history.norm))
         return losses.total
 
     def culprit(_: np.ndarray) -> str:
@@ -139,14 +107,5 @@ def _task(
             return "the clips"
         return ", ".join(nonfinite(model.weights)) or "the output of the network"
 
-    return Task(
-        name="sequences",
-        epochs=schedule.epochs,
-        count=schedule.steps,
-        batch=1,
-        draw_order=lambda: np.arange(schedule.steps),
-        rate=partial(rate_at, schedule),
-        step=step,
-        optimiser=optimiser,
-        culprit=culprit,
-    )
+    count = schedule.steps * schedule.batch
+    return Task("sequences", schedule, count, False, optimiser, step, culprit)

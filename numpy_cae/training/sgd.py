@@ -1,8 +1,8 @@
-"""Stochastic gradient descent (holden2015, section 6), and the same with momentum."""
+"""Stochastic gradient descent (holden2015, section 6), with momentum, with a bounded norm."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -32,20 +32,35 @@ def descend_with_momentum(
         parameter += velocity
 
 
+def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
+    """g ← g · min(1, bound / |g|), in place, |g| over all the gradients together; return |g|.
+
+    Backpropagation through fifty steps can make a gradient a thousand times as long as the one
+    before; one such step would ruin the weights. The direction is unchanged.
+
+    Raises
+    ------
+    ValueError
+        If the bound is not above 0.
+
+    References
+    ----------
+    Pascanu, Mikolov and Bengio, "On the difficulty of training recurrent neural networks", ICML
+    2013, algorithm 1.
+    """
+    if not bound > 0:
+        raise ValueError(f"the bound on the gradient's norm is {bound}, expected it above 0")
+    norm = float(np.sqrt(sum(float(np.vdot(each, each)) for each in gradients)))
+    if norm > bound:
+        for each in gradients:
+            each *= bound / norm
+    return norm
+
+
 class Sgd:
-    """Gradient descent on named parameters.
+    """Gradient descent on named parameters, with momentum μ or (0) without.
 
-    Parameters
-    ----------
-    parameters : dict of name to array
-        Changed in place by `update`.
-    momentum : float
-        μ, at least 0 and below 1; 0 is plain descent.
-
-    Attributes
-    ----------
-    state : dict of name to array
-        The velocities; empty without momentum. A checkpoint keeps them.
+    `update` changes the parameters in place. `state` holds the velocities for a checkpoint.
     """
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):

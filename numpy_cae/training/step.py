@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.clipping import clip_norm
 from numpy_cae.training.corruption import corrupt
-from numpy_cae.training.directions import unit_directions
 from numpy_cae.training.schedule import EVEN, SequenceSchedule, Stage
-from numpy_cae.training.sgd import Sgd
+from numpy_cae.training.sgd import Sgd, clip_norm
 
 
 def denoising_step(
@@ -30,11 +28,6 @@ def denoising_step(
     model : ConvAutoencoder, or what `fast.accelerate` makes of it
     x : (B, T, C) array of float
         Clean windows, or what the trained layers below `layer` make of them.
-    stage : Stage
-    rate : float
-    rng : numpy.random.Generator
-    optimiser : Sgd or Adam
-        Over the parameters in training.
     layer : int, optional
         The one layer to train, 0 the lowest; all of them where None.
 
@@ -66,8 +59,6 @@ def sequence_step(
     model : SequentialAutoencoder, or what `fast.accelerate` makes of it
     x : (B, T, features) array of float
         Normalised clips.
-    schedule, rate, rng, optimiser
-        As in `denoising_step`.
 
     Returns
     -------
@@ -87,6 +78,14 @@ def sequence_step(
     norm = clip_norm(list(gradients.values()), schedule.norm)
     optimiser.update(gradients.values(), rate)
     return losses, norm
+
+
+def unit_directions(
+    count: int, dimensions: int, rng: np.random.Generator, dtype: np.dtype | type = np.float32
+) -> np.ndarray:
+    """Rows of length 1 in uniformly distributed directions: (count, dimensions)."""
+    drawn = rng.standard_normal((count, dimensions))
+    return (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).astype(dtype)
 
 
 def make_optimiser(

@@ -7,7 +7,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
-from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold, save_sequences
+from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import angles_of, body_of, write_bvh
 from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
@@ -50,7 +50,7 @@ def things(tmp_path_factory):
     short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
     angles = [angles_of(motion) for motion in motions]
     sequences = learn_sequences(angles, short, hidden=4, latent=2, show_progress=False)
-    save_sequences(sequences, base / "sequences.npz")
+    save_manifold(sequences, base / "sequences.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
     return {

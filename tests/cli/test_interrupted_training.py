@@ -15,9 +15,9 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import load_manifold, load_sequences
-from numpy_cae.motion import write_bvh
 from numpy_cae.lock import lock
+from numpy_cae.manifold import load_manifold
+from numpy_cae.motion import write_bvh
 
 TINY = (
     "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
@@ -69,7 +69,7 @@ def started(folder, out, options):
 def weights(path):
     with np.load(path) as file:
         if "sequential" in str(file["format"]):
-            return list(load_sequences(path).network.weights.values())
+            return list(load_manifold(path).network.weights.values())
     return [array for layer in load_manifold(path).network.layers for array in (layer.w, layer.b)]
 
 

@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
+from numpy_cae.experiments.reported import REPORTED
 
 from data_synth import plan_takes, write_series
 from numpy_cae.cli import main
-from numpy_cae.experiments.reported import REPORTED
 from numpy_cae.manifold import load_manifold, save_manifold
 
 TINY = (

@@ -7,7 +7,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import load_sequences
+from numpy_cae.manifold import load_manifold
 from numpy_cae.motion import write_bvh
 
 TINY = (
@@ -34,7 +34,7 @@ def test_it_trains_measures_and_draws(folder, tmp_path, capsys):
     assert "2 motions to train on" in captured.err
     assert "| walking: the network" in captured.out
     assert picture.read_bytes().startswith(b"\x89PNG")
-    manifold = load_sequences(file)
+    manifold = load_manifold(file)
     assert (manifold.network.hidden, manifold.network.latent) == (6, 3)
     assert manifold.settings["schedule"]["steps"] == 2
 
@@ -46,7 +46,7 @@ def test_exponential_map_text_is_learned_from(tmp_path):
         np.savetxt(tmp_path / f"walking_{number}.txt", rows, delimiter=",")
     argv = ["train", str(tmp_path), "-o", str(tmp_path / "seq.npz"), *TINY]
     assert main(argv) == 0
-    assert load_sequences(tmp_path / "seq.npz").settings["motions"] == 2
+    assert load_manifold(tmp_path / "seq.npz").settings["motions"] == 2
 
 
 def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys, monkeypatch):

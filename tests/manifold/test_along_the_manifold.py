@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy_cae.manifold.geodesic import energy
+from numpy_cae.manifold.observed import started
 
 from data_synth import make_take
 from numpy_cae.baselines import interpolate_linearly
@@ -17,9 +19,7 @@ from numpy_cae.manifold import (
     project_constrained,
     project_observed,
 )
-from numpy_cae.manifold.geodesic import energy
 from numpy_cae.manifold.interpolate import way_between
-from numpy_cae.manifold.observed import started
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
 from numpy_cae.motion.contacts import find_contacts

@@ -11,7 +11,15 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import ModelFileError, learn_manifold, learn_sequences, load_manifold, load_sequences, save_manifold, save_sequences
+from numpy_cae.manifold import (
+    ModelFileError,
+    learn_manifold,
+    learn_sequences,
+    load_manifold,
+    load_sequences,
+    save_manifold,
+    save_sequences,
+)
 from numpy_cae.motion import angles_of, body_of
 from numpy_cae.training import Schedule, SequenceSchedule, Stage
 

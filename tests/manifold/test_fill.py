@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae.manifold import MotionManifold, fill_joint, fill_keyframes, fill_motion_joint, fill_motion_keyframes, learn_manifold
+from numpy_cae.manifold import (
+    MotionManifold,
+    fill_joint,
+    fill_keyframes,
+    fill_motion_joint,
+    fill_motion_keyframes,
+    learn_manifold,
+)
 from numpy_cae.motion import (
     JOINTS,
     body_of,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy_cae.manifold.in_rig import in_rig, standing_still
 
 from data_synth import make_take
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.in_rig import in_rig, standing_still
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import RootTransform, body_of, bone_lengths
 

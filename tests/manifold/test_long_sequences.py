@@ -7,7 +7,13 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import learn_sequences, project_sequence, repair_sequence, sample_sequence, save_sequences
+from numpy_cae.manifold import (
+    learn_sequences,
+    project_sequence,
+    repair_sequence,
+    sample_sequence,
+    save_sequences,
+)
 from numpy_cae.manifold.long_sequences import starts
 from numpy_cae.motion import angles_of, body_positions, load_motion, write_bvh
 from numpy_cae.training import SequenceSchedule

@@ -5,7 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from numpy_cae.manifold import ModelFileError, MotionManifold, learn_manifold, load_manifold, save_manifold
+from numpy_cae.manifold import (
+    ModelFileError,
+    MotionManifold,
+    learn_manifold,
+    load_manifold,
+    save_manifold,
+)
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, POSITIONS, TURN, VELOCITY, bone_lengths, fit_motion
 from numpy_cae.motion.retarget.fit import body_skeleton

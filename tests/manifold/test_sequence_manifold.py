@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import ModelFileError, learn_manifold, learn_sequences, load_manifold, load_sequences, save_manifold, save_sequences
+from numpy_cae.manifold import (
+    ModelFileError,
+    learn_manifold,
+    learn_sequences,
+    load_manifold,
+    load_sequences,
+    save_manifold,
+    save_sequences,
+)
 from numpy_cae.motion import angles_of, body_of, cut_clips, load_motion, write_bvh
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.training import Schedule, SequenceSchedule, Stage

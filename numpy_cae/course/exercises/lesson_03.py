@@ -7,41 +7,36 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.exercise import (
-    Claim,
-    Exercise,
-    exercise,
-    operation_exercise,
-    same_as,
-    unaltered,
-)
+from numpy_cae.course.exercises.checks import same_as, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.property import require_equal
 
-SIZES = OPERATIONS["conv1d"].sizes
-_arguments = OPERATIONS["conv1d"].arguments
+CONV1D = OPERATIONS["conv1d"]
 
 
 def conv1d_by_loops(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The value of the package's convolution."""
     y, _ = ops.conv1d(x, w, b)
     return y
 
 
 def unfold(x: np.ndarray, taps: int) -> np.ndarray:
+    """Row t holds the frames that a filter reads at t, (B, T, K * C)."""
     batch, frames, _ = x.shape
     padded = np.pad(x, ((0, 0), (taps // 2, taps // 2), (0, 0)))
     windows = [padded[:, t : t + taps].reshape(batch, -1) for t in range(frames)]
     return np.stack(windows, axis=1)
 
 
-def _window(case: Case) -> dict[str, object]:
-    return {"x": _arguments(case)["x"], "taps": case["taps"]}
+def _unfold_arguments(case: Case) -> dict[str, object]:
+    return {"x": CONV1D.arguments(case)["x"], "taps": case["taps"]}
 
 
 def _times_matrix(function: Callable, case: Case) -> None:
-    x, w, b = _arguments(case).values()
+    x, w, b = CONV1D.arguments(case).values()
     y = function(x.copy(), len(w)) @ w.reshape(-1, w.shape[-1]) + b
     require_equal("unfold(x, K) @ w.reshape(K * C, D) + b", y, definitions.conv1d(x, w, b))
 
@@ -50,33 +45,33 @@ EXERCISES: tuple[Exercise, ...] = (
     exercise(
         "conv1d_by_loops",
         "five loops: over windows, frames, filters, taps and channels; skip a tap that reads a "
-        "frame which is not there",
+        "frame outside the window",
         conv1d_by_loops,
-        _arguments,
-        SIZES,
+        CONV1D.arguments,
+        CONV1D.sizes,
         (
             Claim(
                 "value",
                 "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-                same_as(definitions.conv1d, _arguments),
+                same_as(definitions.conv1d, CONV1D.arguments),
                 3,
-                "a negative index does not fail in Python: it reads from the other end",
             ),
-            unaltered(_arguments),
+            unchanged(CONV1D.arguments),
         ),
+        hints={"value": "a negative index does not fail in Python: it reads from the other end"},
     ),
     exercise(
         "unfold",
-        "pad both ends with K//2 frames of zeros, cut a window of K frames for every t, and lay "
-        "each out as one row",
+        "pad both ends with K//2 frames of zeros, take a slice of K frames for every t, and "
+        "reshape each to one row",
         unfold,
-        _window,
-        {name: SIZES[name] for name in ("batch", "frames", "channels", "filters", "taps")},
+        _unfold_arguments,
+        {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "filters", "taps")},
         (
             Claim(
                 "value",
                 "row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
-                same_as(unfold, _window, ("the rows",)),
+                same_as(unfold, _unfold_arguments, "the rows"),
                 2,
             ),
             Claim(
@@ -84,22 +79,22 @@ EXERCISES: tuple[Exercise, ...] = (
                 "the rows times w as one matrix, plus b, are the convolution",
                 _times_matrix,
             ),
-            unaltered(_window),
+            unchanged(_unfold_arguments),
         ),
     ),
     operation_exercise(
         "transpose_filters",
-        "[::-1] turns an axis around, .transpose(0, 2, 1) exchanges two; what undoes both?",
+        "[::-1] reverses an axis, .transpose(0, 2, 1) exchanges two; what undoes both?",
     ),
     operation_exercise(
         "conv1d",
-        "forward, one pass for every tap is enough: a slice of the padded x times w[k]. Backward, "
-        "each gradient is a sum over the taps again; look at which frames met in the product",
+        "forward, one loop over the taps is enough: a slice of the padded x times w[k]. Backward, "
+        "each gradient is again a sum over the taps; look at which frames met in the product",
         hints={
-            "gradient for x": "frame s of x was read by y[t] wherever t + k - K//2 = s; solve for "
-            "t, and call K - 1 - k by a new name",
-            "gradient for w": "every window and every frame used the same w[k]: their gradients "
-            "add up",
+            "gradient for x": "frame s of x was read by y[t] if t + k - K//2 = s; solve for t, "
+            "and rename K - 1 - k",
+            "gradient for w": "every window and every frame used the same w[k]: sum their "
+            "gradients",
             "gradient for b": "b was added to every frame of every window",
         },
     ),

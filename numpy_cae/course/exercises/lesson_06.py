@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import (
-    Claim,
-    Exercise,
-    exercise,
-    operation_exercise,
-    same_as,
-    unaltered,
+from numpy_cae.course.exercises.checks import Differentiated, same_as, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.lesson_05 import (
+    BOUND,
+    SIZES,
+    decode_by_loops,
+    encode_by_loops,
+    random_weights,
+    uniform,
 )
-from numpy_cae.course.exercises.lesson_05 import BOUND, SIZES, drawn_weights, encoded, scattered
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training import decayed_rate
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.gradients import check_gradients
 from numpy_cae.verify.property import require_equal
 
 P = 0.3
-ALPHA = 0.4  # large beside the paper's 0.01, so that a lost sparsity term shows
+ALPHA = 0.4  # large beside the paper's 0.01, so that a missing sparsity term is noticed
 
 
 def zero_values(x, p, draws):
@@ -41,91 +41,53 @@ def layer_loss(x, corrupted, w, b, first, alpha, bound):
     return loss, dw, db
 
 
-def _defined_loss(x, corrupted, w, b, first, alpha, bound):
-    y = encoded(corrupted, w, b)
-    unpooled = definitions.unpool_random(definitions.arctanh(y, bound), first)
-    w_tilde = definitions.transpose_filters(w)
-    x_hat = definitions.conv1d(unpooled - b, w_tilde, np.zeros(w.shape[1]))
+def _layer_loss_by_loops(x, corrupted, w, b, first, alpha, bound):
+    y = encode_by_loops(corrupted, w, b)
+    x_hat = decode_by_loops(y, w, b, bound, first)
     return definitions.mean_squared_error(x_hat, x) + alpha * definitions.mean_absolute(y)
 
 
-def _to_zero(case: Case) -> dict[str, object]:
+def _corruption_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
-    return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(_evenly(shape))}
-
-
-def _evenly(shape: tuple[int, ...]) -> np.ndarray:
     count = int(np.prod(shape))
-    return ((np.arange(count) + 0.5) / count).reshape(shape)
+    even = (np.arange(count) + 0.5) / count
+    return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
 
 
-def _step(case: Case) -> dict[str, object]:
+def _step_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["taps"], case["channels"])
-    return {
-        "parameter": spread(rng, shape),
-        "gradient": spread(rng, shape),
-        "rate": 0.5,
-        "decay": 0.9,
-        "epoch": case["epoch"],
-    }
+    parameter, gradient = spread(rng, shape), spread(rng, shape)
+    numbers = {"rate": 0.5, "decay": 0.9, "epoch": case["epoch"]}
+    return {"parameter": parameter, "gradient": gradient, **numbers}
 
 
-def _layer(case: Case) -> dict[str, object]:
+def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = scattered(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
-    corrupted = x + scattered(rng, x.shape, 0.3)  # zeros would tie in the pooling
-    weights = drawn_weights(case, rng)
+    x = uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
+    corrupted = x + uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    weights = random_weights(case, rng)
     first = rng.random((case["batch"], case["frames"], case["filters"])) < 0.5
-    return {
-        "x": x,
-        "corrupted": corrupted,
-        **weights,
-        "first": first,
-        "alpha": ALPHA,
-        "bound": BOUND,
-    }
+    numbers = {"alpha": ALPHA, "bound": BOUND}
+    return {"x": x, "corrupted": corrupted, **weights, "first": first, **numbers}
 
 
-def _kept(function, case: Case) -> None:
-    x, p, draws = _to_zero(case).values()
-    require_equal(
-        "where the draw is not below p, the value", function(x, p, draws)[draws >= p], x[draws >= p]
-    )
+def _kept_values(function, case: Case) -> None:
+    x, p, draws = _corruption_arguments(case).values()
+    found = function(x, p, draws)[draws >= p]
+    require_equal("where the draw is not below p, the value", found, x[draws >= p])
 
 
-def _loss(layer_loss, case: Case) -> None:
-    arguments = _layer(case)
-    require_equal(
-        "the loss", _three(layer_loss(*arguments.values()))[0], _defined_loss(**arguments)
-    )
-
-
-def _gradient_for(name: str):
-    def check(layer_loss, case: Case) -> None:
-        x, corrupted, w, b, *rest = _layer(case).values()
-
-        def f(w, b):
-            loss, dw, db = _three(layer_loss(x, corrupted, w, b, *rest))
-            return np.float64(loss), lambda d: (d * dw, d * db)
-
-        check_gradients(f, w, b, rng=case.rng(), only=(name,))
-
-    return check
-
-
-def _three(returned):
-    if not (isinstance(returned, tuple | list) and len(returned) == 3):
-        raise AssertionError("it does not return three things: loss, dw, db")
-    return returned
-
+LAYER_LOSS = Differentiated(
+    _loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")
+)
 
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
         "mean_squared_error",
-        "the mean is over every element, so each has a share of 1/N in the loss; the pullback "
-        "takes the upstream number, 1.0 where none is given",
+        "the mean is over every element, so each contributes 1/N of its square; the pullback "
+        "takes the upstream number, 1.0 by default",
     ),
     operation_exercise(
         "mean_absolute",
@@ -133,30 +95,30 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         "zero_values",
-        "a comparison of draws with p says where; np.where chooses",
+        "the comparison draws < p gives a mask; np.where chooses by a mask",
         zero_values,
-        _to_zero,
+        _corruption_arguments,
         {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
         (
             Claim(
                 "value",
                 "0 where the draw is below p, x everywhere else",
-                same_as(zero_values, _to_zero),
+                same_as(zero_values, _corruption_arguments),
                 3,
             ),
-            Claim("kept", "what is not lost is exactly as it was", _kept),
-            unaltered(_to_zero),
+            Claim("kept", "values that are not zeroed are exactly those of x", _kept_values),
+            unchanged(_corruption_arguments),
         ),
     ),
     exercise(
         "sgd_step",
-        "epoch 0 uses the rate as it is given; every epoch after it multiplies once more",
+        "epoch 0 uses the given rate; every later epoch multiplies it by the decay once more",
         sgd_step,
-        _step,
+        _step_arguments,
         {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
         (
-            Claim("value", "θ - η_0 · decay^epoch · dL/dθ", same_as(sgd_step, _step), 2),
-            unaltered(_step),
+            Claim("value", "θ - η_0 · decay^epoch · dL/dθ", same_as(sgd_step, _step_arguments), 2),
+            unchanged(_step_arguments),
         ),
     ),
     exercise(
@@ -165,32 +127,24 @@ EXERCISES: tuple[Exercise, ...] = (
         "clean X; then go back. Two gradients meet at Y: that of the error and that of the "
         "sparsity term",
         layer_loss,
-        _layer,
+        _loss_arguments,
         SIZES,
         (
-            Claim(
-                "value",
-                "the loss is that of equation 3, loop by loop",
-                _loss,
-                2,
-                "the error is against x, the units are those of corrupted",
+            LAYER_LOSS.value("the loss is that of equation 3, computed by loops"),
+            LAYER_LOSS.gradient(
+                "gradient for w", "dw agrees with central differences of your own loss", 3, ("w",)
             ),
-            Claim(
-                "gradient for w",
-                "dw is that of central differences of your own loss",
-                _gradient_for("w"),
-                3,
-                "three shares: decoding, encoding of the error, encoding of the sparsity term",
+            LAYER_LOSS.gradient(
+                "gradient for b", "db agrees with central differences of your own loss", 3, ("b",)
             ),
-            Claim(
-                "gradient for b",
-                "db is that of central differences of your own loss",
-                _gradient_for("b"),
-                3,
-                "both directions have a share in b too",
-            ),
-            unaltered(_layer),
+            LAYER_LOSS.unchanged(),
         ),
+        hints={
+            "value": "the error compares with x, the hidden units are those of corrupted",
+            "gradient for w": "add three terms: decoding, encoding of the error, encoding of the "
+            "sparsity term",
+            "gradient for b": "encoding and decoding both contribute to db too",
+        },
         given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
     ),
 )

@@ -1,4 +1,4 @@
-"""The exercises of lesson 07, going deep: what a unit sees, what a layer learns from, the stack."""
+"""The exercises of lesson 07, going deep: frames that a unit depends on, stages, the stack."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, unaltered
-from numpy_cae.course.exercises.lesson_05 import BOUND, decoded, encoded, scattered
+from numpy_cae.course.exercises.checks import Differentiated, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.course.exercises.lesson_05 import BOUND, decode_by_loops, encode_by_loops, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
-from numpy_cae.verify.gradients import check_gradients
 from numpy_cae.verify.property import require_equal
 
 SIZES = {
@@ -25,7 +25,7 @@ SIZES = {
 
 
 def frames_seen(taps, layers):
-    """Frames of motion that one unit of the top layer depends on."""
+    """The number of input frames that one unit of the top layer depends on."""
     return 1 + taps * (2**layers - 1)
 
 
@@ -43,97 +43,76 @@ def stack_loss(x, corrupted, layers, bound):
     return model.loss_and_gradients(x, corrupted)
 
 
-def _layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
+def _stack_loss_by_loops(x, corrupted, layers, bound):
+    y = corrupted
+    for w, b in layers:
+        y = encode_by_loops(y, w, b)
+    for w, b in reversed(layers):
+        y = decode_by_loops(y, w, b, bound)
+    return definitions.mean_squared_error(y, x)
+
+
+def _random_layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
     channels = [case["channels"]] + case["layers"] * [case["filters"]]
     return [
-        (scattered(rng, (case["taps"], below, above), 0.6), scattered(rng, (above,), 0.3))
+        (uniform(rng, (case["taps"], below, above), 0.6), uniform(rng, (above,), 0.3))
         for below, above in pairwise(channels)
     ]
 
 
-def _windows(case: Case, rng: np.random.Generator) -> np.ndarray:
+def _random_windows(case: Case, rng: np.random.Generator) -> np.ndarray:
     frames = case["units"] * 2 ** case["layers"]
-    return scattered(rng, (case["batch"], frames, case["channels"]), 1.0)
+    return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
 
 
-def _seen(case: Case) -> dict[str, object]:
+def _size_arguments(case: Case) -> dict[str, object]:
     return {"taps": case["taps"], "layers": case["layers"]}
 
 
-def _inputs(case: Case) -> dict[str, object]:
+def _stage_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    return {"x": _windows(case, rng), "layers": _layers(case, rng)}
+    return {"x": _random_windows(case, rng), "layers": _random_layers(case, rng)}
 
 
-def _stack(case: Case) -> dict[str, object]:
+def _stack_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = _windows(case, rng)
-    corrupted = x + scattered(rng, x.shape, 0.3)  # zeros would tie in the pooling
-    return {"x": x, "corrupted": corrupted, "layers": _layers(case, rng), "bound": BOUND}
+    x = _random_windows(case, rng)
+    corrupted = x + uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    return {"x": x, "corrupted": corrupted, "layers": _random_layers(case, rng), "bound": BOUND}
 
 
-def _counted(frames_seen, case: Case) -> None:
-    """Counts by following the indices down: pooling reads a pair, a filter a frame and K//2 more
-    on either side."""
+def _count_of_indices(frames_seen, case: Case) -> None:
+    """Pooling reads a pair of frames, a filter one frame and K//2 more on either side."""
     read = {1000}
+    half = case["taps"] // 2
     for _ in range(case["layers"]):
         read = {2 * t + pair for t in read for pair in (0, 1)}
-        beyond = range(-(case["taps"] // 2), case["taps"] // 2 + 1)
-        read = {t + k for t in read for k in beyond}
-    require_equal("the number of frames", frames_seen(*_seen(case).values()), len(read))
+        read = {t + k for t in read for k in range(-half, half + 1)}
+    require_equal("the number of frames", frames_seen(*_size_arguments(case).values()), len(read))
 
 
-def _each_input(stage_inputs, case: Case) -> None:
-    x, layers = _inputs(case).values()
+def _each_stage(stage_inputs, case: Case) -> None:
+    x, layers = _stage_arguments(case).values()
     found = stage_inputs(x, layers)
     if not isinstance(found, tuple | list) or len(found) != len(layers):
         raise AssertionError(f"expected a list of {len(layers)} arrays, one for each layer")
     expected = x
     for number, ((w, b), one) in enumerate(zip(layers, found, strict=True), 1):
         require_equal(f"the input of layer {number}", one, expected)
-        expected = encoded(expected, w, b)
+        expected = encode_by_loops(expected, w, b)
 
 
-def _defined_loss(x, corrupted, layers, bound):
-    y = corrupted
-    for w, b in layers:
-        y = encoded(y, w, b)
-    for w, b in reversed(layers):
-        y = decoded(y, w, b, bound)
-    return definitions.mean_squared_error(y, x)
+def _gradients_of_layers(of: str) -> Claim:
+    """The claim about w or b of every layer."""
+    every_layer = tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
+    statement = f"d{of} of every layer agrees with central differences of your own loss"
+    return STACK_LOSS.gradient(f"gradients for {of}", statement, 4, every_layer)
 
 
-def _loss(stack_loss, case: Case) -> None:
-    arguments = _stack(case)
-    loss, _ = _pair(stack_loss(*arguments.values()), case)
-    require_equal("the loss", loss, _defined_loss(**arguments))
-
-
-def _gradients(position: int):
-    """Checks every layer's gradient for w (position 0) or for b (position 1)."""
-
-    def check(stack_loss, case: Case) -> None:
-        x, corrupted, layers, bound = _stack(case).values()
-
-        def f(*parameters):
-            layers = list(zip(parameters[0::2], parameters[1::2], strict=True))
-            loss, gradients = _pair(stack_loss(x, corrupted, layers, bound), case)
-            return np.float64(loss), lambda d: tuple(d * g for pair in gradients for g in pair)
-
-        names = [f"{of} of layer {n}" for n in range(1, case["layers"] + 1) for of in "wb"]
-        parameters = [parameter for pair in layers for parameter in pair]
-        check_gradients(f, *parameters, rng=case.rng(), names=names, only=names[position::2])
-
-    return check
-
-
-def _pair(returned, case: Case):
-    if not (isinstance(returned, tuple | list) and len(returned) == 2):
-        raise AssertionError("it does not return two things: the loss and a list of gradients")
-    if not isinstance(returned[1], tuple | list) or len(returned[1]) != case["layers"]:
-        raise AssertionError(f"expected {case['layers']} pairs (dw, db), one for each layer")
-    return returned
-
+STACK_LOSS = Differentiated(
+    _stack_arguments, _stack_loss_by_loops, ("layers",), ("the loss", "a list of gradients")
+)
+TWO_TERMS = "add both terms of each layer; the lists of pullbacks run in opposite orders"
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
@@ -141,66 +120,50 @@ EXERCISES: tuple[Exercise, ...] = (
         "go down one layer at a time: how many frames of the convolution do n neighbouring units "
         "read, and how many frames below do those read?",
         frames_seen,
-        _seen,
+        _size_arguments,
         {"taps": (1, 3, 5, 15), "layers": (1, 2, 3, 4)},
         (
             Claim(
                 "value",
-                "as many frames as are counted by following every index down",
-                _counted,
+                "it is the number of frames counted by following every index down",
+                _count_of_indices,
                 2,
-                "2n frames of a convolution with K taps read 2n + K - 1 frames below",
             ),
         ),
+        hints={"value": "2n frames of a convolution with K taps read 2n + K - 1 frames below"},
     ),
     exercise(
         "stage_inputs",
-        "the first layer learns from x itself; the second from what the first makes of x",
+        "the first layer learns from x itself; the second from the hidden units of the first",
         stage_inputs,
-        _inputs,
+        _stage_arguments,
         SIZES,
         (
             Claim(
-                "value",
-                "the input of layer k is x encoded by every layer below k",
-                _each_input,
-                2,
+                "value", "the input of layer k is x encoded by every layer below k", _each_stage, 2
             ),
-            unaltered(_inputs),
+            unchanged(_stage_arguments),
         ),
         given=("encode_layer", "decode_layer"),
     ),
     exercise(
         "stack_loss",
         "encode with every layer, keeping the pullbacks; decode with every layer in reverse, "
-        "keeping theirs. The gradient goes the same way back, through the last pullback first",
+        "keeping theirs. The gradient passes all pullbacks in reverse, the last one first",
         stack_loss,
-        _stack,
+        _stack_arguments,
         SIZES,
         (
-            Claim(
-                "value",
-                "the loss is the mean squared error of the whole stack, loop by loop",
-                _loss,
-                2,
-                "decoding starts with the top layer",
-            ),
-            Claim(
-                "gradients for w",
-                "dw of every layer is that of central differences of your own loss",
-                _gradients(0),
-                4,
-                "each layer's two shares must meet; the lists of pullbacks run in opposite orders",
-            ),
-            Claim(
-                "gradients for b",
-                "db of every layer is that of central differences of your own loss",
-                _gradients(1),
-                4,
-                "each layer's two shares must meet; the lists of pullbacks run in opposite orders",
-            ),
-            unaltered(_stack),
+            STACK_LOSS.value("the loss is the mean squared error of the whole stack, by loops"),
+            _gradients_of_layers("w"),
+            _gradients_of_layers("b"),
+            STACK_LOSS.unchanged(),
         ),
+        hints={
+            "value": "decoding starts with the top layer",
+            "gradients for w": TWO_TERMS,
+            "gradients for b": TWO_TERMS,
+        },
         given=("encode_layer", "decode_layer", "mean_squared_error"),
     ),
 )

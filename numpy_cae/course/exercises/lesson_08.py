@@ -1,5 +1,5 @@
 """The exercises of lesson 08, using the manifold: blind repair, filling in, comparing, and the
-linear map that all of it is measured against."""
+linear map that they are compared with."""
 
 from __future__ import annotations
 
@@ -8,16 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import (
-    Claim,
-    Exercise,
-    copies,
-    exercise,
-    require_same,
-    same_as,
-    unaltered,
-)
-from numpy_cae.manifold.blind import lost_share
+from numpy_cae.course.exercises.checks import copies, require_same, same_as, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.manifold.blind import zeroed_fraction
 from numpy_cae.manifold.compare import G
 from numpy_cae.measures import retrieval
 from numpy_cae.verify.case import Case, spread
@@ -27,7 +20,7 @@ WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 
 @dataclass(frozen=True)
 class Blur:
-    """A projection that no one takes for the identity: of each frame and the one before it."""
+    """A projection that differs from the identity: a mean of each frame and the one before it."""
 
     share: float
 
@@ -39,8 +32,8 @@ class Blur:
 
 
 def rescale(x):
-    """X_c / (1 - p̂), with the share that is zero of each window."""
-    return x / (1 - lost_share(x))
+    """X_c / (1 - p̂), p̂ being the share of zeros in each window."""
+    return x / (1 - zeroed_fraction(x))
 
 
 def denoising_weights(second, cross, kept):
@@ -51,33 +44,16 @@ def denoising_weights(second, cross, kept):
 
 
 def fill_unknown(x, known, project):
-    """The projection of what is known, taken where nothing is."""
+    """The projection of the known values, where they are unknown."""
     return np.where(known, x, project(np.where(known, x, 0.0)))
 
 
 def average_precision(distances, alike):
-    """Of one query: the precision at the rank of each motion that is alike, averaged."""
+    """For one query: the mean precision at the rank of each motion that is alike."""
     return float(retrieval.average_precision(distances[None], alike[None])[0])
 
 
-def _damaged(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    shape = (case["batch"], case["frames"], case["channels"])
-    x = spread(rng, shape)
-    for window in range(shape[0]):
-        for channel in range(shape[2]):
-            lost = rng.permutation(shape[1])[: rng.integers(1, shape[1])]
-            x[window, lost, channel] = 0.0
-    x = np.concatenate([x, np.zeros((*shape[:2], case["still"]))], axis=2)
-    return {"x": x}
-
-
-def _whole(case: Case) -> dict[str, object]:
-    return {"x": spread(case.rng(), (case["batch"], case["frames"], case["channels"]))}
-
-
-def _counted_and_divided(x):
-    """The share of zeros window by window, features that never move left out."""
+def _rescale_by_loops(x):
     result = np.empty(x.shape)
     for n, window in enumerate(x):
         zeros = entries = 0
@@ -89,83 +65,14 @@ def _counted_and_divided(x):
     return result
 
 
-def _samples(case: Case) -> tuple[np.ndarray, np.ndarray]:
-    rng = case.rng()
-    inputs = case["inputs"]
-    z = rng.standard_normal((2 * inputs + 2, inputs))
-    mixed = z @ rng.standard_normal((inputs, inputs))
-    return mixed, mixed @ rng.standard_normal((inputs, case["outputs"])) + z[:, :1]
-
-
-def _moments(case: Case) -> dict[str, object]:
-    z, x = _samples(case)
-    return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
-
-
-def _best_of_all_masks(denoising_weights, case: Case) -> None:
-    """Every way of losing values, as often as it happens, in one least-squares problem."""
-    z, x = _samples(case)
-    kept = case["tenths"] / 10
-    rows, wanted = [], []
-    for mask in product((0.0, 1.0), repeat=z.shape[1]):
-        mask = np.array(mask)
-        often = np.sqrt(np.prod(np.where(mask == 1, kept, 1 - kept)))
-        rows.append(often * mask * z)
-        wanted.append(often * x)
-    expected = np.linalg.lstsq(np.concatenate(rows), np.concatenate(wanted), rcond=None)[0]
-    found = denoising_weights(*copies(_moments(case)))
-    require_same(found, expected, ("the weights",))
-
-
-def _holes(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    shape = (case["batch"], case["frames"], case["channels"])
-    known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
-    return {"x": spread(rng, shape), "known": known, "project": Blur(0.75)}
-
-
-def _holes_of_nothing(case: Case) -> dict[str, object]:
-    arguments = _holes(case)
-    arguments["x"][~arguments["known"]] = np.nan
-    return arguments
-
-
-def _known_kept(fill_unknown, case: Case) -> None:
-    x, known, project = _holes(case).values()
-    require_same(fill_unknown(x.copy(), known.copy(), project)[known], x[known], ("what is known",))
-
-
-def _units(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    k = case["units"]
-    both = spread(rng, (case["first"] + case["second"], k), 0.9)
-    return {"y_0": both[: case["first"]], "y_1": both[case["first"] :]}
-
-
-def _equation_4(y_0, y_1):
+def _equation_4_by_loops(y_0, y_1):
     total = 0.0
     for one, other in zip(y_0.T, y_1.T, strict=True):
         total += (max(one) - max(other)) ** 2 + (min(one) - min(other)) ** 2
     return total
 
 
-def _when_is_no_matter(function, case: Case) -> None:
-    y_0, y_1 = _units(case).values()
-    later = case.rng().permutation(len(y_0))
-    before = function(y_0.copy(), y_1.copy())
-    require_same(
-        function(y_0[later], y_1.copy()), before, ("G of the same units in another order",)
-    )
-
-
-def _ranked(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    alike = np.arange(case["motions"]) < min(case["alike"], case["motions"])
-    distances = spread(rng, (case["motions"],)) + 3.0
-    return {"distances": distances, "alike": rng.permutation(alike)}
-
-
-def _by_ranks(distances, alike):
+def _precision_by_loops(distances, alike):
     found, precisions = 0, []
     for rank, motion in enumerate(sorted(range(len(distances)), key=lambda n: distances[n]), 1):
         if alike[motion]:
@@ -174,132 +81,224 @@ def _by_ranks(distances, alike):
     return sum(precisions) / len(precisions)
 
 
-def _one_at_best(function, case: Case) -> None:
-    distances, alike = _ranked(case).values()
+def _damaged_arguments(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    shape = (case["batch"], case["frames"], case["channels"])
+    x = spread(rng, shape)
+    for window in range(shape[0]):
+        for channel in range(shape[2]):
+            lost = rng.permutation(shape[1])[: rng.integers(1, shape[1])]
+            x[window, lost, channel] = 0.0
+    x = np.concatenate([x, np.zeros((*shape[:2], case["still"]))], axis=2)
+    return {"x": x}
+
+
+def _whole_arguments(case: Case) -> dict[str, object]:
+    return {"x": spread(case.rng(), (case["batch"], case["frames"], case["channels"]))}
+
+
+def _random_samples(case: Case) -> tuple[np.ndarray, np.ndarray]:
+    rng = case.rng()
+    inputs = case["inputs"]
+    z = rng.standard_normal((2 * inputs + 2, inputs))
+    mixed = z @ rng.standard_normal((inputs, inputs))
+    return mixed, mixed @ rng.standard_normal((inputs, case["outputs"])) + z[:, :1]
+
+
+def _moment_arguments(case: Case) -> dict[str, object]:
+    z, x = _random_samples(case)
+    return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
+
+
+def _hole_arguments(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    shape = (case["batch"], case["frames"], case["channels"])
+    known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
+    return {"x": spread(rng, shape), "known": known, "project": Blur(0.75)}
+
+
+def _nan_hole_arguments(case: Case) -> dict[str, object]:
+    arguments = _hole_arguments(case)
+    arguments["x"][~arguments["known"]] = np.nan
+    return arguments
+
+
+def _unit_arguments(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    both = spread(rng, (case["first"] + case["second"], case["units"]), 0.9)
+    return {"y_0": both[: case["first"]], "y_1": both[case["first"] :]}
+
+
+def _ranking_arguments(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    alike = np.arange(case["motions"]) < min(case["alike"], case["motions"])
+    distances = spread(rng, (case["motions"],)) + 3.0
+    return {"distances": distances, "alike": rng.permutation(alike)}
+
+
+def _least_squares_over_masks(denoising_weights, case: Case) -> None:
+    """Every mask, weighted by its probability, in one least-squares problem."""
+    z, x = _random_samples(case)
+    kept = case["tenths"] / 10
+    rows, targets = [], []
+    for mask in product((0.0, 1.0), repeat=z.shape[1]):
+        mask = np.array(mask)
+        weight = np.sqrt(np.prod(np.where(mask == 1, kept, 1 - kept)))
+        rows.append(weight * mask * z)
+        targets.append(weight * x)
+    expected = np.linalg.lstsq(np.concatenate(rows), np.concatenate(targets), rcond=None)[0]
+    found = denoising_weights(*copies(_moment_arguments(case)))
+    require_same(found, expected, ("the weights",))
+
+
+def _known_values_stay(fill_unknown, case: Case) -> None:
+    x, known, project = _hole_arguments(case).values()
+    found = fill_unknown(x.copy(), known.copy(), project)[known]
+    require_same(found, x[known], ("a known value",))
+
+
+def _order_of_time(function, case: Case) -> None:
+    y_0, y_1 = _unit_arguments(case).values()
+    order = case.rng().permutation(len(y_0))
+    before = function(y_0.copy(), y_1.copy())
+    require_same(
+        function(y_0[order], y_1.copy()), before, ("G of the same units in another order",)
+    )
+
+
+def _perfect_ranking(function, case: Case) -> None:
+    distances, alike = _ranking_arguments(case).values()
     first = np.where(alike, distances, distances + 10.0)
-    require_same(function(first, alike.copy()), 1.0, ("where all that is alike comes first, it",))
+    found = function(first, alike.copy())
+    require_same(found, 1.0, ("if all motions that are alike come first, it",))
 
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         "rescale",
-        "count the zeros of each window over its frames and features, leaving out features that "
-        "are zero in every frame, and divide; keepdims=True keeps the axes for the division",
+        "count the zeros of each window over its frames and features, without features that are "
+        "zero in every frame, and divide; keepdims=True keeps the axes for the division",
         rescale,
-        _damaged,
+        _damaged_arguments,
         {**WINDOWS, "still": (0,)},
         (
             Claim(
                 "value",
-                "each window is divided by the share of it that is not zero",
-                same_as(_counted_and_divided, _damaged),
+                "each window is divided by its share of values that are not zero",
+                same_as(_rescale_by_loops, _damaged_arguments),
                 3,
-                "one share for each window, over both other axes",
             ),
             Claim(
                 "still features",
                 "a feature that is zero in every frame does not count",
-                same_as(_counted_and_divided, _damaged),
+                same_as(_rescale_by_loops, _damaged_arguments),
                 2,
-                "(x == 0).all(axis=1) says of which features nothing can be told",
                 {"still": (1, 2)},
             ),
             Claim(
                 "nothing lost",
-                "a window without zeros stays as it is",
-                same_as(lambda x: x, _whole),
+                "a window without zeros is not changed",
+                same_as(lambda x: x, _whole_arguments),
             ),
-            unaltered(_damaged),
+            unchanged(_damaged_arguments),
         ),
+        hints={
+            "value": "one share for each window, over both other axes",
+            "still features": "(x == 0).all(axis=1) finds the features that are always zero",
+        },
     ),
     exercise(
         "denoising_weights",
         "M and B are expectations over the masks: two different values are both kept with "
         "probability kept squared, a value with itself with probability kept",
         denoising_weights,
-        _moments,
+        _moment_arguments,
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
         (
             Claim(
                 "value",
-                "they are the least-squares weights over every way of losing values, counted out",
-                _best_of_all_masks,
+                "they are the least-squares weights over all masks, weighted by probability",
+                _least_squares_over_masks,
                 4,
-                "the diagonal of M is multiplied by kept once, everything else twice",
             ),
             Claim(
                 "nothing lost",
                 "with kept = 1 they are ordinary least squares",
-                _best_of_all_masks,
+                _least_squares_over_masks,
                 2,
-                "np.linalg.solve(m, b) solves M A = B",
                 {"tenths": (10,)},
             ),
-            unaltered(_moments),
+            unchanged(_moment_arguments),
         ),
+        hints={
+            "value": "the diagonal of M is multiplied by kept once, everything else twice",
+            "nothing lost": "np.linalg.solve(m, b) solves M A = B",
+        },
     ),
     exercise(
         "fill_unknown",
-        "three steps: zero where nothing is known, project, and take back only what was unknown; "
-        "np.where does the first and the last",
+        "three steps: zero the unknown values, project, and take the projection only where "
+        "values are unknown; np.where does the first and the last",
         fill_unknown,
-        _holes,
+        _hole_arguments,
         WINDOWS,
         (
             Claim(
                 "value",
-                "the unknown is the projection's, of a window with zeros there",
-                same_as(fill_unknown, _holes),
+                "an unknown value is that of the projection of the window with zeros there",
+                same_as(fill_unknown, _hole_arguments),
                 3,
-                "project is given the whole window, and called once",
             ),
-            Claim("known", "what is known stays, to the bit", _known_kept, 1),
+            Claim("known", "known values stay exactly as they are", _known_values_stay, 1),
             Claim(
                 "nothing there",
-                "it does not matter what stands where nothing is known: it may be NaN",
-                same_as(fill_unknown, _holes_of_nothing),
+                "the values of x where it is unknown do not matter, NaN included",
+                same_as(fill_unknown, _nan_hole_arguments),
                 2,
-                "0 times NaN is NaN: choose with np.where, do not multiply",
             ),
-            unaltered(_holes),
+            unchanged(_hole_arguments),
         ),
+        hints={
+            "value": "project is given the whole window, and called once",
+            "nothing there": "0 times NaN is NaN: choose with np.where, do not multiply",
+        },
     ),
     exercise(
         "G",
         "max over time of each unit, for both motions; the squared norm of the difference; the "
         "same with min; add",
         G,
-        _units,
+        _unit_arguments,
         {"first": (1, 2, 3), "second": (1, 2, 3), "units": (1, 2, 3)},
         (
             Claim(
                 "value",
                 "it is equation 4, unit by unit",
-                same_as(_equation_4, _units, ("G",)),
+                same_as(_equation_4_by_loops, _unit_arguments, "G"),
                 3,
-                "time is axis 0; the two motions may have different numbers of frames",
             ),
-            Claim("order", "when something happens does not matter", _when_is_no_matter),
-            unaltered(_units),
+            Claim("order", "the order of the frames does not matter", _order_of_time),
+            unchanged(_unit_arguments),
         ),
+        hints={"value": "time is axis 0; the two motions may have different numbers of frames"},
     ),
     exercise(
         "average_precision",
-        "np.argsort(distances) gives the motions nearest first; look up alike in that order, and "
+        "np.argsort(distances) lists the motions nearest first; index alike in that order, and "
         "np.cumsum counts how many were found so far",
         average_precision,
-        _ranked,
+        _ranking_arguments,
         {"motions": (1, 2, 3, 5, 8), "alike": (1, 2, 3)},
         (
             Claim(
                 "value",
-                "it is the mean of found so far / rank, over the ranks of what is alike",
-                same_as(_by_ranks, _ranked, ("the average precision",)),
+                "it is the mean of found so far / rank, over the ranks of the motions alike",
+                same_as(_precision_by_loops, _ranking_arguments, "the average precision"),
                 3,
-                "the first rank is 1",
             ),
-            Claim("best", "it is 1 where everything alike comes first", _one_at_best),
-            unaltered(_ranked),
+            Claim("best", "it is 1 if all motions that are alike come first", _perfect_ranking),
+            unchanged(_ranking_arguments),
         ),
+        hints={"value": "the first rank is 1"},
     ),
 )

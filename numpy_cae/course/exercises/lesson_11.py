@@ -6,38 +6,25 @@ from itertools import permutations
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import (
-    Claim,
-    Exercise,
-    exercise,
-    operation_exercise,
-    same_as,
-    unaltered,
-)
-from numpy_cae.course.exercises.lesson_05 import scattered
-from numpy_cae.course.exercises.lesson_10 import (
-    OF_READING,
-    OF_WRITING,
-    WHOLE,
-    gradients_of_loss,
-    loss_back,
-)
-from numpy_cae.course.exercises.weights_by_name import (
-    defined_read,
-    defined_write,
-    drawn_clips,
-    drawn_weights,
-    keeps_float32,
-    two,
-    unaltered_by_name,
+from numpy_cae.course.exercises.checks import Differentiated, same_as, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.lesson_05 import uniform
+from numpy_cae.course.exercises.sequence_network import (
+    DECODER,
+    DTYPE_HINT,
+    ENCODER,
+    WHOLE_NETWORK,
+    random_clips,
+    random_weights,
+    read_by_loops,
+    reconstruction_by_loops,
 )
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.operation import Operation
-from numpy_cae.verify.property import require_equal
 
-WEIGHT = 0.7  # large beside the lesson's, so that a lost share shows
+WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
 
 
 def wasserstein_1d(p, q):
@@ -65,119 +52,116 @@ def regularised_loss(weights, x, prior, directions, weight):
     return x.dtype.type(losses.total), gradients
 
 
-def _cheapest(p, q):
-    """The mean square of the gaps, in the cheapest of all assignments."""
+def _cheapest_assignment(p, q):
+    """The least mean square of the gaps over all assignments."""
     return min(np.mean((p - q[list(order)]) ** 2) for order in permutations(range(len(q))))
 
 
-def _two_sets(case: Case) -> dict[str, object]:
+def _regularised_by_loops(weights, x, prior, directions, weight):
+    discrepancy = definitions.sliced_wasserstein(read_by_loops(weights, x), prior, directions)
+    return reconstruction_by_loops(weights, x) + weight * discrepancy
+
+
+def _set_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["points"],)
     return {"p": spread(rng, shape), "q": spread(rng, shape, 1.3)}
 
 
-def _rows(case: Case) -> dict[str, object]:
+def _row_arguments(case: Case) -> dict[str, object]:
     return {"drawn": spread(case.rng(), (case["directions"], case["dimensions"]))}
 
 
-def _to_regularise(case: Case) -> dict[str, object]:
+def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    points = (case["batch"], case["latent"])
     return {
-        "weights": drawn_weights(case, rng),
-        "x": drawn_clips(case, rng),
-        "prior": scattered(rng, points, 1.0),
-        "directions": unit_rows(scattered(rng, (case["directions"], case["latent"]), 1.0)),
+        "weights": random_weights(case, rng),
+        "x": random_clips(case, rng),
+        "prior": uniform(rng, (case["batch"], case["latent"]), 1.0),
+        "directions": unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0)),
         "weight": WEIGHT,
     }
 
 
-def _total(function, case: Case) -> None:
-    arguments = _to_regularise(case)
-    loss, _ = two(function(*arguments.values()), "the loss and the gradients by name")
-    weights, x, prior, directions, weight = arguments.values()
-    z = defined_read(weights, x)
-    reconstruction = definitions.mean_squared_error(defined_write(weights, z, x.shape[1]), x)
-    discrepancy = definitions.sliced_wasserstein(z, prior, directions)
-    require_equal("the loss", loss, reconstruction + weight * discrepancy)
-
+LOSS = Differentiated(
+    _loss_arguments, _regularised_by_loops, ("weights",), ("the loss", "the gradients by name")
+)
 
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
         Operation(
             "wasserstein_1d",
             {"points": (1, 2, 3, 4, 5)},
-            _two_sets,
+            _set_arguments,
             ("p",),
-            _cheapest,
+            _cheapest_assignment,
         ),
-        "sort both, subtract. np.argsort says where each sorted number came from, which is where "
-        "its gradient goes back to",
+        "sort both, subtract. np.argsort gives the index from which each sorted number came, which "
+        "is where its gradient goes",
         wasserstein_1d,
         hints={
-            "value": "the smallest of p goes with the smallest of q: both have to be sorted",
-            "gradient for p": "gap[i] belongs to p[order[i]], not to p[i]; and every gap has a "
-            "share of 1/N in the mean",
+            "value": "the smallest of p is compared with the smallest of q: both have to be sorted",
+            "gradient for p": "gap[i] belongs to p[order[i]], not to p[i]; and every gap "
+            "contributes 1/N to the mean",
         },
     ),
     exercise(
         "unit_rows",
-        "the length of a row is the root of the sum of its squares; keepdims=True leaves it in a "
-        "shape that divides the rows",
+        "the length of a row is the root of the sum of its squares; keepdims=True keeps a shape "
+        "that divides the rows",
         unit_rows,
-        _rows,
+        _row_arguments,
         {"directions": (1, 2, 3), "dimensions": (1, 2, 3)},
         (
             Claim(
                 "value",
                 "each row is divided by its own length",
-                same_as(unit_rows, _rows),
+                same_as(unit_rows, _row_arguments),
                 2,
-                "axis=1 adds up along a row",
             ),
-            unaltered(_rows),
+            unchanged(_row_arguments),
         ),
+        hints={"value": "axis=1 sums along a row"},
     ),
     operation_exercise(
         "sliced_wasserstein",
         "p = z · θ for one direction, the one-dimensional distance, and dz = dp · θ; then the mean "
         "over the directions",
         hints={
-            "gradient for z": "a number p[i] = Σ z[i, d] θ[d] moves z[i] along θ; each direction "
-            "has a share of 1/L",
+            "gradient for z": "p[i] = Σ z[i, d] θ[d], so dz[i] is dp[i] times θ; each direction "
+            "contributes 1/L",
         },
     ),
     exercise(
         "regularised_loss",
-        "z is used twice: it is decoded, and it is a point among the prior's. Add both gradients "
-        "before you go back through the encoder",
+        "z is used twice: it is decoded, and it is compared with the prior. Add both gradients "
+        "before the pullback of the encoder",
         regularised_loss,
-        _to_regularise,
-        {**WHOLE, "directions": (1, 2)},
+        _loss_arguments,
+        {**WHOLE_NETWORK, "directions": (1, 2)},
         (
-            Claim(
-                "value",
-                "the loss is reconstruction + λ · discrepancy, loop by loop",
-                _total,
-                2,
-            ),
-            Claim(
+            LOSS.value("the loss is reconstruction + λ · discrepancy, computed by loops"),
+            LOSS.gradient(
                 "gradients of writing",
-                "the decoder's gradients are those of central differences of your own loss",
-                gradients_of_loss(_to_regularise, OF_WRITING),
+                "the decoder's gradients agree with central differences of your own loss",
                 2,
-                "the discrepancy knows nothing of the decoder",
+                DECODER,
             ),
-            Claim(
+            LOSS.gradient(
                 "gradients of reading",
-                "the encoder's gradients are those of central differences of your own loss",
-                gradients_of_loss(_to_regularise, OF_READING),
+                "the encoder's gradients agree with central differences of your own loss",
                 4,
-                "two shares meet at z; the second is that of λ times the discrepancy",
+                ENCODER,
             ),
-            keeps_float32(_to_regularise, loss_back),
-            unaltered_by_name(_to_regularise),
+            LOSS.keeps_float32(),
+            LOSS.unchanged(),
         ),
+        hints={
+            "gradients of writing": "the discrepancy does not depend on the decoder",
+            "gradients of reading": "two gradients are added at z; the second is λ times that of "
+            "the discrepancy",
+            "dtype": DTYPE_HINT,
+        },
         given=("read_clips", "write_clips", "mean_squared_error"),
     ),
 )

@@ -1,7 +1,7 @@
-"""The exercises of lesson 12, trust nobody's gradients: the student's own tests, tested.
+"""The exercises of lesson 12, trust nobody's gradients: the student's own checks, tested.
 
-A test is right when it lets every right implementation pass and no wrong one; the wrong ones are
-the planted bugs.
+A check is right if every right implementation passes and no wrong one does. The wrong ones are
+the planted bugs of `verify`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops, verify
+from numpy_cae.course.exercises.checks import unchanged
 from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.planted_bugs import PlantedBug, bug_named, bugs_of, right_operation
+from numpy_cae.verify.planted_bugs import BUGS, PlantedBug, bug_named, right_operation
 from numpy_cae.verify.property import require_equal
 
 SUSPECTS: tuple[PlantedBug, ...] = tuple(
@@ -41,19 +42,18 @@ GROUPS = {
     "recurrence": ("linear", "gru_step", "gru"),
     "tied weights": ("tied_layer",),
 }
-TRIED_SIZES = {
-    "batch": 2, "frames": 3, "channels": 2, "filters": 2, "taps": 3, "features": 2, "axes": 2,
-    "hidden": 2,
-}  # fmt: skip
-"""As many channels as filters, so that a forgotten transpose has to be noticed by its numbers."""
+SIZES = {"batch": 2, "frames": 3, "taps": 3, "axes": 2} | dict.fromkeys(
+    ("channels", "filters", "features", "hidden"), 2
+)
+"""As many channels as filters, so that a missing transpose shows only in the numbers."""
 TINY = 1e-6
-FEW = 5
-"""Draws are enough where each is tried on every bug: with its differences that is many calls."""
+FEW_EXAMPLES = 5
+"""Each example tries every bug, with all its differences."""
 
 
 @dataclass(frozen=True)
 class Cubic:
-    """L(x) = Σ w x³, of which central differences with step h make 3 w x² + w h², exactly."""
+    """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
 
     w: np.ndarray
 
@@ -66,7 +66,7 @@ class Cubic:
 
 @dataclass(frozen=True)
 class Matrix:
-    """A x with a pullback that is that of another matrix, A itself where it is right."""
+    """A x with the pullback of another matrix, or of A itself if it is right."""
 
     a: np.ndarray
     of_pullback: np.ndarray = field(repr=False)
@@ -86,7 +86,7 @@ def central_differences(f, x, h):
 
 
 def adjoint_gap(f, x, y):
-    """|<A x, y> - <x, A' y>|, relative to the sizes of what is multiplied."""
+    """|<A x, y> - <x, A' y>|, relative to the norms of the factors."""
     value, pullback = f(x)
     pulled = pullback(y)
     size = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
@@ -94,7 +94,7 @@ def adjoint_gap(f, x, y):
 
 
 def accuse(suspect):
-    """The property that suspect 1, 2, ... lacks."""
+    """The property that suspect 1, 2, ... violates."""
     return SUSPECTS[suspect - 1].caught_by
 
 
@@ -103,44 +103,41 @@ def check_gradients(f, inputs):
     verify.check_gradients(f, *inputs.values(), names=tuple(inputs))
 
 
-def _differences(case: Case) -> dict[str, object]:
+def _difference_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["rows"], case["columns"])
     return {"f": Cubic(spread(rng, shape)), "x": spread(rng, shape), "h": 0.25}
 
 
-def _slopes(function, case: Case) -> None:
-    f, x, h = _differences(case).values()
-    require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
-
-
-def _x_restored(function, case: Case) -> None:
-    f, x, h = _differences(case).values()
-    given = x.copy()
-    function(f, given, h)
-    require_equal("afterwards, x", given, x)
-
-
-def _right_matrix(case: Case) -> dict[str, object]:
+def _right_matrix_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     a = spread(rng, (case["rows"], case["columns"]))
     x, y = spread(rng, a.shape[1:]), spread(rng, a.shape[:1])
     return {"f": Matrix(a, a), "x": x, "y": y}
 
 
-def _wrong_matrix(case: Case) -> dict[str, object]:
-    f, x, y = _right_matrix(case).values()
+def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
+    f, x, y = _right_matrix_arguments(case).values()
     return {"f": Matrix(f.a, f.a[::-1] + 1), "x": x, "y": y}
 
 
+def _seed_arguments(case: Case) -> dict[str, object]:
+    return {"seed": case.seed}
+
+
+def _slopes_of_cubic(function, case: Case) -> None:
+    f, x, h = _difference_arguments(case).values()
+    require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
+
+
 def _no_gap(function, case: Case) -> None:
-    found = function(*_right_matrix(case).values())
-    require_equal("of a right pullback, the gap", found, 0.0, 1e-12)
+    found = function(*_right_matrix_arguments(case).values())
+    require_equal("for a right pullback, the gap", found, 0.0, 1e-12)
 
 
-def _gap(function, case: Case) -> None:
-    arguments = _wrong_matrix(case).values()
-    require_equal("of a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
+def _right_gap(function, case: Case) -> None:
+    arguments = _wrong_matrix_arguments(case).values()
+    require_equal("for a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
 
 
 def _accused(number: int) -> Claim:
@@ -148,144 +145,133 @@ def _accused(number: int) -> Claim:
 
     def check(function, case: Case) -> None:
         named = function(number)
-        stated = {tried.name: tried for tried in properties_of(suspect.operation)}
+        stated = {prop.name: prop for prop in properties_of(suspect.operation)}
         if named not in stated:
-            raise AssertionError(
-                f"{suspect.operation} has no property {named!r}; it has {', '.join(stated)}"
-            )
+            names = ", ".join(stated)
+            raise AssertionError(f"{suspect.operation} has no property {named!r}; it has {names}")
+        sizes = tuple((name, max(options)) for name, options in stated[named].sizes.items())
         for seed in range(20):
-            sizes = tuple((n, max(options)) for n, options in stated[named].sizes.items())
             try:
                 stated[named].check(suspect.function(), Case(sizes, seed))
             except Exception:
                 return
-        raise AssertionError(f"suspect {number} keeps {named!r}: it is not guilty of that")
+        raise AssertionError(f"suspect {number} has the property {named!r}")
 
-    return Claim(f"suspect {number}", f"the {suspect.operation} lacks the property you name", check)
-
-
-def _case(case: Case) -> dict[str, object]:
-    return {"seed": case.seed}
+    statement = f"the {suspect.operation} violates the property that you name"
+    return Claim(f"suspect {number}", statement, check)
 
 
-def _tried(operation: str, implementation: Callable, seed: int, size: float = 1.0):
-    """f and its inputs by name, the undifferentiated arguments closed over."""
+def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
+    """f and its inputs by name; f closes over the arguments that get no gradient."""
     known = OPERATIONS[operation]
-    sizes = tuple((name, TRIED_SIZES[name]) for name in known.sizes)
+    sizes = tuple((name, SIZES[name]) for name in known.sizes)
     arguments = known.arguments(Case(sizes, seed))
-    inputs = {name: size * arguments[name] for name in known.differentiated}
+    inputs = {name: scale * arguments[name] for name in known.differentiated}
+    if "x" in arguments:
+        arguments["x"] = scale * arguments["x"]
 
-    def f(*given):
-        named = dict(zip(inputs, given, strict=True))
-        others = {k: v * size if k == "x" else v for k, v in arguments.items() if k not in named}
-        return implementation(*({**arguments, **others, **named}.values()))
+    def f(*values):
+        return implementation(*(arguments | dict(zip(inputs, values, strict=True))).values())
 
     return f, inputs
 
 
-def _right(operation: str) -> Callable:
-    return right_operation(operation)
-
-
-def _passes_right_ones(check_gradients, case: Case) -> None:
+def _right_ones_pass(check_gradients, case: Case) -> None:
     for operation in (name for group in GROUPS.values() for name in group):
-        f, inputs = _tried(operation, _right(operation), case.seed)
+        right = right_operation(operation)
         try:
-            check_gradients(f, inputs)
+            check_gradients(*_function_and_inputs(operation, right, case.seed))
         except AssertionError as error:
             raise AssertionError(f"it refuses {operation}, which is right: {error}") from None
 
 
-def _refuses(group: str) -> Callable:
+def _refuses_group(group: str) -> Callable:
     def check(check_gradients, case: Case) -> None:
         for bug in _bugs_in_gradients(GROUPS[group]):
-            f, inputs = _tried(bug.operation, bug.function(), case.seed)
-            _require_refusal(check_gradients, bug, f, inputs)
+            _require_refusal(check_gradients, bug, case.seed)
 
     return check
 
 
 def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[PlantedBug]:
-    for operation in operations:
-        for bug in bugs_of(operation):
-            if bug.caught_by.startswith("gradient for"):
-                yield bug
+    for bug in BUGS:
+        if bug.operation in operations and bug.caught_by.startswith("gradient for"):
+            yield bug
 
 
-def _require_refusal(check_gradients, bug: PlantedBug, f, inputs) -> None:
+def _require_refusal(check_gradients, bug: PlantedBug, seed: int, scale: float = 1.0) -> None:
+    f, inputs = _function_and_inputs(bug.operation, bug.function(), seed, scale)
     try:
         check_gradients(f, inputs)
     except AssertionError:
         return
-    raise AssertionError(f"it lets a wrong {bug.operation} pass: {bug.sentence}")
+    raise AssertionError(f"it accepts a wrong {bug.operation}: {bug.sentence}")
 
 
 def _refuses_tiny(check_gradients, case: Case) -> None:
-    bug = bug_named("squared_without_two")
-    f, inputs = _tried(bug.operation, bug.function(), case.seed, TINY)
-    _require_refusal(check_gradients, bug, f, inputs)
+    _require_refusal(check_gradients, bug_named("squared_without_two"), case.seed, TINY)
 
 
-def _names_the_culprit(check_gradients, case: Case) -> None:
+def _names_the_input(check_gradients, case: Case) -> None:
     for name in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged"):
         bug = bug_named(name)
-        culprit = bug.caught_by.rpartition(" ")[2]
+        wrong = bug.caught_by.rpartition(" ")[2]
         message = ""
         try:
-            check_gradients(*_tried(bug.operation, bug.function(), case.seed))
+            check_gradients(*_function_and_inputs(bug.operation, bug.function(), case.seed))
         except AssertionError as error:
             message = str(error)
-        if culprit not in re.findall(r"\w+", message):
-            raise AssertionError(
-                f"the gradient for {culprit} is wrong, but the message is {message!r}"
-            )
+        if wrong not in re.findall(r"\w+", message):
+            raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
 
 
 def _inputs_stay(check_gradients, case: Case) -> None:
-    f, inputs = _tried("conv1d", ops.conv1d, case.seed)
+    f, inputs = _function_and_inputs("conv1d", ops.conv1d, case.seed)
     before = {name: x.copy() for name, x in inputs.items()}
     check_gradients(f, inputs)
     for name, x in before.items():
-        require_equal(f"afterwards, {name}", inputs[name], x, 0)
+        require_equal(f"after the call, {name}", inputs[name], x, 0)
 
 
-ONE = {"tried": (1,)}
+ONE_CASE = {"tried": (1,)}
+X_UNCHANGED = Claim("x restored", "x is not changed", unchanged(_difference_arguments).check)
+DRAWN_UPSTREAM = "is your upstream gradient random, and is every input checked?"
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         "central_differences",
-        "one entry at a time, a little up and a little down; np.ndindex walks over the entries",
+        "one entry at a time, a small step up and down; np.ndindex iterates over the entries",
         central_differences,
-        _differences,
+        _difference_arguments,
         {"rows": (1, 2), "columns": (1, 2, 3)},
         (
             Claim(
                 "value",
-                "of a cubic, exactly the central difference: step h to both sides, over 2h",
-                _slopes,
+                "for a cubic, exactly the central difference: step h to both sides, over 2h",
+                _slopes_of_cubic,
                 2,
-                "each slope is that of one entry: every other entry of x stays where it is",
             ),
-            Claim("x restored", "x is afterwards what it was", _x_restored),
+            X_UNCHANGED,
         ),
+        hints={"value": "each slope is that of one entry: every other entry of x keeps its value"},
     ),
     exercise(
         "adjoint_gap",
-        "two inner products, one with what f makes of x, one with what the pullback makes of y",
+        "two inner products, one with the value of f at x, one with the pullback of y",
         adjoint_gap,
-        _wrong_matrix,
+        _wrong_matrix_arguments,
         {"rows": (1, 2, 3), "columns": (1, 2, 3)},
         (
             Claim("right ones", "for a matrix and its transpose it is 0 to rounding", _no_gap),
-            Claim("wrong ones", "for another matrix's transpose it is what is defined", _gap),
+            Claim("wrong ones", "for another matrix's transpose it is as defined", _right_gap),
         ),
     ),
     exercise(
         "accuse",
-        "check the lines one by one against the equations in the docstring of the right one",
+        "compare the lines one by one with the equations in the docstring of the right one",
         accuse,
-        _case,
-        ONE,
+        _seed_arguments,
+        ONE_CASE,
         [_accused(number) for number in range(1, len(SUSPECTS) + 1)],
     ),
     exercise(
@@ -293,41 +279,43 @@ EXERCISES: tuple[Exercise, ...] = (
         "draw an upstream gradient; the loss is Σ dy ∘ f; compare the pullback's gradient for each "
         "input with differences of that loss, relative to the size of the gradient",
         check_gradients,
-        _case,
-        ONE,
+        _seed_arguments,
+        ONE_CASE,
         (
             Claim(
                 "right ones pass",
                 "no right operation is refused",
-                _passes_right_ones,
+                _right_ones_pass,
                 2,
-                "rounding is proportional to the numbers: is your tolerance relative?",
-                examples=FEW,
+                examples=FEW_EXAMPLES,
             ),
             *(
                 Claim(
-                    f"{group}",
-                    f"every wrong {' or '.join(operations)} among the planted bugs is refused",
-                    _refuses(group),
+                    group,
+                    f"every planted bug of {' or '.join(operations)} is refused",
+                    _refuses_group(group),
                     2,
-                    "is your upstream gradient drawn, and is every input tried?",
-                    examples=FEW,
+                    examples=FEW_EXAMPLES,
                 )
                 for group, operations in GROUPS.items()
             ),
             Claim(
                 "tiny numbers",
-                "a wrong gradient is refused even where all numbers are near 1e-6",
+                "a wrong gradient is refused even if all numbers are near 1e-6",
                 _refuses_tiny,
-                1,
-                "an absolute tolerance is larger than everything here",
             ),
             Claim(
                 "names the culprit",
                 "the message has the name of the input whose gradient is wrong, as a word",
-                _names_the_culprit,
+                _names_the_input,
             ),
-            Claim("inputs stay", "the inputs are afterwards what they were", _inputs_stay),
+            Claim("inputs stay", "the inputs are not changed", _inputs_stay),
         ),
+        hints={
+            "right ones pass": "rounding is proportional to the numbers: is your tolerance "
+            "relative?",
+            "tiny numbers": "an absolute tolerance is larger than all numbers here",
+            **dict.fromkeys(GROUPS, DRAWN_UPSTREAM),
+        },
     ),
 )

@@ -1,4 +1,4 @@
-"""The exercises of lesson 13, fast: a convolution rewritten until little of it is left to do."""
+"""The exercises of lesson 13, fast: a convolution rewritten with less and less work."""
 
 from __future__ import annotations
 
@@ -7,28 +7,20 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.exercise import (
-    Claim,
-    Exercise,
-    exercise,
-    operation_exercise,
-    same_as,
-    unaltered,
-)
-from numpy_cae.course.exercises.lesson_03 import unfold
+from numpy_cae.course.exercises.checks import require_parts, same_as, unchanged
+from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
+from numpy_cae.fast.convolution import conv1d as fast_conv1d
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.operation import OPERATIONS, Operation
+from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.property import require_equal
-
-CONV1D = OPERATIONS["conv1d"]
-BLOCK = {"taps": (1, 3, 5, 7), "frames": (1, 2, 3, 4, 5, 6)}
 
 
 @dataclass
-class Counted:
-    """A product that knows how often it was asked for."""
+class CountedProduct:
+    """A product that counts its calls."""
 
     calls: int = field(default=0, repr=False)
 
@@ -47,7 +39,7 @@ def conv1d_unfolded(x, w, b):
 
 
 def conv1d_shifted(x, w, b):
-    """A product for every tap, as `ops.conv1d` has it."""
+    """One product for every tap, as in `ops.conv1d`."""
     return ops.conv1d(x, w, b)[0]
 
 
@@ -64,54 +56,59 @@ def block_matrices(taps, frames):
 
 
 def conv1d_by_blocks(x, w, b, a, g, c):
-    """The package's fast convolution, whose matrices are its own."""
-    return ops.fast.conv1d(x, w, b)
+    """The package's fast convolution, which has matrices of its own."""
+    return fast_conv1d(x, w, b)
 
 
-def _products(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    numbers = spread(rng, (4, case["numbers"]))
-    return {**dict(zip("abpq", numbers, strict=True)), "multiply": Counted()}
+def _product_arguments(case: Case) -> dict[str, object]:
+    numbers = spread(case.rng(), (4, case["numbers"]))
+    return {**dict(zip("abpq", numbers, strict=True)), "multiply": CountedProduct()}
+
+
+def _block_arguments(case: Case) -> dict[str, object]:
+    return {"taps": case["taps"], "frames": case["frames"]}
+
+
+def _convolution_arguments(case: Case) -> dict[str, object]:
+    a, g, c = block_matrices(case["taps"], case["block"])
+    matrices = {"a": a.copy(), "g": g.copy(), "c": c.copy()}  # the package's are read-only
+    return {**CONV1D.arguments(case), **matrices}
 
 
 def _complex_product(three_products, case: Case) -> None:
-    a, b, p, q, multiply = _products(case).values()
-    real, imaginary = _parts(three_products(a, b, p, q, multiply), 2, "real, imaginary")
+    a, b, p, q, multiply = _product_arguments(case).values()
+    returned = three_products(a, b, p, q, multiply)
+    real, imaginary = require_parts(returned, ("real", "imaginary"))
     expected = (a + 1j * b) * (p + 1j * q)
     require_equal("the real part", real, expected.real)
     require_equal("the imaginary part", imaginary, expected.imag)
     if multiply.calls == 0:
-        raise AssertionError("multiply is never called: every product has to go through it")
+        raise AssertionError("multiply is never called: use it for every product")
 
 
-def _three(three_products, case: Case) -> None:
-    a, b, p, q, multiply = _products(case).values()
-    three_products(a, b, p, q, multiply)
-    if multiply.calls != 3:
-        raise AssertionError(f"multiply is called {multiply.calls} times, expected 3")
+def _three_calls(three_products, case: Case) -> None:
+    arguments = _product_arguments(case)
+    three_products(*arguments.values())
+    if arguments["multiply"].calls != 3:
+        raise AssertionError(f"multiply is called {arguments['multiply'].calls} times, expected 3")
 
 
-def _block(case: Case) -> dict[str, object]:
-    return {"taps": case["taps"], "frames": case["frames"]}
-
-
-def _matrices(block_matrices, case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    taps, frames = _block(case).values()
-    a, g, c = map(np.asarray, _parts(block_matrices(taps, frames), 3, "A, G, C"))
-    products = len(a) if a.ndim else 0
-    for name, found, expected in (
-        ("A", a, (products, frames + taps - 1)),
-        ("G", g, (products, taps)),
-        ("C", c, (frames, products)),
-    ):
-        if found.shape != expected:
-            raise AssertionError(f"{name} has shape {found.shape}, expected {expected}")
-    return a, g, c
+def _checked_matrices(block_matrices, case: Case) -> list[np.ndarray]:
+    """A, G and C, with the shapes that they should have."""
+    taps, frames = _block_arguments(case).values()
+    returned = require_parts(block_matrices(taps, frames), ("A", "G", "C"))
+    matrices = [np.asarray(matrix) for matrix in returned]
+    products = len(matrices[0]) if matrices[0].ndim else 0
+    shapes = ((products, frames + taps - 1), (products, taps), (frames, products))
+    for name, matrix, shape in zip("AGC", matrices, shapes, strict=True):
+        if matrix.shape != shape:
+            raise AssertionError(f"{name} has shape {matrix.shape}, expected {shape}")
+    return matrices
 
 
 def _convolves(block_matrices, case: Case) -> None:
-    taps, frames = _block(case).values()
-    a, g, c = _matrices(block_matrices, case)
+    taps, frames = _block_arguments(case).values()
+    a, g, c = _checked_matrices(block_matrices, case)
     rng = case.rng()
     x, w = spread(rng, (frames + taps - 1,)), spread(rng, (taps,))
     sums = [sum(x[t + k] * w[k] for k in range(taps)) for t in range(frames)]
@@ -119,110 +116,96 @@ def _convolves(block_matrices, case: Case) -> None:
 
 
 def _few_products(block_matrices, case: Case) -> None:
-    a, _, _ = _matrices(block_matrices, case)
+    products = len(_checked_matrices(block_matrices, case)[0])
     points = case["frames"] + case["taps"] - 1
     real = 1 if points % 2 else 2
     allowed = min(points, real) + 3 * ((points - real) // 2 if points > 1 else 0)
-    if len(a) > allowed:
+    if products > allowed:
         raise AssertionError(
-            f"{len(a)} products for N = {points} points; three for a complex frequency and one "
+            f"{products} products for N = {points} points; three for a complex frequency and one "
             f"for a real one are {allowed}"
         )
 
 
-def _parts(returned, count: int, names: str):
-    if not (isinstance(returned, tuple | list) and len(returned) == count):
-        raise AssertionError(f"it does not return {count} things: {names}")
-    return returned
-
-
-def _with_matrices(case: Case) -> dict[str, object]:
-    a, g, c = block_matrices(case["taps"], case["block"])
-    matrices = {"a": a.copy(), "g": g.copy(), "c": c.copy()}  # the package's are read-only
-    return {**CONV1D.arguments(case), **matrices}
-
-
-def _value_exercise(name: str, hint: str, solution, given: tuple[str, ...] = ()) -> Exercise:
-    claims = (
-        Claim(
-            "value",
-            "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-            same_as(definitions.conv1d, CONV1D.arguments),
-            3,
-        ),
-        unaltered(CONV1D.arguments),
-    )
-    return exercise(name, hint, solution, CONV1D.arguments, CONV1D.sizes, claims, given)
-
+VALUE_OF_CONVOLUTION = (
+    Claim(
+        "value",
+        "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
+        same_as(definitions.conv1d, CONV1D.arguments),
+        3,
+    ),
+    unchanged(CONV1D.arguments),
+)
 
 EXERCISES: tuple[Exercise, ...] = (
-    _value_exercise(
+    exercise(
         "conv1d_unfolded",
         "unfold(x, taps) has rows of K · C numbers, tap after tap; reshape w so that its rows "
-        "come in the same order",
+        "have the same order",
         conv1d_unfolded,
+        CONV1D.arguments,
+        CONV1D.sizes,
+        VALUE_OF_CONVOLUTION,
         given=("unfold",),
     ),
-    _value_exercise(
+    exercise(
         "conv1d_shifted",
         "pad once; for tap k, the slice of T frames that begins at frame k, times w[k]",
         conv1d_shifted,
+        CONV1D.arguments,
+        CONV1D.sizes,
+        VALUE_OF_CONVOLUTION,
     ),
     exercise(
         "three_products",
-        "a p + b p is one product, (a + b) p. It is too much by b p for the real part and by b p "
-        "for the imaginary one: which product mends both parts of each?",
+        "a p + b p is one product, (a + b) p. It exceeds the real part by b (p + q) and falls "
+        "short of the imaginary one by a (q - p)",
         three_products,
-        _products,
+        _product_arguments,
         {"numbers": (1, 2, 3)},
         (
-            Claim(
-                "value",
-                "real and imaginary part of (a + i b)(p + i q)",
-                _complex_product,
-                2,
-                "real is a p - b q, imaginary is a q + b p",
-            ),
-            Claim(
-                "three",
-                "multiply is called three times",
-                _three,
-                2,
-                "k1 = (a + b) p stands in both parts; k1 minus what is the real part?",
-            ),
-            unaltered(_products),
+            Claim("value", "real and imaginary part of (a + i b)(p + i q)", _complex_product, 2),
+            Claim("three", "multiply is called three times", _three_calls, 2),
+            unchanged(_product_arguments),
         ),
+        hints={
+            "value": "real is a p - b q, imaginary is a q + b p",
+            "three": "k1 = (a + b) p is part of both; which product is k1 minus the real part?",
+        },
     ),
     exercise(
         "block_matrices",
-        "one frequency after the other, f = 0, ..., N // 2, three rows for each (one where f is 0 "
-        "or N / 2); np.array(list of rows) at the end, and C is made as rows and transposed",
+        "for each frequency f = 0, ..., N // 2 three rows (one if f is 0 or N / 2); np.array(list "
+        "of rows) at the end, and C is made as rows and transposed",
         block_matrices,
-        _block,
-        BLOCK,
+        _block_arguments,
+        {"taps": (1, 3, 5, 7), "frames": (1, 2, 3, 4, 5, 6)},
         (
             Claim(
                 "value",
                 "C ((A x) ∘ (G w)) is the sum over taps, for every frame of the block",
                 _convolves,
                 4,
-                "try it with one tap and one frame, where N is 1 and every matrix is 1 by 1; then "
-                "with two frames. A frequency that is not real stands for its mirror image too",
             ),
             Claim(
                 "few products",
-                "three products for a frequency, one for a real one",
+                "three products for a complex frequency, one for a real one",
                 _few_products,
                 2,
-                "frequencies above N / 2 are the mirror images of those below: leave them out",
             ),
         ),
+        hints={
+            "value": "try one tap and one frame, with N = 1 and matrices of 1 by 1; then two "
+            "frames. A complex frequency also stands for its conjugate",
+            "few products": "frequencies above N / 2 are the conjugates of those below: leave "
+            "them out",
+        },
     ),
     operation_exercise(
         Operation(
             "conv1d_by_blocks",
             {**CONV1D.sizes, "taps": (1, 3, 5), "block": (1, 2, 3, 4)},
-            _with_matrices,
+            _convolution_arguments,
             ("x", "w", "b"),
             lambda x, w, b, a, g, c: definitions.conv1d(x, w, b),
             linear_in=("x", "w"),
@@ -231,13 +214,13 @@ EXERCISES: tuple[Exercise, ...] = (
         "with matrices, as in the equations. Backward: the same lines transposed, last line first",
         conv1d_by_blocks,
         hints={
-            "value": "the last block may hang over the end of the window: pad with zeros, and cut "
-            "the result to T frames",
-            "gradient for x": "neighbouring blocks read K - 1 frames in common: what both say "
-            "about such a frame is added",
+            "value": "the last block may extend beyond the window: pad with zeros, and cut the "
+            "result to T frames",
+            "gradient for x": "neighbouring blocks read K - 1 frames in common: add the gradients "
+            "of both",
             "gradient for w": "all blocks of all windows used the same ŵ: sum over both, then Gᵀ",
             "gradient for b": "b was added to every frame of every window, not to the products",
-            "dtype": "np.zeros makes float64 unless it is told otherwise",
+            "dtype": "np.zeros makes float64 unless you pass a dtype",
         },
     ),
 )

@@ -12,7 +12,7 @@ from numpy_cae.experiments.ablation.evaluation import Evaluation, Method, P
 from numpy_cae.experiments.comparison.distances import Distance, raw_extremes
 from numpy_cae.experiments.repair.repair_baselines import pca_on_frames, pca_on_windows
 from numpy_cae.manifold import signature
-from numpy_cae.manifold.blind import lost_share
+from numpy_cae.manifold.blind import zeroed_fraction
 from numpy_cae.motion import FEATURES, cut_windows
 from numpy_cae.motion.windows import LENGTH
 from numpy_cae.training import zero_values
@@ -58,7 +58,7 @@ def baselines(evaluation: Evaluation, latent: int) -> dict[str, Method]:
         return Distance(PCA_WINDOWS, rows)
 
     def linearly(x: np.ndarray) -> np.ndarray:
-        ps = [round(float(p), 1) for p in lost_share(x)[:, 0, 0]]
+        ps = [round(float(p), 1) for p in zeroed_fraction(x)[:, 0, 0]]
         return np.concatenate([linear(p).repair(x[n : n + 1]) for n, p in enumerate(ps)])
 
     def repairs(project: Callable, setting: object) -> _Repair:
@@ -71,7 +71,7 @@ def baselines(evaluation: Evaluation, latent: int) -> dict[str, Method]:
         ),
         PCA_WINDOWS: evaluation.of_projection(repairs(on_windows.repair, plain), of_windows(plain)),
         RESCALED: evaluation.of_projection(
-            lambda x: on_windows.repair(x / (1 - lost_share(x)), rescaled), of_windows(rescaled)
+            lambda x: on_windows.repair(x / (1 - zeroed_fraction(x)), rescaled), of_windows(rescaled)
         ),
         LINEAR: evaluation.of_projection(linearly),
     }

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.baselines import PCA, interpolate_linearly
-from numpy_cae.beyond import poses_of, project_observed
-from numpy_cae.beyond.observed import started
+from numpy_cae.beyond import pose_pca, project_observed
+from numpy_cae.beyond.observed import initial_fill
 from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
@@ -133,7 +133,7 @@ def _methods(manifold: MotionManifold, material: Material) -> dict[str, list[Fil
     """The methods, each with its options."""
     takes = evenly(material.training, TRAINING_TAKES)
     training = [manifold.features(take.positions)[0] for take in takes]
-    pca_frames = poses_of(manifold, training)
+    pca_frames = pose_pca(manifold, training)
     windows = np.concatenate([cut_windows(x, FRAMES, FRAMES // 2)[0] for x in training])
     rows = manifold.normalise(windows).reshape(len(windows), -1).astype(np.float64)
     pca_windows = PCA.fit(rows[:TRAINING_WINDOWS])
@@ -160,7 +160,7 @@ def _methods(manifold: MotionManifold, material: Material) -> dict[str, list[Fil
         LINE: [line],
         PCA_FRAMES: [by_pca(pca_frames, size) for size in SIZES if size <= FEATURES],
         PCA_WINDOWS: [by_pca(pca_windows, size) for size in SIZES],
-        PCA_JOINED: [lambda clip, known: started(manifold, clip, known, pca_frames)[0]],
+        PCA_JOINED: [lambda clip, known: initial_fill(manifold, clip, known, pca_frames)[0]],
         PLAIN: [plain],
         OBSERVED: [lambda clip, known: project_observed(manifold, clip, known)],
         OBSERVED_FROM_PCA: [

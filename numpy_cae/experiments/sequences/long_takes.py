@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.sequences.study import Study
-from numpy_cae.manifold.long_sequences import project_sequence, starts
+from numpy_cae.manifold.long_sequences import clip_starts, project_sequence
 from numpy_cae.motion import (
     ANGLE_RATE,
     PARENTS,
@@ -97,7 +97,7 @@ def _measure(motions: dict[str, np.ndarray], name: str, frames: int) -> tuple[fl
     gap = _poses(positions) - _poses(motions[REAL])
     acceleration = np.linalg.norm(np.diff(positions, 2, axis=0), axis=-1).mean(axis=1)
     acceleration *= ANGLE_RATE**2
-    overlapping = starts(len(positions), frames)[1:]
+    overlapping = clip_starts(len(positions), frames)[1:]
     begin = overlapping if name == BLENDED else overlapping[1::2]
     # The acceleration of index t - 1 is centred on frame t.
     at_seam = np.zeros(len(acceleration), bool)

@@ -1,0 +1,242 @@
+"""The checks that recur in the exercises: values, gradients, float32, unchanged arguments.
+
+An argument is a number, an array, a dict of arrays by name, a list of arrays, or a list of the
+pairs (w, b) of each layer. Gradients have the structure of the argument that they belong to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae.course.exercises.exercise import Arguments, Check, Claim
+from numpy_cae.verify.case import Case
+from numpy_cae.verify.gradients import check_gradients
+from numpy_cae.verify.property import require_equal
+
+PULLBACK = "the pullback"
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """A function that returns a value and its derivatives, and the claims about it.
+
+    Parameters
+    ----------
+    arguments : callable
+        As in `exercise`.
+    definition : callable
+        The value by definition, from the same arguments.
+    inputs : tuple of str
+        The arguments that get a gradient, in the order of the gradients.
+    returns : tuple of str
+        Names of the things that it returns, the value first. The second is `PULLBACK`, or the
+        others are the gradients of a scalar value.
+    """
+
+    arguments: Arguments
+    definition: Callable
+    inputs: tuple[str, ...]
+    returns: tuple[str, ...]
+
+    def value(self, statement: str, points: int = 2) -> Claim:
+        """The claim that the value is that of the definition."""
+
+        def check(function: Callable, case: Case) -> None:
+            value = self._call(function, self.arguments(case))[0]
+            expected = self.definition(*copies(self.arguments(case)))
+            require_same(value, expected, self.returns[:1])
+
+        return Claim("value", statement, check, points)
+
+    def gradient(
+        self, name: str, statement: str, points: int, only: tuple[str, ...] | None = None
+    ) -> Claim:
+        """The claim that gradients are those of central differences of the function's own value.
+
+        `only` names the arrays whose gradients are compared, by default all.
+        """
+
+        def check(function: Callable, case: Case) -> None:
+            given = self.arguments(case)
+            arrays = {k: v for i in self.inputs for k, v in arrays_in(i, given[i]).items()}
+
+            def f(*values):
+                rest = iter(values)
+                changed = {i: _rebuilt(given[i], rest) for i in self.inputs}
+                value, *others = self._call(function, given | changed)
+                value = value if np.ndim(value) else np.float64(value)
+                return value, lambda upstream: self._gradients(others, given, upstream)
+
+            names = tuple(arrays)
+            chosen = names if only is None else tuple(name for name in names if name in only)
+            check_gradients(f, *arrays.values(), rng=case.rng(), names=names, only=chosen)
+
+        return Claim(name, statement, check, points)
+
+    def keeps_float32(self) -> Claim:
+        """The claim that value and gradients of float32 arguments are float32."""
+
+        def check(function: Callable, case: Case) -> None:
+            given = {name: _narrowed(name, a) for name, a in self.arguments(case).items()}
+            value, *others = self._call(function, given)
+            upstream = np.ones_like(value) if np.ndim(value) else np.float32(1)
+            results = [value, *self._gradients(others, given, upstream)]
+            for result in results:
+                dtype = np.asarray(result).dtype
+                if dtype != np.float32 and type(result) is not float:
+                    what = "the value" if result is value else "a gradient"
+                    raise AssertionError(f"given float32, {what} is {dtype}")
+
+        return Claim("dtype", "float32 stays float32", check)
+
+    def unchanged(self) -> Claim:
+        """The claim that no argument is changed."""
+        return unchanged(self.arguments)
+
+    def _call(self, function: Callable, given: Mapping[str, object]) -> list:
+        returned = require_parts(function(*copies(given)), self.returns)
+        if PULLBACK in self.returns and not callable(returned[1]):
+            raise AssertionError(f"it does not return {' and '.join(self.returns)}")
+        return list(returned)
+
+    def _gradients(self, others: list, given: Mapping[str, object], upstream) -> tuple:
+        """The gradients of all input arrays, from what the function returned beside its value."""
+        if PULLBACK in self.returns:
+            pulled = others[0](upstream)
+            one = len(self.inputs) == 1
+            others = (pulled,) if one else require_parts(pulled, [f"d{i}" for i in self.inputs])
+            upstream = None
+        flat = [
+            gradient
+            for name, of_name in zip(self.inputs, others, strict=True)
+            for gradient in _gradients_in(given[name], of_name)
+        ]
+        return tuple(flat if upstream is None else (upstream * each for each in flat))
+
+
+def same_as(definition: Callable, arguments: Arguments, *names: str) -> Check:
+    """A check that a function returns what a definition returns.
+
+    Parameters
+    ----------
+    definition : callable
+        With the function's arguments; returns an array, a number, or a tuple of these.
+    arguments : callable
+        As in `exercise`.
+    *names : str
+        Names of the parts of a tuple, or one name for a single result.
+    """
+
+    def check(function: Callable, case: Case) -> None:
+        expected = definition(*copies(arguments(case)))
+        found = function(*copies(arguments(case)))
+        require_same(found, expected, names)
+
+    return check
+
+
+def unchanged(arguments: Arguments) -> Claim:
+    """The claim that a function does not change its arguments."""
+
+    def check(function: Callable, case: Case) -> None:
+        before, given = arguments(case), copies(arguments(case))
+        function(*given)
+        for (name, argument), after in zip(before.items(), given, strict=True):
+            now = arrays_in(name, after)
+            for part, array in arrays_in(name, argument).items():
+                if not np.array_equal(now[part], array):
+                    raise AssertionError(f"the call changes {part}")
+
+    return Claim("purity", "no argument is changed", check)
+
+
+def require_same(found, expected, names: tuple[str, ...] = ()) -> None:
+    """Raise unless a result equals the expected one, part by part if that is a tuple."""
+    if not isinstance(expected, tuple):
+        found, expected = (found,), (expected,)
+        names = names[:1] or ("the value",)
+    names = names or tuple(f"value {number}" for number in range(len(expected)))
+    if not isinstance(found, tuple | list) or len(found) != len(expected):
+        what = f"{len(found)} values" if isinstance(found, tuple | list) else type(found).__name__
+        raise AssertionError(f"it returns {what}, expected {', '.join(names)}")
+    for name, one, other in zip(names, found, expected, strict=False):
+        if one is None:
+            raise AssertionError(f"{name} is None: is a return missing?")
+        if np.asarray(one).dtype.kind not in "biuf":
+            raise AssertionError(f"{name} is {type(one).__name__}, expected numbers")
+        require_equal(name, one, other)
+
+
+def require_parts(returned, names) -> tuple | list:
+    """What a function returned, which must be one thing for each name.
+
+    Raises
+    ------
+    AssertionError
+        If it is no tuple or list, or of another length.
+    """
+    if not isinstance(returned, tuple | list) or len(returned) != len(names):
+        raise AssertionError(f"it does not return {len(names)} things: {', '.join(names)}")
+    return returned
+
+
+def copies(arguments: Mapping[str, object]) -> list:
+    """The arguments in the order of the call, copied."""
+    return deepcopy(list(arguments.values()))
+
+
+def arrays_in(name: str, argument: object) -> dict[str, np.ndarray]:
+    """The arrays of an argument by name; a dict of arrays has names of its own."""
+    if isinstance(argument, np.ndarray):
+        return {name: argument}
+    if isinstance(argument, dict):
+        return dict(argument)
+    if not isinstance(argument, list):
+        return {}
+    if all(isinstance(entry, np.ndarray) for entry in argument):
+        return {f"{name}[{n}]": entry for n, entry in enumerate(argument)}
+    layers = enumerate(argument, 1)
+    return {f"{of} of layer {n}": a for n, pair in layers for of, a in zip("wb", pair, strict=True)}
+
+
+def _rebuilt(argument: object, arrays: Iterator[np.ndarray]) -> object:
+    """An argument of the same structure with other arrays."""
+    if isinstance(argument, np.ndarray):
+        return next(arrays)
+    if isinstance(argument, dict):
+        return {name: next(arrays) for name in argument}
+    return [tuple(next(arrays) for _ in pair) for pair in argument]
+
+
+def _narrowed(name: str, argument: object) -> object:
+    """An argument with its float arrays as float32."""
+    arrays = arrays_in(name, argument).values()
+    narrow = (a.astype(np.float32) if a.dtype == np.float64 else a for a in arrays)
+    return _rebuilt(argument, narrow) if arrays else argument
+
+
+def _gradients_in(argument: object, gradients) -> list[np.ndarray]:
+    """The gradients of an argument's arrays, in their order.
+
+    Raises
+    ------
+    AssertionError
+        If they are not in the structure of the argument.
+    """
+    if isinstance(argument, dict):
+        if not isinstance(gradients, dict):
+            found = type(gradients).__name__
+            raise AssertionError(f"expected a dict of gradients by name, got {found}")
+        missing = [name for name in argument if name not in gradients]
+        if missing:
+            raise AssertionError(f"no gradient for {', '.join(missing)}")
+        return [gradients[name] for name in argument]
+    if isinstance(argument, list):
+        names = [f"(dw, db) of layer {n}" for n in range(1, len(argument) + 1)]
+        pairs = require_parts(gradients, names)
+        return [gradient for pair in pairs for gradient in require_parts(pair, ("dw", "db"))]
+    return [gradients]

@@ -1,0 +1,128 @@
+"""A motion on its path through a network: from any rig to features and back into the rig.
+
+    file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from numpy_cae.motion.features import RootTransform, features_to_positions, positions_to_features
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.to_body import RATE, at_rate_of, body_of
+from numpy_cae.motion.retarget.to_rig import retarget
+
+
+@dataclass(frozen=True)
+class Body:
+    """The twenty joints of a motion as features on the mean skeleton, with the inverse.
+
+    Each quantity is computed when it is first used, and once. The first use raises
+    `UnknownRigError` if joints are missing from the rig.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    mean_lengths : (20,) array of float
+        Bone lengths of the mean skeleton, which the features are on, metres.
+    mapping : dict of joint name to the rig's joint name, optional
+    """
+
+    motion: Motion
+    mean_lengths: np.ndarray
+    mapping: dict[str, str] | None = None
+
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """World positions at 30 frames a second on the motion's own bones, (F, 20, 3) in metres."""
+        return body_of(self.motion, self.mapping)
+
+    @cached_property
+    def positions_in_file(self) -> np.ndarray:
+        """World positions in each frame of the file, (frames, 20, 3) in metres."""
+        return body_positions(self.motion, self.mapping)
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Mean length of each of the motion's own bones, (20,) in metres."""
+        return bone_lengths(self.positions)
+
+    @property
+    def features(self) -> np.ndarray:
+        """The features at 30 frames a second on the mean skeleton, (F, 63)."""
+        return self._features_and_root[0]
+
+    @property
+    def root(self) -> RootTransform:
+        """The root transform of the first frame, on the mean skeleton."""
+        return self._features_and_root[1]
+
+    @cached_property
+    def _features_and_root(self) -> tuple[np.ndarray, RootTransform]:
+        normalised = change_lengths(self.positions, self.lengths, self.mean_lengths)
+        return positions_to_features(normalised, RATE)
+
+    def on_own_bones(self, positions: np.ndarray) -> np.ndarray:
+        """Positions (F, 20, 3) of the mean skeleton on the motion's own bones, in metres."""
+        return change_lengths(positions, self.mean_lengths, self.lengths)
+
+    def positions_of(self, features: np.ndarray, root: RootTransform | None = None) -> np.ndarray:
+        """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres.
+
+        `root` is the transform of the first frame, the motion's own where None.
+        """
+        return self.on_own_bones(features_to_positions(features, root or self.root))
+
+    def in_file_frames(self, positions: np.ndarray) -> np.ndarray:
+        """Positions (F, N, 3) at 30 frames a second, resampled to the frames of the file."""
+        return at_rate_of(self.motion, positions)
+
+    def retarget(self, positions: np.ndarray) -> Motion:
+        """The motion, changed so that its joints follow positions (frames, 20, 3) of the file."""
+        return retarget(self.motion, positions, self.mapping)
+
+    def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
+        """The motion, changed so that its twenty joints follow features.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+            At 30 frames a second on the mean skeleton. If they have fewer frames than the motion,
+            the motion is truncated; they may not have more.
+        root : RootTransform, optional
+            The root transform of the first frame, the motion's own where None.
+
+        Returns
+        -------
+        Motion
+            With the skeleton, rate and unit of the motion. Joints beyond the twenty keep their
+            rotation relative to their parent.
+        """
+        positions = self.positions_of(features, root)
+        truncated = replace(self, motion=_truncated(self.motion, len(features)))
+        # Below 30 frames a second the last pose can lie after the last frame.
+        positions = positions[: len(truncated.motion.source_frames(RATE))]
+        return truncated.retarget(truncated.in_file_frames(positions))
+
+
+def hold_first_pose(motion: Motion, frames: int) -> Motion:
+    """The first pose of a motion, held for at least `frames` frames at 30 a second."""
+    held = np.zeros(int(np.ceil((frames + 1) * motion.rate / RATE)) + 1, dtype=int)
+    return replace(motion, rotations=motion.rotations[held], translations=motion.translations[held])
+
+
+def _truncated(motion: Motion, poses: int) -> Motion:
+    """The frames before pose number `poses` at 30 frames a second."""
+    source = motion.source_frames(RATE)
+    if poses == len(source):
+        return motion
+    frames = int(np.ceil(source[poses]))
+    return replace(
+        motion, rotations=motion.rotations[:frames], translations=motion.translations[:frames]
+    )
