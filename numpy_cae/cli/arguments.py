@@ -1,93 +1,64 @@
-"""Arguments that several subcommands share, and numbers that argparse checks."""
+"""Arguments that several subcommands share, and the types of numbers that argparse checks."""
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+from collections.abc import Callable
+from math import inf
 from pathlib import Path
 
-from numpy_cae.motion import read_mapping
+
+def _number(
+    kind: Callable[[str], float], allowed: Callable[[float], bool], expected: str
+) -> Callable[[str], float]:
+    """A type for argparse: numbers that are allowed; others are refused with what is expected."""
+
+    def parse(text: str) -> float:
+        value = kind(text)
+        if not allowed(value):
+            raise argparse.ArgumentTypeError(f"{text} is not {expected}")
+        return value
+
+    parse.__name__ = kind.__name__  # argparse names it where the text is no number at all
+    return parse
 
 
-def whole_number(text: str) -> int:
-    """0, 1, 2, …"""
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{text} is below 0")
-    return value
-
-
-def positive_number(text: str) -> int:
-    """1, 2, 3, …"""
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is below 1")
-    return value
-
-
-def odd_number(text: str) -> int:
-    """1, 3, 5, …"""
-    value = positive_number(text)
-    if value % 2 == 0:
-        raise argparse.ArgumentTypeError(f"{text} is even")
-    return value
-
-
-def rate(text: str) -> float:
-    """A finite number of 0 or more."""
-    value = float(text)
-    if not 0 <= value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a finite number of 0 or more")
-    return value
-
-
-def fraction(text: str) -> float:
-    """0 to 1."""
-    value = float(text)
-    if not 0 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"{text} is not between 0 and 1")
-    return value
-
-
-def bound(text: str) -> float:
-    """Between 0 and 1, both excluded."""
-    value = float(text)
-    if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not between 0 and 1, both excluded")
-    return value
-
-
-def positive(text: str) -> float:
-    """A finite number above 0."""
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a finite number above 0")
-    return value
+whole_number = _number(int, lambda n: n >= 0, "0 or more")
+positive_number = _number(int, lambda n: n >= 1, "1 or more")
+odd_number = _number(int, lambda n: n >= 1 and n % 2 == 1, "an odd number above 0")
+rate = _number(float, lambda x: 0 <= x < inf, "a finite number of 0 or more")
+positive = _number(float, lambda x: 0 < x < inf, "a finite number above 0")
+fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
+momentum = _number(float, lambda x: 0 <= x < 1, "from 0 to below 1")
+bound = _number(float, lambda x: 0 < x < 1, "between 0 and 1, both excluded")
 
 
 def add_motion_arguments(parser: argparse.ArgumentParser) -> None:
-    """How motion files are to be read."""
+    """Add the options that say how to read motion files."""
     parser.add_argument(
         "--mapping",
         type=Path,
         metavar="JSON",
-        help="a file with {our joint: joint of the rig}, for rigs that are not known",
+        help="file that maps our joint names to those of the rig, for rigs that are not known",
     )
     parser.add_argument(
         "--unit",
         type=positive,
         metavar="METRES",
-        help="metres in one unit of length of the files, 0.01 for centimetres (default: guessed)",
+        help="length unit of the files in metres, 0.01 for centimetres (default: guessed)",
     )
 
 
 def chosen_mapping(args: argparse.Namespace) -> dict[str, str] | None:
-    """The mapping that `--mapping` names, read."""
+    """Read the mapping that `--mapping` names; None without one."""
+    from numpy_cae.motion import read_mapping
+
     return None if args.mapping is None else read_mapping(args.mapping)
 
 
 def require_place(path: Path) -> None:
-    """Raise ValueError unless a file can be made there: asked before hours of work, not after."""
+    """Raise ValueError unless a file can be created there; call it before hours of work."""
     folder = path.resolve().parent
     if not folder.is_dir():
         raise ValueError(f"{path}: cannot be written: there is no folder {folder}")

@@ -1,52 +1,56 @@
-"""`numpy-cae demo`: the whole path with no file at hand, in about a minute."""
+"""`numpy-cae demo`: make motions, train, repair and measure, in about a minute."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.takes import read_takes
-from numpy_cae.experiments.material import unlabelled
-from numpy_cae.experiments.repair import figure_1, half_zeroed
-from numpy_cae.manifold import learn_manifold, save_manifold
-from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES = 96
 SECONDS = 8.0
 SCHEDULE = Schedule(layer=Stage(epochs=7), fine_tuning=Stage(20, 0.15, 0.93, 0.0))
-"""Shorter than the paper's, on a hundred times less motion: it is to end while one watches."""
+"""Shorter than the paper's, on a hundredth of its motion, so that the demo takes about a minute."""
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Nothing to give but a folder."""
+    """Add the parser of `demo`."""
     parser = subparsers.add_parser(
         "demo",
-        help="make motions, learn from them, repair one: about a minute, no file needed",
         description="Make a small synthetic set of motions, train on it, repair a test clip that "
-        "lost half of its values, and measure that beside doing nothing and PCA.",
+        "lost half of its values, and compare that with doing nothing and with PCA.",
         epilog="example: numpy-cae demo -o demo",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, default=Path("demo"), metavar="FOLDER", help="default: demo"
+    add = parser.add_argument
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("demo"),
+        metavar="FOLDER",
+        help="folder for all results, created if it does not exist (default: demo)",
     )
-    parser.add_argument("--seed", type=kinds.whole_number, default=0, help="default: 0")
-    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
+    add("--quiet", action="store_true", help="show no progress")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Make, read, train, measure, draw."""
-    out = args.output
-    motions = out / "motions"
-    motions.mkdir(parents=True, exist_ok=True)
-    training, testing = read_takes(_make_motions(motions, args.seed), test=["*_test.bvh"])
-    manifold = learn_manifold(training, SCHEDULE, seed=args.seed, show_progress=not args.quiet)
-    save_manifold(manifold, out / "model.npz")
+    """Make motions, train, measure and draw."""
+    from numpy_cae.cli.takes import read_takes
+    from numpy_cae.experiments.material import unlabelled
+    from numpy_cae.experiments.repair import figure_1, half_zeroed
+    from numpy_cae.manifold import learn_manifold, save_manifold
+    from numpy_cae.motion import fit_motion, write_bvh
 
+    out = args.output
+    (out / "motions").mkdir(parents=True, exist_ok=True)
+    paths = _make_motions(out / "motions", args.seed)
+    training, testing = read_takes(paths, test=["*_test.bvh"])
+    manifold = learn_manifold(training, SCHEDULE, args.seed, show_progress=not args.quiet)
+    save_manifold(manifold, out / "model.npz")
     material = unlabelled(training, testing)
     print(f"\n{half_zeroed.run(manifold, material, args.seed).text()}\n")
     figure = figure_1.run(manifold, material, args.seed)
@@ -65,7 +69,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make_motions(folder: Path, seed: int) -> list[Path]:
-    """Takes of every kind in turn, every sixth of a kind for testing, as BVH files."""
+    """Write takes of every kind in turn as BVH files, every sixth of a kind for testing."""
+    from data_synth import make_take
+    from numpy_cae.motion import write_bvh
+
     paths = []
     for number in range(TAKES):
         kind, round_ = KINDS[number % len(KINDS)], number // len(KINDS)

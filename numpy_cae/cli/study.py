@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import train_sequential
+from numpy_cae.cli import train_options
 from numpy_cae.cli.as_json import add_json_argument, print_json
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add("--quiet", action="store_true", help="show no progress")
     add_json_argument(parser)
     kinds.add_motion_arguments(parser)
-    train_sequential.add_arguments(parser)
+    train_options.add_sequence_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -82,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     args.output.mkdir(parents=True, exist_ok=True)
     study = sequential(
         actions,
-        train_sequential.schedule_of(args),
+        train_options.sequence_schedule_of(args),
         args.seed,
         hidden=args.hidden,
         latent=args.latent,

@@ -25,7 +25,7 @@ TINY = (
 ).split()
 
 SEQUENTIAL = (
-    "--model sequential --hidden 6 --latent 3 --sequence-epochs 4 --steps 12 --sequence-batch 4 "
+    "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12 --batch 4 "
     "--quiet --checkpoint 0"
 ).split()
 
@@ -165,7 +165,7 @@ def test_a_run_that_diverges_keeps_the_model_that_was_there(folder, whole, tmp_p
 def test_resume_where_nothing_is_left_to_do(folder, whole, capsys):
     before = whole.read_bytes()
     assert main(["train", str(folder), "-o", str(whole), *TINY, "--resume"]) == 0
-    assert "is whole" in capsys.readouterr().out
+    assert "is complete" in capsys.readouterr().out
     assert whole.read_bytes() == before
 
 

@@ -11,7 +11,7 @@ from numpy_cae.manifold import load_manifold
 from numpy_cae.motion import write_bvh
 
 TINY = (
-    "--model sequential --hidden 6 --latent 3 --sequence-epochs 1 --steps 2 --sequence-batch 4 "
+    "--model sequential --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 "
     "--quiet"
 ).split()
 
@@ -74,8 +74,8 @@ def test_a_study_needs_something_to_test_on(folder, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("argv", "message"),
     [
-        (["--window", "64", *TINY], "--window is no option of the sequential model"),
-        (["--latent", "3"], "--latent is no option of the convolutional model"),
+        (["--window", "64", *TINY], "--window is not an option of the sequential model"),
+        (["--latent", "3"], "--latent is not an option of the convolutional model"),
         (["--test", "*.txt", *TINY], "no file matches *.txt"),
         (["--test", "*", *TINY], "every file matches *"),
         (["--frames", "500", *TINY], "as long as a clip of 500 frames"),

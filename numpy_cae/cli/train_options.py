@@ -1,0 +1,171 @@
+"""The options of `numpy-cae train` that describe a training, and the schedules that they make.
+
+An option of a stage has the name of its field, such as `--rate`, with the prefix `--fine-` for fine
+tuning. Both models have the same names.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import fields, replace
+from typing import Any
+
+from numpy_cae.cli import arguments as kinds
+from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
+from numpy_cae.motion import CLIP
+from numpy_cae.motion.windows import LENGTH, OVERLAP
+from numpy_cae.training import Schedule, SequenceSchedule, Stage
+
+_BEST = Stage(60, 0.5, 0.95, 0.0, 8, (0.1, 0.8), rescaled=True, momentum=0.9)
+_FAST = Stage(60, 0.001, 1.0, 0.0, 16, (0.1, 0.8), True, 0.0, None, "adam", "one-cycle")
+RECIPES = {
+    "paper": Schedule(),
+    "best": Schedule(fine_tuning=_BEST),
+    "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
+}
+
+_COMMON = {
+    "epochs": (kinds.whole_number, "number of epochs, of each layer where layers are trained"),
+    "rate": (kinds.rate, "learning rate: of the first epoch, or the peak of a one-cycle schedule"),
+    "batch": (kinds.positive_number, "number of windows or clips in one step"),
+    "decay": (kinds.rate, "factor applied to the learning rate after each epoch"),
+    "momentum": (kinds.momentum, "momentum of gradient descent, from 0 to below 1"),
+    "optimiser": (("sgd", "adam"), "optimiser, sgd or adam"),
+    "rate-schedule": (("decay", "one-cycle"), "course of the learning rate, decay or one-cycle"),
+}
+_CONVOLUTIONAL = {
+    "alpha": (kinds.rate, "weight of the sparsity term of equation 3"),
+    "zeroed": (kinds.fraction, "share of input values set to zero; two: range to draw it from"),
+    "rescaled": (None, "divide the corrupted input by 1 - the share of zeroed values"),
+}
+_SEQUENTIAL = {
+    "steps": (kinds.positive_number, "number of steps in an epoch"),
+    "weight": (kinds.rate, "weight λ of the sliced Wasserstein distance"),
+    "directions": (kinds.positive_number, "number of directions of the sliced distance"),
+    "norm": (kinds.positive, "bound on the norm of the gradient"),
+    "posture": (kinds.rate, "standard deviation of the random postures added to clips"),
+}
+_SEQUENTIAL_NETWORK = {
+    "hidden": (kinds.positive_number, HIDDEN, "number of hidden units of each GRU"),
+    "latent": (kinds.positive_number, LATENT, "number of latent variables"),
+    "frames": (kinds.positive_number, CLIP, "number of frames in a clip, at 25 frames a second"),
+}
+_CONVOLUTIONAL_NETWORK = {
+    "window": (kinds.positive_number, LENGTH, "number of frames in a window, at 30 a second"),
+    "overlap": (kinds.whole_number, OVERLAP, "number of frames that successive windows share"),
+    "filters": (kinds.positive_number, [64, 128, 256], "number of filters of each layer"),
+    "taps": (kinds.odd_number, 15, "number of frames that a filter covers, odd"),
+    "bound": (kinds.bound, 0.9, "absolute value at which the input of arctanh is clipped"),
+    "rms": (kinds.positive, RMS, "root mean square that the features are scaled to"),
+}
+
+
+def add_training_options(parser: argparse.ArgumentParser) -> None:
+    """The options of both models; the few that people change are outside the advanced groups."""
+    paper, sequence = RECIPES["paper"], SequenceSchedule()
+    group: Any = parser
+    for name, (kind, text) in _COMMON.items():
+        if name == "decay":
+            group = parser.add_argument_group("advanced")
+        usual = f"{_field(paper.layer, name)}, sequential model {_field(sequence, name)}"
+        _add(group, name, kind, f"{text} (recipe paper: {usual})")
+    group = parser.add_argument_group("advanced, convolutional model")
+    _add_network(group, _CONVOLUTIONAL_NETWORK)
+    for name, (kind, text) in _CONVOLUTIONAL.items():
+        _add(group, name, kind, f"{text} (recipe paper: {_field(paper.layer, name)})")
+    for name, (kind, _) in {**_COMMON, **_CONVOLUTIONAL}.items():
+        usual = _field(paper.fine_tuning, name)
+        _add(group, f"fine-{name}", kind, f"--{name} for fine tuning (recipe paper: {usual})")
+    group = parser.add_argument_group("advanced, sequential model")
+    _add_network(group, _SEQUENTIAL_NETWORK)
+    _add_fields(group, _SEQUENTIAL)
+
+
+def add_sequence_options(parser: argparse.ArgumentParser) -> None:
+    """The options of the sequential model alone, for `numpy-cae study`."""
+    group = parser.add_argument_group("training")
+    _add_network(group, _SEQUENTIAL_NETWORK)
+    _add_fields(group, _COMMON | _SEQUENTIAL)
+
+
+def _add_network(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
+    for name, (kind, default, text) in options.items():
+        _add(group, name, kind, f"{text} (default: %(default)s)", default)
+
+
+def _add_fields(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
+    for name, (kind, text) in options.items():
+        _add(group, name, kind, f"{text} (default: %(default)s)", _field(SequenceSchedule(), name))
+
+
+def _add(group: Any, name: str, kind: Any, text: str, default: Any = None) -> None:
+    """One option; None as its default leaves it to the recipe."""
+    settings: dict[str, Any] = {"default": default, "help": text}
+    if kind is None:
+        settings["action"] = argparse.BooleanOptionalAction
+    elif isinstance(kind, tuple):
+        settings["choices"] = kind
+    else:
+        settings |= {"type": kind, "metavar": "N"}
+    if name.endswith(("zeroed", "filters")):
+        settings["nargs"] = "+"
+    group.add_argument(f"--{name}", **settings)
+
+
+def _field(stage: Stage | SequenceSchedule, option: str) -> Any:
+    return getattr(stage, option.replace("-", "_"))
+
+
+def require_options_of_model(args: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
+    """Raise ValueError where an option of the other model is given."""
+    others = {*_SEQUENTIAL, *_SEQUENTIAL_NETWORK}
+    if args.model == "sequential":
+        fine = {f"fine-{name}" for name in (*_COMMON, *_CONVOLUTIONAL)}
+        others = {*_CONVOLUTIONAL, *_CONVOLUTIONAL_NETWORK, *fine}
+        if args.recipe != "paper":
+            raise ValueError(f"--recipe {args.recipe} is for the convolutional model")
+    for name in sorted(others):
+        option = name.replace("-", "_")
+        if getattr(args, option) != parser.get_default(option):
+            raise ValueError(f"--{name} is not an option of the {args.model} model")
+
+
+def network_of(args: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of `learn_manifold` or `learn_sequences` that describe the network."""
+    sequential = args.model == "sequential"
+    names = _SEQUENTIAL_NETWORK if sequential else _CONVOLUTIONAL_NETWORK
+    return {name: getattr(args, name) for name in names}
+
+
+def schedule_of(args: argparse.Namespace) -> Schedule:
+    """The recipe with the options that are given; end to end, those of a layer are for all."""
+    recipe = RECIPES[args.recipe]
+    fine_tuning = recipe.fine_tuning
+    if recipe.layer.epochs == 0:
+        fine_tuning = _changed(fine_tuning, args, "")
+        return Schedule(recipe.layer, _changed(fine_tuning, args, "fine_"))
+    return Schedule(_changed(recipe.layer, args, ""), _changed(fine_tuning, args, "fine_"))
+
+
+def sequence_schedule_of(args: argparse.Namespace) -> SequenceSchedule:
+    """The schedule of the sequential model that the options describe."""
+    return _changed(SequenceSchedule(), args, "")
+
+
+def _changed(stage: Any, args: argparse.Namespace, prefix: str) -> Any:
+    """The stage with the fields for which an option is given."""
+    options = {field.name: getattr(args, prefix + field.name, None) for field in fields(stage)}
+    given = {name: value for name, value in options.items() if value is not None}
+    if "zeroed" in given:
+        given["zeroed"] = _zeroed(prefix, given["zeroed"])
+    changed = replace(stage, **given)
+    if isinstance(stage, Stage) and changed.rescaled and changed.zeroed in (1, (1, 1)):
+        raise ValueError("rescaling divides by 1 - the zeroed share, which must stay below 1")
+    return changed
+
+
+def _zeroed(prefix: str, shares: list[float]) -> float | tuple[float, float]:
+    if len(shares) > 2 or shares != sorted(shares):
+        option = f"--{prefix}zeroed".replace("_", "-")
+        raise ValueError(f"{option} takes one share, or the lowest and the highest")
+    return shares[0] if len(shares) == 1 else (shares[0], shares[1])
