@@ -1,4 +1,4 @@
-"""The ablation: rows differ in what they say, the table is measured, verdicts are counted."""
+"""The ablation: rows differ in what they are named after, and the claims count the seeds."""
 
 import json
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.experiments.ablation import ablation as room
-from numpy_cae.experiments.ablation.ablation import ablation
-from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR
+from numpy_cae.experiments.ablation import ablation
+from numpy_cae.experiments.ablation.ablation import measure_rows
+from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR, NOTHING
 from numpy_cae.experiments.ablation.choices import (
     AVERAGE,
     DEPTH,
@@ -18,28 +18,22 @@ from numpy_cae.experiments.ablation.choices import (
     doubling,
     parameters_of,
 )
-from numpy_cae.experiments.ablation.evaluation import Evaluation, Measured
-from numpy_cae.experiments.ablation.result import Ablation, Row
-from numpy_cae.experiments.ablation.variant import VariantAutoencoder
+from numpy_cae.experiments.ablation.evaluation import MEASURES, Evaluation
+from numpy_cae.experiments.ablation.result import Row, ablation_result
 from numpy_cae.training import DivergedError
 
-TINY = choices(1, 0, 1)
 
-
-@pytest.fixture(scope="module")
-def evaluation(labelled):
-    return Evaluation(labelled)
-
-
-def test_equal_means_equal():
+def test_equal_sizes_are_equal_and_every_row_trains_its_own_network():
     paper, *others = choices(32)
     assert len({each.name for each in others}) == len(others)
     rng = np.random.default_rng(0)
-    for each in (paper, *others[:4]):
-        assert sum(a.size for x in each.network(rng).layers for a in x.parameters.values()) == (
-            each.parameters
-        )
-        assert each.network(rng).encode(np.zeros((1, 160, 63), np.float32)).size == each.latent
+    for each in (paper, *others):
+        network = each.network(rng)
+        sizes = [a.size for layer in network.layers for a in layer.parameters.values()]
+        assert sum(sizes) == each.parameters
+        assert network.encode(np.zeros((1, 160, 63), np.float32)).size == each.latent
+        fast = type(network).__name__.startswith("Fast")
+        assert fast == (each.name not in (UNTIED, AVERAGE))
     for each in others:
         if each.group != DEPTH:
             assert each.latent == paper.latent
@@ -48,68 +42,65 @@ def test_equal_means_equal():
             assert each.parameters < 0.5 * paper.parameters
         else:
             assert each.parameters == pytest.approx(paper.parameters, rel=0.01)
-        assert isinstance(each.network(rng), VariantAutoencoder) == (each.name in (UNTIED, AVERAGE))
     untied = next(each for each in others if each.name == UNTIED)
     assert untied.parameters == 2 * paper.parameters == 2 * parameters_of(doubling(32, 3))
 
 
-def test_every_row_is_measured_and_kept(evaluation, tmp_path, monkeypatch):
-    kept, said = tmp_path / "kept.json", []
-    few = [TINY[0], next(each for each in TINY if each.name == UNTIED)]
-    found = ablation(evaluation, few, seeds=2, kept=kept, say=said.append)
-    assert len(said) == 2 * len(found.rows) == len(json.loads(kept.read_text()))
-    for row in found.rows:
-        assert np.isfinite(row.of("half_zeroed")).all()
-        assert np.ptp(row.of("half_zeroed")) > 0  # the seeds differ
-        assert np.isfinite(row.of("units")).all() == (row.group != BASELINES)
-    nothing = found.row("doing nothing")
-    assert nothing.of("reconstruction") == pytest.approx(0, abs=1e-6)
-    assert found.row(LINEAR).of("half_zeroed").mean() < nothing.of("half_zeroed").mean()
+def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
+    evaluation = Evaluation(labelled)
+    kept, lines = tmp_path / "kept.json", []
+    few = [each for n, each in enumerate(choices(1, 0, 1)) if n == 0 or each.name == UNTIED]
+    rows = measure_rows(evaluation, few, 2, kept, lines.append)
+    assert len(lines) == 2 * len(rows) == len(json.loads(kept.read_text()))
+    for row in rows:
+        assert np.isfinite(row.values("half_zeroed")).all()
+        assert np.ptp(row.values("half_zeroed")) > 0  # the seeds differ
+        assert np.isfinite(row.values("units")).all() == (row.group != BASELINES)
+    named = {row.name: row for row in rows}
+    assert named[NOTHING].values("reconstruction") == pytest.approx(0, abs=1e-6)
+    errors = [named[name].values("half_zeroed").mean() for name in (LINEAR, NOTHING)]
+    assert errors[0] < errors[1]
 
     def never(*args):
         raise AssertionError("measured again")
 
-    monkeypatch.setattr(room, "train_autoencoder", never)
-    again = ablation(evaluation, few, seeds=2, kept=kept)
-    assert [row.cell("content") for row in again.rows] == [
-        row.cell("content") for row in found.rows
-    ]
+    monkeypatch.setattr(ablation, "train_autoencoder", never)
+    again = measure_rows(evaluation, few, 2, kept)
+    assert [row.cell("half_zeroed") for row in again] == [row.cell("half_zeroed") for row in rows]
 
     def diverges(*args, **kwargs):
-        raise DivergedError("layer 1", "w1", "gone", "a lower rate")
+        raise DivergedError("layer 1", "the loss is nan", "w1", "nothing was saved", "lower it")
 
-    monkeypatch.setattr(room, "train_autoencoder", diverges)
-    assert ablation(evaluation, few[:1], seeds=1).rows[0].measured == [None]
+    monkeypatch.setattr(ablation, "train_autoencoder", diverges)
+    assert measure_rows(evaluation, few[:1], 1)[0].measured == [None]
+    kept.write_text("{")
+    with pytest.raises(ValueError, match="is damaged: remove it"):
+        measure_rows(evaluation, few, 2, kept)
 
 
-def told(name, *errors):
-    """A row of which only repair matters."""
-    measured = [
-        e and Measured(**dict.fromkeys(Measured.__dataclass_fields__, 1.0) | {"half_zeroed": e})
-        for e in errors
-    ]
+def with_errors(name, *errors):
+    """A row with these errors of repair; None for a seed that diverged."""
+    measured = [e and dict.fromkeys(MEASURES, 1.0) | {"half_zeroed": e} for e in errors]
     return Row("group", name, measured=measured)
 
 
-def test_a_claim_holds_where_every_seed_says_so(tmp_path):
+def test_a_claim_holds_if_every_seed_agrees():
     names = [each.name for each in choices()][1:] + [LINEAR]
-    rows = [told("paper", 1.0, 2.0)] + [told(name, 1.5, 2.5) for name in names]
-    rows[1] = told(names[0], 1.5, 1.9)  # depth 1 at equal latent size: better in one seed
-    rows[2] = told(names[1], 1.5, None)  # depth 2 there: diverged once
-    rows[3] = told(names[2], 0.5, 1.5)  # depth 1 at equal parameters: better in both
-    result = Ablation(rows, "sample")
-    assert [finding.held for finding in result.findings()][:4] == [False, True, False, True]
-    assert "neither surely better nor worse than one and better than two" in result.on_depth()
-    assert "worse than one and better than two" in result.on_depth()
-    assert "1.50 (1 diverged)" in result.text()
-    assert "1.50 ± 0.71" in result.text()
-    assert "(+33%)" in result.on_the_rest()
-    result.save_picture(tmp_path / "picture.png")
-    assert (tmp_path / "picture.png").stat().st_size > 10_000
+    rows = [with_errors("paper", 1.0, 2.0)] + [with_errors(name, 1.5, 2.5) for name in names]
+    rows[1] = with_errors(names[0], 1.5, 1.9)  # depth 1, equal latent size: better for one seed
+    rows[2] = with_errors(names[1], 1.5, None)  # depth 2, the same: diverged once
+    rows[3] = with_errors(names[2], 0.5, 1.5)  # depth 1, equal parameters: better for both
+    result = ablation_result(rows, "sample")
+    assert [claim.held for claim in result.claims][:4] == [False, True, False, True]
+    text = result.text()
+    assert "neither surely better nor worse than one and better than two" in text
+    assert "worse than one and better than two" in text
+    assert "1.50 (1 diverged)" in text and "1.50 ± 0.71" in text and "(+33%)" in text
+    assert len(result.png()) > 10_000
 
 
-def test_the_command_says_what_it_needs(tmp_path, capsys):
+def test_the_command_names_what_it_needs(tmp_path, capsys):
     assert main(["report", "--ablation", "--data", str(tmp_path)]) == 2
     assert "--test" in capsys.readouterr().err
     assert main(["report", "-o", str(tmp_path)]) == 2
-    assert "needs --data, --model, or --ablation" in capsys.readouterr().err
+    assert "or --ablation" in capsys.readouterr().err

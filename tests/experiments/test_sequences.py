@@ -9,7 +9,6 @@ from data_synth import make_take
 from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.sequences.figure_2 import figure_2
 from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
-from numpy_cae.experiments.sequences.long_takes import BLENDED, GLUED, HEADER, long_takes
 from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
@@ -18,7 +17,7 @@ from numpy_cae.experiments.sequences.reconstruction import (
     SQUARED,
     reconstruction,
 )
-from numpy_cae.experiments.sequences.regulariser import regulariser, whitened
+from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
 from numpy_cae.experiments.sequences.study import (
     Curve,
@@ -121,9 +120,6 @@ def test_the_regulariser_with_and_without(studies):
     _, error, error_without, *_ = result.tables[0].rows[0]
     assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
     assert result.claims[1].held == (error < error_without)
-    rng = np.random.default_rng(0)
-    z = rng.normal(3, 2, (500, 3)) @ rng.normal(size=(3, 3))
-    assert np.allclose(np.cov(whitened(z, z), rowvar=False), np.eye(3))
 
 
 def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(studies):
@@ -163,15 +159,6 @@ def test_denoising_interpolation_and_analogy(studies, monkeypatch):
     )
     assert len(uses(studies[1]).tables) == 2  # no styles, no analogies
     assert len(result.png()) > 10_000
-
-
-def test_whole_takes_have_no_seam_where_clips_are_blended():
-    takes = [angles_of(make_take("walking", seed, 7.0, 25.0).motion) for seed in range(2)]
-    action = Action("walking", takes[:1], takes[1:])
-    result = long_takes(train_study(action, SHORT, **SIZES))
-    glued, blended = (result.tables[0].value(name, HEADER[-1]) for name in (GLUED, BLENDED))
-    assert glued > 3 > blended
-    assert result.claims[0].held == (blended <= 1.1)
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder):

@@ -9,7 +9,6 @@ from numpy_cae.experiments.result import Result
 from numpy_cae.experiments.sequences.actions import Action
 from numpy_cae.experiments.sequences.figure_2 import figure_2
 from numpy_cae.experiments.sequences.figure_3 import COLOURS, figure_3
-from numpy_cae.experiments.sequences.long_takes import long_enough, long_takes
 from numpy_cae.experiments.sequences.reconstruction import reconstruction
 from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
@@ -55,9 +54,6 @@ def sequential(
     }
     for study in studies:
         results[f"{study.action.name}_uses"] = uses(study, seed)
-    for study in studies:
-        if long_enough(study):
-            results[f"{study.action.name}_long"] = long_takes(study)
     for study in studies:
         for source in COLOURS:
             results[f"{study.action.name}_{source}"] = figure_3(study, seed, source)
