@@ -1,4 +1,4 @@
-"""The checks that recur in the exercises: values, gradients, float32, unchanged arguments.
+"""Claims about an exercise's function, and the checks that recur in the exercises.
 
 An argument is a number, an array, a dict of arrays by name, a list of arrays, or a list of the
 pairs (w, b) of each layer. Gradients have the structure of the argument that they belong to.
@@ -8,16 +8,66 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import Arguments, Check, Claim
-from numpy_cae.verify.case import Case
+from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.gradients import check_gradients
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operation import Sizes
+from numpy_cae.verify.property import EXAMPLES, require_equal
 
+Arguments = Callable[[Case], dict[str, object]]
+Check = Callable[[Callable, Case], None]
 PULLBACK = "the pullback"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One sentence about an exercise's function, and the check that raises if it is false."""
+
+    name: str
+    statement: str
+    check: Check
+    points: int = 1
+    sizes: Sizes = field(default_factory=dict)  # override those of the exercise
+    examples: int = EXAMPLES
+
+
+def claim(name: str, statement: str, points: int = 1, **options) -> Callable[[Check], Claim]:
+    """Makes a claim of the check that it decorates; the arguments are those of `Claim`."""
+    return lambda check: Claim(name, statement, check, points, **options)
+
+
+def drawn(**entries: object) -> Arguments:
+    """Arguments drawn from a case, in the order of the call.
+
+    An entry is a string, the sizes of an array such as "batch frames 3"; a function of the case
+    and its random numbers; or a value.
+    """
+
+    def arguments(case: Case) -> dict[str, object]:
+        rng = case.rng()
+        return {name: _drawn(entry, case, rng) for name, entry in entries.items()}
+
+    return arguments
+
+
+def _drawn(entry: object, case: Case, rng: np.random.Generator) -> object:
+    if isinstance(entry, str):
+        sizes = entry.split()
+        return spread(rng, tuple(int(s) if s.isdigit() else case[s] for s in sizes))
+    return entry(case, rng) if callable(entry) else entry
+
+
+def array(sizes: str, reach: float) -> Callable:
+    """An entry of `drawn`: an array whose values lie between -reach and reach."""
+    return lambda case, rng: spread(rng, tuple(case[size] for size in sizes.split()), reach)
+
+
+def size(name: str) -> Callable:
+    """An entry of `drawn`: one of the sizes."""
+    return lambda case, rng: case[name]
 
 
 @dataclass(frozen=True)
@@ -42,7 +92,7 @@ class Differentiated:
     inputs: tuple[str, ...]
     returns: tuple[str, ...]
 
-    def value(self, statement: str, points: int = 2) -> Claim:
+    def value(self, statement: str) -> Claim:
         """The claim that the value is that of the definition."""
 
         def check(function: Callable, case: Case) -> None:
@@ -50,15 +100,10 @@ class Differentiated:
             expected = self.definition(*copies(self.arguments(case)))
             require_same(value, expected, self.returns[:1])
 
-        return Claim("value", statement, check, points)
+        return Claim("value", statement, check, 2)
 
-    def gradient(
-        self, name: str, statement: str, points: int, only: tuple[str, ...] | None = None
-    ) -> Claim:
-        """The claim that gradients are those of central differences of the function's own value.
-
-        `only` names the arrays whose gradients are compared, by default all.
-        """
+    def gradient(self, name: str, points: int, only: tuple[str, ...] | None = None) -> Claim:
+        """The claim that gradients agree with differences; `only` names the arrays, default all."""
 
         def check(function: Callable, case: Case) -> None:
             given = self.arguments(case)
@@ -75,6 +120,7 @@ class Differentiated:
             chosen = names if only is None else tuple(name for name in names if name in only)
             check_gradients(f, *arrays.values(), rng=case.rng(), names=names, only=chosen)
 
+        statement = "it agrees with central differences of the function that you wrote"
         return Claim(name, statement, check, points)
 
     def keeps_float32(self) -> Claim:
@@ -92,10 +138,6 @@ class Differentiated:
                     raise AssertionError(f"given float32, {what} is {dtype}")
 
         return Claim("dtype", "float32 stays float32", check)
-
-    def unchanged(self) -> Claim:
-        """The claim that no argument is changed."""
-        return unchanged(self.arguments)
 
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
         returned = require_parts(function(*copies(given)), self.returns)

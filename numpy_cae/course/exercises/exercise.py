@@ -2,70 +2,30 @@
 
 Most exercises are operations and have the properties that `verify` states of them. The others
 (forward kinematics, the features, a step of descent, ...) state their own, in the same form, so
-that all are drawn, shrunk, reported and graded alike.
+that all are drawn, shrunk, reported and graded alike. Hints are by the name of the property.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from numpy_cae import ops
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.catalogue import properties_of
+from numpy_cae.course.exercises.checks import Arguments, Claim, Differentiated, same_as, unchanged
+from numpy_cae.verify.catalogue import Task, properties_of
 from numpy_cae.verify.operation import OPERATIONS, Operation, Sizes
 from numpy_cae.verify.operation_properties import operation_properties
-from numpy_cae.verify.property import EXAMPLES, Property, shared_properties
+from numpy_cae.verify.property import Property, shared_properties
 
-Arguments = Callable[[Case], dict[str, object]]
-Check = Callable[[Callable, Case], None]
-
-
-@dataclass(frozen=True)
-class Claim:
-    """One sentence about an exercise's function, and the check that raises if it is false."""
-
-    name: str
-    statement: str
-    check: Check
-    points: int = 1
-    sizes: Sizes = field(default_factory=dict)  # override those of the exercise
-    examples: int = EXAMPLES
-
-
-@dataclass(frozen=True)
-class Exercise:
-    """What a student writes in one cell.
-
-    Parameters
-    ----------
-    name : str
-        The name of the function, and the cell's grade_id.
-    hint : str
-        One or two sentences that help, without the answer.
-    solution : callable
-        The package's own, which later cells use where the student's fails.
-    properties : tuple of Property
-    given : tuple of str
-        Functions of earlier lessons that a solution may call: operations, or other exercises.
-    """
-
-    name: str
-    hint: str
-    solution: Callable = field(repr=False)
-    properties: tuple[Property, ...] = field(repr=False)
-    given: tuple[str, ...] = ()
-
-    @property
-    def points(self) -> int:
-        return sum(prop.points for prop in self.properties)
+Exercise = Task
+Hints = Mapping[str, str]
 
 
 def operation_exercise(
     operation: str | Operation,
     hint: str,
     solution: Callable | None = None,
-    hints: Mapping[str, str] | None = None,
+    hints: Hints | None = None,
     given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
@@ -78,9 +38,8 @@ def operation_exercise(
     solution : callable, optional
         By default the function of this name in `numpy_cae.ops`.
     hints : mapping of property name to str, optional
-        A hint for each property, printed if it fails.
     given : tuple of str, optional
-        As in `Exercise`.
+        Functions of earlier lessons that a solution may call: operations, or other exercises.
     """
     if isinstance(operation, str):
         operation = OPERATIONS[operation]
@@ -89,52 +48,102 @@ def operation_exercise(
     else:
         properties = (*shared_properties(operation), *operation_properties(operation))
     solution = solution or getattr(ops, operation.name)
-    return Exercise(operation.name, hint, solution, _with_hints(properties, hints), given)
+    return Task(operation.name, solution, _with_hints(properties, hints), hint, given)
 
 
 def exercise(
-    name: str,
-    hint: str,
     solution: Callable,
+    hint: str,
     arguments: Arguments,
     sizes: Sizes,
-    claims: Iterable[Claim],
-    hints: Mapping[str, str] | None = None,
+    *claims: Claim,
+    value: str = "",
+    definition: Callable | None = None,
+    points: int = 2,
+    pure: bool = True,
+    hints: Hints | None = None,
     given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise that is no operation, with properties of its own.
 
     Parameters
     ----------
-    name, hint, solution, given
-        As in `Exercise`.
+    solution : callable
+        The package's own, with the name of the exercise.
+    hint, hints, given
+        As in `operation_exercise`.
     arguments : callable
         Makes the arguments from a case, by name, in the order of the call.
     sizes : mapping of str to tuple of int
         The sizes from which a case is drawn, the simplest first.
-    claims : iterable of Claim
-    hints : mapping of claim name to str, optional
-        A hint for each claim, printed if it fails.
+    *claims : Claim
+    value : str
+        The claim that the function returns what the definition returns, if there is one.
+    definition : callable, optional
+        By default the solution.
+    points : int
+        Those of the value.
+    pure : bool
+        Whether to claim that no argument is changed.
     """
-    properties = (
-        Property(
-            name,
-            claim.name,
-            claim.statement,
-            claim.check,
-            arguments,
-            {**sizes, **claim.sizes},
-            claim.points,
-            examples=claim.examples,
-        )
-        for claim in claims
+    if value:
+        check = same_as(definition or solution, arguments)
+        claims = (Claim("value", value, check, points), *claims)
+    if pure:
+        claims = (*claims, unchanged(arguments))
+    name = solution.__name__
+    properties = (_property(name, each, arguments, sizes) for each in claims)
+    return Task(name, solution, _with_hints(properties, hints), hint, given)
+
+
+def differentiated_exercise(
+    solution: Callable,
+    hint: str,
+    function: Differentiated,
+    sizes: Sizes,
+    *claims: Claim,
+    value: str,
+    gradients: Mapping[str, tuple],
+    float32: bool = False,
+    hints: Hints | None = None,
+    given: tuple[str, ...] = (),
+) -> Exercise:
+    """An exercise that returns a value and its derivatives.
+
+    Parameters
+    ----------
+    function : Differentiated
+        Its arguments, definition and inputs.
+    value : str
+        The claim that the value is that of the definition.
+    gradients : mapping of claim name to (points, names of arrays)
+        By default all arrays.
+    float32 : bool
+        Whether to claim that float32 stays float32.
+    """
+    claims = (
+        function.value(value),
+        *(function.gradient(name, *options) for name, options in gradients.items()),
+        *((function.keeps_float32(),) if float32 else ()),
+        *claims,
     )
-    return Exercise(name, hint, solution, _with_hints(properties, hints), given)
+    return exercise(solution, hint, function.arguments, sizes, *claims, hints=hints, given=given)
 
 
-def _with_hints(
-    properties: Iterable[Property], hints: Mapping[str, str] | None
-) -> tuple[Property, ...]:
+def _property(name: str, claim: Claim, arguments: Arguments, sizes: Sizes) -> Property:
+    return Property(
+        name,
+        claim.name,
+        claim.statement,
+        claim.check,
+        arguments,
+        {**sizes, **claim.sizes},
+        claim.points,
+        examples=claim.examples,
+    )
+
+
+def _with_hints(properties: Iterable[Property], hints: Hints | None) -> tuple[Property, ...]:
     hints = dict(hints or {})
     hinted = tuple(replace(prop, hint=hints.pop(prop.name, "")) for prop in properties)
     if hints:

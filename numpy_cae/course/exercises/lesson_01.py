@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.course.exercises.checks import copies, require_same, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
+from numpy_cae.course.exercises.exercise import Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
 
@@ -65,8 +65,14 @@ def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
     return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix()
 
 
-def _tree_arguments(case: Case) -> dict[str, object]:
-    return {"parents": random_tree(case), "joint": case.seed % case["joints"]}
+def _random_rate(case: Case, rng: np.random.Generator) -> float:
+    return (30.0, 120.0)[case.seed % 2]
+
+
+_speed_arguments = drawn(positions="frames joints 3", rate=_random_rate)
+_tree_arguments = drawn(
+    parents=lambda case, rng: random_tree(case), joint=lambda case, rng: case.seed % case["joints"]
+)
 
 
 def _channel_arguments(case: Case) -> dict[str, object]:
@@ -86,23 +92,21 @@ def _motion_arguments(case: Case) -> dict[str, object]:
     }
 
 
-def _speed_arguments(case: Case) -> dict[str, object]:
-    positions = spread(case.rng(), (case["frames"], case["joints"], 3))
-    return {"positions": positions, "rate": (30.0, 120.0)[case.seed % 2]}
-
-
+@claim("chain", "the joint, its parent, and so on, the root last", 2)
 def _chain_as_array(function: Callable, case: Case) -> None:
     given = _tree_arguments(case)
     found = np.asarray(function(*given.values()))
     require_same(found, np.asarray(chain_to_root(**given)), ("the chain",))
 
 
+@claim("rotation", "the matrix keeps lengths and does not mirror")
 def _is_rotation(function: Callable, case: Case) -> None:
     matrix = np.asarray(function(*_channel_arguments(case).values()))
     require_equal("the matrix times its transpose", matrix @ matrix.T, np.eye(3))
     require_equal("its determinant", np.linalg.det(matrix), 1.0)
 
 
+@claim("rest pose", "without rotations a joint is at the sum of the translations on its chain")
 def _rest_pose(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     given["rotations"] = np.broadcast_to(np.eye(3), given["rotations"].shape)
@@ -114,6 +118,7 @@ def _rest_pose(function: Callable, case: Case) -> None:
         require_equal(what, positions[:, joint], expected)
 
 
+@claim("bone lengths", "a bone is as long as its translation")
 def _bone_lengths(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     positions = function(*copies(given))
@@ -124,6 +129,11 @@ def _bone_lengths(function: Callable, case: Case) -> None:
             require_equal(f"the length of the bone to joint {joint}", lengths, expected)
 
 
+@claim(
+    "own rotation",
+    "a joint's own rotation moves its descendants, never the joint itself",
+    sizes={"joints": (2, 3, 4, 6)},
+)
 def _own_rotation(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     before = function(*copies(given))
@@ -131,6 +141,7 @@ def _own_rotation(function: Callable, case: Case) -> None:
     require_equal("with its last joint rotated, a position", function(*copies(given)), before)
 
 
+@claim("turned root", "rotating the root rotates the whole body")
 def _rotated_root(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     rotation = random_rotations(np.random.default_rng([case.seed, 3]), 1)[0]
@@ -140,6 +151,7 @@ def _rotated_root(function: Callable, case: Case) -> None:
     require_equal("with the root rotated, a position", function(*copies(given)), expected)
 
 
+@claim("steady", "at a constant 5 m/s it is 5 in every frame")
 def _constant_speed(function: Callable, case: Case) -> None:
     rate = _speed_arguments(case)["rate"]
     time = np.arange(case["frames"]) / rate
@@ -152,69 +164,50 @@ _channels_as_matrix = same_as(rotation_from_channels, _channel_arguments, "the m
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "chain_to_root",
-        "start with the joint itself, then take its parent repeatedly, until that is -1",
         chain_to_root,
+        "start with the joint itself, then take its parent repeatedly, until that is -1",
         _tree_arguments,
         TREE_SIZES,
-        (Claim("chain", "the joint, its parent, and so on, the root last", _chain_as_array, 2),),
+        _chain_as_array,
+        pure=False,
     ),
     exercise(
-        "rotation_from_channels",
+        rotation_from_channels,
         "the first channel is the leftmost factor; convert degrees, and note that a rotation "
         "about Y takes Z towards X",
-        rotation_from_channels,
         _channel_arguments,
         {"channels": (1, 2, 3)},
-        (
-            Claim(
-                "one channel",
-                "a single channel rotates about its axis, by the right-hand rule",
-                _channels_as_matrix,
-                sizes={"channels": (1,)},
-            ),
-            Claim(
-                "order",
-                "several channels are multiplied in the order of the file",
-                _channels_as_matrix,
-                2,
-            ),
-            Claim("rotation", "the matrix keeps lengths and does not mirror", _is_rotation),
+        Claim(
+            "one channel",
+            "a single channel rotates about its axis, by the right-hand rule",
+            _channels_as_matrix,
+            sizes={"channels": (1,)},
         ),
+        Claim(
+            "order",
+            "several channels are multiplied in the order of the file",
+            _channels_as_matrix,
+            2,
+        ),
+        _is_rotation,
+        pure=False,
         hints={
             "one channel": "write the three matrices down; each leaves its own axis unchanged",
             "order": "matrices do not commute: which factor is applied to the vector first?",
         },
     ),
     exercise(
-        "forward_kinematics",
+        forward_kinematics,
         "go through the joints in their order: the position and global rotation of a parent are "
         "then known before its children need them",
-        forward_kinematics,
         _motion_arguments,
         MOTION_SIZES,
-        (
-            Claim(
-                "value",
-                "p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
-                same_as(forward_kinematics, _motion_arguments, "the position"),
-                3,
-            ),
-            Claim(
-                "rest pose",
-                "without rotations a joint is at the sum of the translations on its chain",
-                _rest_pose,
-            ),
-            Claim("bone lengths", "a bone is as long as its translation", _bone_lengths),
-            Claim(
-                "own rotation",
-                "a joint's own rotation moves its descendants, never the joint itself",
-                _own_rotation,
-                sizes={"joints": (2, 3, 4, 6)},
-            ),
-            Claim("turned root", "rotating the root rotates the whole body", _rotated_root),
-            unchanged(_motion_arguments),
-        ),
+        _rest_pose,
+        _bone_lengths,
+        _own_rotation,
+        _rotated_root,
+        value="p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
+        points=3,
         hints={
             "value": "is G_parent the parent's global rotation or its local one? on which side is "
             "R_j?",
@@ -222,19 +215,12 @@ EXERCISES: tuple[Exercise, ...] = (
         },
     ),
     exercise(
-        "speeds",
-        "the distance to the next frame, times the number of such steps in a second",
         speeds,
+        "the distance to the next frame, times the number of such steps in a second",
         _speed_arguments,
         {"frames": (2, 3, 5), "joints": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "the distance between a joint's positions in successive frames, times the rate",
-                same_as(speeds, _speed_arguments, "the speed"),
-                2,
-            ),
-            Claim("steady", "at a constant 5 m/s it is 5 in every frame", _constant_speed),
-        ),
+        _constant_speed,
+        value="the distance between a joint's positions in successive frames, times the rate",
+        pure=False,
     ),
 )

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.course.exercises.checks import copies, require_same, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Check, Claim, Exercise, exercise
+from numpy_cae.course.exercises.checks import Claim, array, claim, copies, drawn, require_same
+from numpy_cae.course.exercises.exercise import Exercise, exercise
 from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
@@ -56,15 +56,10 @@ def _across_arguments(case: Case) -> dict[str, object]:
     return {"across": np.stack([width * np.cos(theta), tilt, -width * np.sin(theta)], axis=-1)}
 
 
-def _vector_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    vectors = spread(rng, (case["frames"], case["vectors"], 3))
-    return {"vectors": vectors, "angles": spread(rng, (case["frames"],), 3.0)}
-
-
-def _position_arguments(case: Case) -> dict[str, object]:
-    positions = spread(case.rng(), (case["frames"], len(JOINTS), 3))
-    return {"positions": positions, "theta": _random_headings(case)}
+_position_arguments = drawn(
+    positions=f"frames {len(JOINTS)} 3", theta=lambda case, rng: _random_headings(case)
+)
+_vector_arguments = drawn(vectors="frames vectors 3", angles=array("frames", 3.0))
 
 
 def _feature_arguments(case: Case) -> dict[str, object]:
@@ -74,6 +69,7 @@ def _feature_arguments(case: Case) -> dict[str, object]:
     return {"features": features, "x": x, "z": z, "heading": heading}
 
 
+@claim("faces", "facing +Z is 0, facing +X is a quarter turn (up to whole turns)", 2)
 def _known_directions(function: Callable, case: Case) -> None:
     across = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
     for line, expected in zip(across, (0.0, np.pi / 2, np.pi), strict=True):
@@ -84,19 +80,21 @@ def _known_directions(function: Callable, case: Case) -> None:
         require_equal(f"for across {line.tolist()}, the angle's error", error, 0.0)
 
 
+@claim("turns", "the angle changes by the body's rotation, past whole turns too")
 def _changes_of_heading(function: Callable, case: Case) -> None:
     found = np.asarray(function(*copies(_across_arguments(case))))
     expected = np.diff(_random_headings(case))
     require_equal("the change from frame to frame", np.diff(found), expected)
 
 
+@claim("undone", "rotating by -angle undoes it")
 def _inverse_rotation(function: Callable, case: Case) -> None:
     vectors, angles = _vector_arguments(case).values()
     back = function(np.array(function(vectors.copy(), angles.copy())), -angles)
     require_equal("rotated by the angle and by its negative, a vector", back, vectors)
 
 
-def _columns(columns: slice, what: str) -> Check:
+def _columns(columns: slice, what: str) -> Callable:
     def check(function: Callable, case: Case) -> None:
         given = _position_arguments(case)
         found = np.asarray(function(*copies(given)))
@@ -108,6 +106,7 @@ def _columns(columns: slice, what: str) -> Check:
     return check
 
 
+@claim("elsewhere", "the same motion, moved and facing another direction, has the same features", 2)
 def _elsewhere(function: Callable, case: Case) -> None:
     positions, theta = _position_arguments(case).values()
     angle = 0.5 + case.seed % 5
@@ -117,6 +116,7 @@ def _elsewhere(function: Callable, case: Case) -> None:
     require_equal("of the moved and rotated motion, a feature", found, expected)
 
 
+@claim("round trip", "features and back again are the same positions", 2)
 def _round_trip(function: Callable, case: Case) -> None:
     positions, theta = _position_arguments(case).values()
     start = (float(positions[0, 0, 0]), float(positions[0, 0, 2]), float(theta[0]))
@@ -124,12 +124,14 @@ def _round_trip(function: Callable, case: Case) -> None:
     require_same(back, positions, ("converted to features and back, a position",))
 
 
+@claim("first frame", "the first pose is at (x, z) and faces heading")
 def _first_frame(function: Callable, case: Case) -> None:
     given = _feature_arguments(case)
     found = np.asarray(function(*copies(given)))
     require_equal("a position in the first frame", found[0], from_features(**given)[0])
 
 
+@claim("last velocity", "the velocity of the last frame has no effect")
 def _last_velocity(function: Callable, case: Case) -> None:
     given = _feature_arguments(case)
     before = function(*copies(given))
@@ -139,107 +141,64 @@ def _last_velocity(function: Callable, case: Case) -> None:
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "heading_angle",
+        heading_angle,
         "forward is perpendicular to both Y and across: a cross product. arctan2 gives the angle "
         "of its x and z; np.unwrap removes the jumps by a whole turn",
-        heading_angle,
         _across_arguments,
         FRAMES,
-        (
-            Claim(
-                "faces",
-                "facing +Z is 0, facing +X is a quarter turn (up to whole turns)",
-                _known_directions,
-                2,
-            ),
-            Claim(
-                "turns",
-                "the angle changes by the body's rotation, past whole turns too",
-                _changes_of_heading,
-            ),
-            unchanged(_across_arguments),
-        ),
+        _known_directions,
+        _changes_of_heading,
         hints={
             "faces": "with the left side at +X and up at +Y, is your forward +Z or -Z?",
             "turns": "arctan2 jumps by 2π if the body faces -Z",
         },
     ),
     exercise(
-        "turn_about_y",
+        turn_about_y,
         "y stays; x and z mix by the sine and cosine of the angle; a small positive angle takes +Z "
         "towards +X. angles[:, None] broadcasts a frame's angle to all its vectors",
-        turn_about_y,
         _vector_arguments,
         {"frames": (1, 2, 3), "vectors": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "the vectors of each frame are rotated about Y by the angle of that frame",
-                same_as(turn_about_y, _vector_arguments, "the rotated vector"),
-                3,
-            ),
-            Claim("undone", "rotating by -angle undoes it", _inverse_rotation),
-            unchanged(_vector_arguments),
-        ),
+        _inverse_rotation,
+        value="the vectors of each frame are rotated about Y by the angle of that frame",
+        points=3,
     ),
     exercise(
-        "to_features",
+        to_features,
         "subtract the ground position of the hips from every joint, rotate by -θ; the velocity is "
         "the step of the hips to the next frame, rotated by the same -θ",
-        to_features,
         _position_arguments,
         FRAMES,
-        (
-            Claim(
-                "positions",
-                "the first 60 are R(-θ) (p - h), joint by joint",
-                _columns(slice(0, 60), "a position"),
-                2,
-            ),
-            Claim(
-                "velocity",
-                "the next two are x and z of R(-θ_t) (h_{t+1} - h_t)",
-                _columns(slice(60, 62), "the velocity"),
-                2,
-            ),
-            Claim("turn", "the last is θ_{t+1} - θ_t", _columns(slice(62, 63), "the change")),
-            Claim(
-                "elsewhere",
-                "the same motion, moved and facing another direction, has the same features",
-                _elsewhere,
-                2,
-            ),
-            unchanged(_position_arguments),
+        Claim(
+            "positions",
+            "the first 60 are R(-θ) (p - h), joint by joint",
+            _columns(slice(0, 60), "a position"),
+            2,
         ),
+        Claim(
+            "velocity",
+            "the next two are x and z of R(-θ_t) (h_{t+1} - h_t)",
+            _columns(slice(60, 62), "the velocity"),
+            2,
+        ),
+        Claim("turn", "the last is θ_{t+1} - θ_t", _columns(slice(62, 63), "the change")),
+        _elsewhere,
         hints={
             "positions": "subtract only x and z of the hips: the height has to stay",
             "velocity": "there is one step fewer than frames; the last frame repeats its step",
         },
     ),
     exercise(
-        "from_features",
+        from_features,
         "first the headings, the cumulative sum of their changes; with these rotate each step into "
         "the world; then the ground positions, the cumulative sum of the steps",
-        from_features,
         _feature_arguments,
         FRAMES,
-        (
-            Claim("first frame", "the first pose is at (x, z) and faces heading", _first_frame),
-            Claim(
-                "value",
-                "h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
-                same_as(from_features, _feature_arguments, "a position"),
-                3,
-            ),
-            Claim(
-                "round trip",
-                "features and back again are the same positions",
-                _round_trip,
-                2,
-            ),
-            Claim("last velocity", "the velocity of the last frame has no effect", _last_velocity),
-            unchanged(_feature_arguments),
-        ),
+        _first_frame,
+        _round_trip,
+        _last_velocity,
+        value="h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
+        points=3,
         hints={"value": "the sum at frame 0 is empty, at frame 1 it has one step"},
     ),
 )

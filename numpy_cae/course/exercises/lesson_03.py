@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.checks import claim
+from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
 from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import OPERATIONS
@@ -35,6 +35,7 @@ def _unfold_arguments(case: Case) -> dict[str, object]:
     return {"x": CONV1D.arguments(case)["x"], "taps": case["taps"]}
 
 
+@claim("times a matrix", "the rows times w as one matrix, plus b, are the convolution")
 def _times_matrix(function: Callable, case: Case) -> None:
     x, w, b = CONV1D.arguments(case).values()
     y = function(x.copy(), len(w)) @ w.reshape(-1, w.shape[-1]) + b
@@ -43,44 +44,24 @@ def _times_matrix(function: Callable, case: Case) -> None:
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "conv1d_by_loops",
+        conv1d_by_loops,
         "five loops: over windows, frames, filters, taps and channels; skip a tap that reads a "
         "frame outside the window",
-        conv1d_by_loops,
         CONV1D.arguments,
         CONV1D.sizes,
-        (
-            Claim(
-                "value",
-                "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-                same_as(definitions.conv1d, CONV1D.arguments),
-                3,
-            ),
-            unchanged(CONV1D.arguments),
-        ),
+        value="y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
+        definition=definitions.conv1d,
+        points=3,
         hints={"value": "a negative index does not fail in Python: it reads from the other end"},
     ),
     exercise(
-        "unfold",
+        unfold,
         "pad both ends with K//2 frames of zeros, take a slice of K frames for every t, and "
         "reshape each to one row",
-        unfold,
         _unfold_arguments,
         {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "filters", "taps")},
-        (
-            Claim(
-                "value",
-                "row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
-                same_as(unfold, _unfold_arguments, "the rows"),
-                2,
-            ),
-            Claim(
-                "times a matrix",
-                "the rows times w as one matrix, plus b, are the convolution",
-                _times_matrix,
-            ),
-            unchanged(_unfold_arguments),
-        ),
+        _times_matrix,
+        value="row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
     ),
     operation_exercise(
         "transpose_filters",

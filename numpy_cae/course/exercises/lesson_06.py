@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
+from numpy_cae.course.exercises.exercise import (
+    Exercise,
+    differentiated_exercise,
+    exercise,
+    operation_exercise,
+)
 from numpy_cae.course.exercises.lesson_05 import (
     BOUND,
     SIZES,
@@ -55,12 +60,9 @@ def _corruption_arguments(case: Case) -> dict[str, object]:
     return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
 
 
-def _step_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    shape = (case["taps"], case["channels"])
-    parameter, gradient = spread(rng, shape), spread(rng, shape)
-    numbers = {"rate": 0.5, "decay": 0.9, "epoch": case["epoch"]}
-    return {"parameter": parameter, "gradient": gradient, **numbers}
+_step_arguments = drawn(
+    parameter="taps channels", gradient="taps channels", rate=0.5, decay=0.9, epoch=size("epoch")
+)
 
 
 def _loss_arguments(case: Case) -> dict[str, object]:
@@ -73,15 +75,12 @@ def _loss_arguments(case: Case) -> dict[str, object]:
     return {"x": x, "corrupted": corrupted, **weights, "first": first, **numbers}
 
 
+@claim("kept", "values that are not zeroed are exactly those of x")
 def _kept_values(function, case: Case) -> None:
     x, p, draws = _corruption_arguments(case).values()
     found = function(x, p, draws)[draws >= p]
     require_equal("where the draw is not below p, the value", found, x[draws >= p])
 
-
-LAYER_LOSS = Differentiated(
-    _loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")
-)
 
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
@@ -94,51 +93,30 @@ EXERCISES: tuple[Exercise, ...] = (
         "the slope of |y| is the sign of y; at 0, where it has none, take 0",
     ),
     exercise(
-        "zero_values",
-        "the comparison draws < p gives a mask; np.where chooses by a mask",
         zero_values,
+        "the comparison draws < p gives a mask; np.where chooses by a mask",
         _corruption_arguments,
         {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "0 where the draw is below p, x everywhere else",
-                same_as(zero_values, _corruption_arguments),
-                3,
-            ),
-            Claim("kept", "values that are not zeroed are exactly those of x", _kept_values),
-            unchanged(_corruption_arguments),
-        ),
+        _kept_values,
+        value="0 where the draw is below p, x everywhere else",
+        points=3,
     ),
     exercise(
-        "sgd_step",
-        "epoch 0 uses the given rate; every later epoch multiplies it by the decay once more",
         sgd_step,
+        "epoch 0 uses the given rate; every later epoch multiplies it by the decay once more",
         _step_arguments,
         {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
-        (
-            Claim("value", "θ - η_0 · decay^epoch · dL/dθ", same_as(sgd_step, _step_arguments), 2),
-            unchanged(_step_arguments),
-        ),
+        value="θ - η_0 · decay^epoch · dL/dθ",
     ),
-    exercise(
-        "layer_loss",
+    differentiated_exercise(
+        layer_loss,
         "go forward through equation 1 with X_c and equation 2 with the mask; compare with the "
         "clean X; then go back. Two gradients meet at Y: that of the error and that of the "
         "sparsity term",
-        layer_loss,
-        _loss_arguments,
+        Differentiated(_loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")),
         SIZES,
-        (
-            LAYER_LOSS.value("the loss is that of equation 3, computed by loops"),
-            LAYER_LOSS.gradient(
-                "gradient for w", "dw agrees with central differences of your own loss", 3, ("w",)
-            ),
-            LAYER_LOSS.gradient(
-                "gradient for b", "db agrees with central differences of your own loss", 3, ("b",)
-            ),
-            LAYER_LOSS.unchanged(),
-        ),
+        value="the loss is that of equation 3, computed by loops",
+        gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
         hints={
             "value": "the error compares with x, the hidden units are those of corrupted",
             "gradient for w": "add three terms: decoding, encoding of the error, encoding of the "

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
+from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise, exercise
 from numpy_cae.course.exercises.lesson_05 import BOUND, decode_by_loops, encode_by_loops, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.verify import definitions
@@ -65,13 +65,10 @@ def _random_windows(case: Case, rng: np.random.Generator) -> np.ndarray:
     return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
 
 
-def _size_arguments(case: Case) -> dict[str, object]:
-    return {"taps": case["taps"], "layers": case["layers"]}
+_size_arguments = drawn(taps=size("taps"), layers=size("layers"))
 
 
-def _stage_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    return {"x": _random_windows(case, rng), "layers": _random_layers(case, rng)}
+_stage_arguments = drawn(x=_random_windows, layers=_random_layers)
 
 
 def _stack_arguments(case: Case) -> dict[str, object]:
@@ -81,6 +78,7 @@ def _stack_arguments(case: Case) -> dict[str, object]:
     return {"x": x, "corrupted": corrupted, "layers": _random_layers(case, rng), "bound": BOUND}
 
 
+@claim("value", "it is the number of frames counted by following every index down", 2)
 def _count_of_indices(frames_seen, case: Case) -> None:
     """Pooling reads a pair of frames, a filter one frame and K//2 more on either side."""
     read = {1000}
@@ -91,6 +89,7 @@ def _count_of_indices(frames_seen, case: Case) -> None:
     require_equal("the number of frames", frames_seen(*_size_arguments(case).values()), len(read))
 
 
+@claim("value", "the input of layer k is x encoded by every layer below k", 2)
 def _each_stage(stage_inputs, case: Case) -> None:
     x, layers = _stage_arguments(case).values()
     found = stage_inputs(x, layers)
@@ -102,63 +101,42 @@ def _each_stage(stage_inputs, case: Case) -> None:
         expected = encode_by_loops(expected, w, b)
 
 
-def _gradients_of_layers(of: str) -> Claim:
-    """The claim about w or b of every layer."""
-    every_layer = tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
-    statement = f"d{of} of every layer agrees with central differences of your own loss"
-    return STACK_LOSS.gradient(f"gradients for {of}", statement, 4, every_layer)
+def _names_in_layers(of: str) -> tuple[str, ...]:
+    """The names of w or b of every layer that `Differentiated` uses."""
+    return tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
 
 
-STACK_LOSS = Differentiated(
-    _stack_arguments, _stack_loss_by_loops, ("layers",), ("the loss", "a list of gradients")
-)
 TWO_TERMS = "add both terms of each layer; the lists of pullbacks run in opposite orders"
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "frames_seen",
+        frames_seen,
         "go down one layer at a time: how many frames of the convolution do n neighbouring units "
         "read, and how many frames below do those read?",
-        frames_seen,
         _size_arguments,
         {"taps": (1, 3, 5, 15), "layers": (1, 2, 3, 4)},
-        (
-            Claim(
-                "value",
-                "it is the number of frames counted by following every index down",
-                _count_of_indices,
-                2,
-            ),
-        ),
+        _count_of_indices,
+        pure=False,
         hints={"value": "2n frames of a convolution with K taps read 2n + K - 1 frames below"},
     ),
     exercise(
-        "stage_inputs",
-        "the first layer learns from x itself; the second from the hidden units of the first",
         stage_inputs,
+        "the first layer learns from x itself; the second from the hidden units of the first",
         _stage_arguments,
         SIZES,
-        (
-            Claim(
-                "value", "the input of layer k is x encoded by every layer below k", _each_stage, 2
-            ),
-            unchanged(_stage_arguments),
-        ),
+        _each_stage,
         given=("encode_layer", "decode_layer"),
     ),
-    exercise(
-        "stack_loss",
+    differentiated_exercise(
+        stack_loss,
         "encode with every layer, keeping the pullbacks; decode with every layer in reverse, "
         "keeping theirs. The gradient passes all pullbacks in reverse, the last one first",
-        stack_loss,
-        _stack_arguments,
-        SIZES,
-        (
-            STACK_LOSS.value("the loss is the mean squared error of the whole stack, by loops"),
-            _gradients_of_layers("w"),
-            _gradients_of_layers("b"),
-            STACK_LOSS.unchanged(),
+        Differentiated(
+            _stack_arguments, _stack_loss_by_loops, ("layers",), ("the loss", "the gradients")
         ),
+        SIZES,
+        value="the loss is the mean squared error of the whole stack, computed by loops",
+        gradients={f"gradients for {of}": (4, _names_in_layers(of)) for of in "wb"},
         hints={
             "value": "decoding starts with the top layer",
             "gradients for w": TWO_TERMS,

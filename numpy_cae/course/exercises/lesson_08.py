@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import copies, require_same, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
-from numpy_cae.manifold.blind import zeroed_fraction
+from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
+from numpy_cae.course.exercises.exercise import Exercise, exercise
+from numpy_cae.manifold.blind import lost_share
 from numpy_cae.manifold.compare import G
 from numpy_cae.measures import retrieval
 from numpy_cae.verify.case import Case, spread
@@ -33,7 +33,7 @@ class Blur:
 
 def rescale(x):
     """X_c / (1 - p̂), p̂ being the share of zeros in each window."""
-    return x / (1 - zeroed_fraction(x))
+    return x / (1 - lost_share(x))
 
 
 def denoising_weights(second, cross, kept):
@@ -93,8 +93,7 @@ def _damaged_arguments(case: Case) -> dict[str, object]:
     return {"x": x}
 
 
-def _whole_arguments(case: Case) -> dict[str, object]:
-    return {"x": spread(case.rng(), (case["batch"], case["frames"], case["channels"]))}
+_whole_arguments = drawn(x="batch frames channels")
 
 
 def _random_samples(case: Case) -> tuple[np.ndarray, np.ndarray]:
@@ -151,12 +150,14 @@ def _least_squares_over_masks(denoising_weights, case: Case) -> None:
     require_same(found, expected, ("the weights",))
 
 
+@claim("known", "known values stay exactly as they are", 1)
 def _known_values_stay(fill_unknown, case: Case) -> None:
     x, known, project = _hole_arguments(case).values()
     found = fill_unknown(x.copy(), known.copy(), project)[known]
     require_same(found, x[known], ("a known value",))
 
 
+@claim("order", "the order of the frames does not matter")
 def _order_of_time(function, case: Case) -> None:
     y_0, y_1 = _unit_arguments(case).values()
     order = case.rng().permutation(len(y_0))
@@ -166,6 +167,7 @@ def _order_of_time(function, case: Case) -> None:
     )
 
 
+@claim("best", "it is 1 if all motions that are alike come first")
 def _perfect_ranking(function, case: Case) -> None:
     distances, alike = _ranking_arguments(case).values()
     first = np.where(alike, distances, distances + 10.0)
@@ -175,60 +177,49 @@ def _perfect_ranking(function, case: Case) -> None:
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "rescale",
+        rescale,
         "count the zeros of each window over its frames and features, without features that are "
         "zero in every frame, and divide; keepdims=True keeps the axes for the division",
-        rescale,
         _damaged_arguments,
         {**WINDOWS, "still": (0,)},
-        (
-            Claim(
-                "value",
-                "each window is divided by its share of values that are not zero",
-                same_as(_rescale_by_loops, _damaged_arguments),
-                3,
-            ),
-            Claim(
-                "still features",
-                "a feature that is zero in every frame does not count",
-                same_as(_rescale_by_loops, _damaged_arguments),
-                2,
-                {"still": (1, 2)},
-            ),
-            Claim(
-                "nothing lost",
-                "a window without zeros is not changed",
-                same_as(lambda x: x, _whole_arguments),
-            ),
-            unchanged(_damaged_arguments),
+        Claim(
+            "still features",
+            "a feature that is zero in every frame does not count",
+            same_as(_rescale_by_loops, _damaged_arguments),
+            2,
+            {"still": (1, 2)},
         ),
+        Claim(
+            "nothing lost",
+            "a window without zeros is not changed",
+            same_as(lambda x: x, _whole_arguments),
+        ),
+        value="each window is divided by its share of values that are not zero",
+        definition=_rescale_by_loops,
+        points=3,
         hints={
             "value": "one share for each window, over both other axes",
             "still features": "(x == 0).all(axis=1) finds the features that are always zero",
         },
     ),
     exercise(
-        "denoising_weights",
+        denoising_weights,
         "M and B are expectations over the masks: two different values are both kept with "
         "probability kept squared, a value with itself with probability kept",
-        denoising_weights,
         _moment_arguments,
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
-        (
-            Claim(
-                "value",
-                "they are the least-squares weights over all masks, weighted by probability",
-                _least_squares_over_masks,
-                4,
-            ),
-            Claim(
-                "nothing lost",
-                "with kept = 1 they are ordinary least squares",
-                _least_squares_over_masks,
-                2,
-                {"tenths": (10,)},
-            ),
-            unchanged(_moment_arguments),
+        Claim(
+            "value",
+            "they are the least-squares weights over all masks, weighted by probability",
+            _least_squares_over_masks,
+            4,
+        ),
+        Claim(
+            "nothing lost",
+            "with kept = 1 they are ordinary least squares",
+            _least_squares_over_masks,
+            2,
+            {"tenths": (10,)},
         ),
         hints={
             "value": "the diagonal of M is multiplied by kept once, everything else twice",
@@ -236,69 +227,47 @@ EXERCISES: tuple[Exercise, ...] = (
         },
     ),
     exercise(
-        "fill_unknown",
+        fill_unknown,
         "three steps: zero the unknown values, project, and take the projection only where "
         "values are unknown; np.where does the first and the last",
-        fill_unknown,
         _hole_arguments,
         WINDOWS,
-        (
-            Claim(
-                "value",
-                "an unknown value is that of the projection of the window with zeros there",
-                same_as(fill_unknown, _hole_arguments),
-                3,
-            ),
-            Claim("known", "known values stay exactly as they are", _known_values_stay, 1),
-            Claim(
-                "nothing there",
-                "the values of x where it is unknown do not matter, NaN included",
-                same_as(fill_unknown, _nan_hole_arguments),
-                2,
-            ),
-            unchanged(_hole_arguments),
+        _known_values_stay,
+        Claim(
+            "nothing there",
+            "the values of x where it is unknown do not matter, NaN included",
+            same_as(fill_unknown, _nan_hole_arguments),
+            2,
         ),
+        value="an unknown value is that of the projection of the window with zeros there",
+        points=3,
         hints={
             "value": "project is given the whole window, and called once",
             "nothing there": "0 times NaN is NaN: choose with np.where, do not multiply",
         },
     ),
     exercise(
-        "G",
+        G,
         "max over time of each unit, for both motions; the squared norm of the difference; the "
         "same with min; add",
-        G,
         _unit_arguments,
         {"first": (1, 2, 3), "second": (1, 2, 3), "units": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "it is equation 4, unit by unit",
-                same_as(_equation_4_by_loops, _unit_arguments, "G"),
-                3,
-            ),
-            Claim("order", "the order of the frames does not matter", _order_of_time),
-            unchanged(_unit_arguments),
-        ),
+        _order_of_time,
+        value="it is equation 4, unit by unit",
+        definition=_equation_4_by_loops,
+        points=3,
         hints={"value": "time is axis 0; the two motions may have different numbers of frames"},
     ),
     exercise(
-        "average_precision",
+        average_precision,
         "np.argsort(distances) lists the motions nearest first; index alike in that order, and "
         "np.cumsum counts how many were found so far",
-        average_precision,
         _ranking_arguments,
         {"motions": (1, 2, 3, 5, 8), "alike": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "it is the mean of found so far / rank, over the ranks of the motions alike",
-                same_as(_precision_by_loops, _ranking_arguments, "the average precision"),
-                3,
-            ),
-            Claim("best", "it is 1 if all motions that are alike come first", _perfect_ranking),
-            unchanged(_ranking_arguments),
-        ),
+        _perfect_ranking,
+        value="it is the mean of found so far / rank, over the ranks of the motions alike",
+        definition=_precision_by_loops,
+        points=3,
         hints={"value": "the first rank is 1"},
     ),
 )

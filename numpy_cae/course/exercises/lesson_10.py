@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import PULLBACK, Differentiated
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn
+from numpy_cae.course.exercises.exercise import (
+    Exercise,
+    differentiated_exercise,
+    operation_exercise,
+)
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.course.exercises.sequence_network import (
     DECODER,
@@ -14,6 +18,7 @@ from numpy_cae.course.exercises.sequence_network import (
     DTYPE_HINT,
     ENCODER,
     FRAME,
+    LOSS_AND_GRADIENTS,
     SIZES,
     WEIGHT_BOUND,
     WHOLE_NETWORK,
@@ -35,7 +40,7 @@ SUMMED = "The same map writes every frame: sum over the steps"
 
 
 def self_fed(h, frames, w, u, b, c, frame_w, frame_b):
-    """The decoder's loop and its pullback, as in `models`."""
+    """The decoder's loop and its pullback, as in `SequentialAutoencoder.decode_with_pullback`."""
     y = np.zeros((len(h), len(frame_b)), h.dtype)
     written, step_backs, frame_backs = [], [], []
     for _ in range(frames):
@@ -103,31 +108,23 @@ def _write_arguments(case: Case) -> dict[str, object]:
     }
 
 
-def _loss_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    return {"weights": random_weights(case, rng), "x": random_clips(case, rng)}
+_loss_arguments = drawn(weights=random_weights, x=random_clips)
 
 
 READ = Differentiated(_read_arguments, read_by_loops, ("weights",), ("z", PULLBACK))
 WRITE = Differentiated(_write_arguments, write_by_loops, ("z", "weights"), ("the clips", PULLBACK))
-LOSS = Differentiated(
-    _loss_arguments, reconstruction_by_loops, ("weights",), ("the loss", "the gradients by name")
-)
+LOSS = Differentiated(_loss_arguments, reconstruction_by_loops, ("weights",), LOSS_AND_GRADIENTS)
 
 EXERCISES: tuple[Exercise, ...] = (
-    exercise(
-        "read_clips",
+    differentiated_exercise(
+        read_clips,
         "run the GRU from a state of zeros, take its state after the last frame, and map it. In "
         "the pullback the states of all other frames get a gradient of zero",
-        read_clips,
-        _read_arguments,
+        READ,
         WITH_LATENT,
-        (
-            READ.value("z is that of the definition, computed by loops"),
-            READ.gradient("gradients", "every gradient agrees with central differences", 4),
-            READ.keeps_float32(),
-            READ.unchanged(),
-        ),
+        value="z is that of the definition, computed by loops",
+        gradients={"gradients": (4,)},
+        float32=True,
         hints={
             "gradients": "the pullback of gru needs a gradient for the state of every frame: "
             "zeros, and at the last frame the gradient from the map to z",
@@ -157,25 +154,15 @@ EXERCISES: tuple[Exercise, ...] = (
         },
         given=("gru_step", "linear"),
     ),
-    exercise(
-        "write_clips",
+    differentiated_exercise(
+        write_clips,
         "map z to a state, call self_fed, reverse the frames. The pullback of reversing is "
         "reversing",
-        write_clips,
-        _write_arguments,
+        WRITE,
         WITH_LATENT,
-        (
-            WRITE.value("the clips are those of the definition, computed by loops"),
-            WRITE.gradient("gradient for z", "dz agrees with central differences", 2, ("z",)),
-            WRITE.gradient(
-                "gradients for the weights",
-                "every other gradient agrees with central differences",
-                2,
-                DECODER,
-            ),
-            WRITE.keeps_float32(),
-            WRITE.unchanged(),
-        ),
+        value="the clips are those of the definition, computed by loops",
+        gradients={"gradient for z": (2, ("z",)), "gradients for the weights": (2, DECODER)},
+        float32=True,
         hints={
             "value": "the decoder writes the last frame of the clip first",
             "gradient for z": "the upstream gradient is in the order of time, self_fed's is not",
@@ -183,30 +170,15 @@ EXERCISES: tuple[Exercise, ...] = (
         },
         given=("linear",),
     ),
-    exercise(
-        "reconstruction_loss",
+    differentiated_exercise(
+        reconstruction_loss,
         "encode, decode, compare; then the three pullbacks in reverse. The two dicts of gradients "
         "have no name in common: {**one, **other} is both",
-        reconstruction_loss,
-        _loss_arguments,
+        LOSS,
         WHOLE_NETWORK,
-        (
-            LOSS.value("the loss is that of the definition, computed by loops"),
-            LOSS.gradient(
-                "gradients of writing",
-                "the decoder's gradients agree with central differences of your own loss",
-                2,
-                DECODER,
-            ),
-            LOSS.gradient(
-                "gradients of reading",
-                "the encoder's gradients agree with central differences of your own loss",
-                3,
-                ENCODER,
-            ),
-            LOSS.keeps_float32(),
-            LOSS.unchanged(),
-        ),
+        value="the loss is that of the definition, computed by loops",
+        gradients={"gradients of writing": (2, DECODER), "gradients of reading": (3, ENCODER)},
+        float32=True,
         hints={
             "gradients of reading": "the clip is the target too, but a target gets no gradient: "
             "the encoder's gradient comes only through z",

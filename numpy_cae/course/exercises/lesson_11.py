@@ -6,13 +6,19 @@ from itertools import permutations
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.checks import Differentiated, array, drawn
+from numpy_cae.course.exercises.exercise import (
+    Exercise,
+    differentiated_exercise,
+    exercise,
+    operation_exercise,
+)
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.course.exercises.sequence_network import (
     DECODER,
     DTYPE_HINT,
     ENCODER,
+    LOSS_AND_GRADIENTS,
     WHOLE_NETWORK,
     random_clips,
     random_weights,
@@ -21,7 +27,7 @@ from numpy_cae.course.exercises.sequence_network import (
 )
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.verify import definitions
-from numpy_cae.verify.case import Case, spread
+from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import Operation
 
 WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
@@ -40,9 +46,9 @@ def wasserstein_1d(p, q):
     return np.mean(gap * gap), pullback
 
 
-def unit_rows(drawn):
+def unit_rows(rows):
     """Each row divided by its length."""
-    return drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
 
 def regularised_loss(weights, x, prior, directions, weight):
@@ -62,16 +68,6 @@ def _regularised_by_loops(weights, x, prior, directions, weight):
     return reconstruction_by_loops(weights, x) + weight * discrepancy
 
 
-def _set_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    shape = (case["points"],)
-    return {"p": spread(rng, shape), "q": spread(rng, shape, 1.3)}
-
-
-def _row_arguments(case: Case) -> dict[str, object]:
-    return {"drawn": spread(case.rng(), (case["directions"], case["dimensions"]))}
-
-
 def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     return {
@@ -83,16 +79,14 @@ def _loss_arguments(case: Case) -> dict[str, object]:
     }
 
 
-LOSS = Differentiated(
-    _loss_arguments, _regularised_by_loops, ("weights",), ("the loss", "the gradients by name")
-)
+LOSS = Differentiated(_loss_arguments, _regularised_by_loops, ("weights",), LOSS_AND_GRADIENTS)
 
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise(
         Operation(
             "wasserstein_1d",
             {"points": (1, 2, 3, 4, 5)},
-            _set_arguments,
+            drawn(p="points", q=array("points", 1.3)),
             ("p",),
             _cheapest_assignment,
         ),
@@ -106,21 +100,12 @@ EXERCISES: tuple[Exercise, ...] = (
         },
     ),
     exercise(
-        "unit_rows",
+        unit_rows,
         "the length of a row is the root of the sum of its squares; keepdims=True keeps a shape "
         "that divides the rows",
-        unit_rows,
-        _row_arguments,
+        drawn(rows="directions dimensions"),
         {"directions": (1, 2, 3), "dimensions": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "each row is divided by its own length",
-                same_as(unit_rows, _row_arguments),
-                2,
-            ),
-            unchanged(_row_arguments),
-        ),
+        value="each row is divided by its own length",
         hints={"value": "axis=1 sums along a row"},
     ),
     operation_exercise(
@@ -132,30 +117,15 @@ EXERCISES: tuple[Exercise, ...] = (
             "contributes 1/L",
         },
     ),
-    exercise(
-        "regularised_loss",
+    differentiated_exercise(
+        regularised_loss,
         "z is used twice: it is decoded, and it is compared with the prior. Add both gradients "
         "before the pullback of the encoder",
-        regularised_loss,
-        _loss_arguments,
+        LOSS,
         {**WHOLE_NETWORK, "directions": (1, 2)},
-        (
-            LOSS.value("the loss is reconstruction + λ · discrepancy, computed by loops"),
-            LOSS.gradient(
-                "gradients of writing",
-                "the decoder's gradients agree with central differences of your own loss",
-                2,
-                DECODER,
-            ),
-            LOSS.gradient(
-                "gradients of reading",
-                "the encoder's gradients agree with central differences of your own loss",
-                4,
-                ENCODER,
-            ),
-            LOSS.keeps_float32(),
-            LOSS.unchanged(),
-        ),
+        value="the loss is reconstruction + λ · discrepancy, computed by loops",
+        gradients={"gradients of writing": (2, DECODER), "gradients of reading": (4, ENCODER)},
+        float32=True,
         hints={
             "gradients of writing": "the discrepancy does not depend on the decoder",
             "gradients of reading": "two gradients are added at z; the second is λ times that of "

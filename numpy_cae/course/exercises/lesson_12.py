@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops, verify
-from numpy_cae.course.exercises.checks import unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.course.exercises.checks import Claim, claim, drawn, unchanged
+from numpy_cae.course.exercises.exercise import Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
@@ -121,20 +121,22 @@ def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
     return {"f": Matrix(f.a, f.a[::-1] + 1), "x": x, "y": y}
 
 
-def _seed_arguments(case: Case) -> dict[str, object]:
-    return {"seed": case.seed}
+_seed_arguments = drawn(seed=lambda case, rng: case.seed)
 
 
+@claim("value", "for a cubic, exactly the central difference: step h to both sides, over 2h", 2)
 def _slopes_of_cubic(function, case: Case) -> None:
     f, x, h = _difference_arguments(case).values()
     require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
 
 
+@claim("right ones", "for a matrix and its transpose it is 0 to rounding")
 def _no_gap(function, case: Case) -> None:
     found = function(*_right_matrix_arguments(case).values())
     require_equal("for a right pullback, the gap", found, 0.0, 1e-12)
 
 
+@claim("wrong ones", "for another matrix's transpose it is as defined")
 def _right_gap(function, case: Case) -> None:
     arguments = _wrong_matrix_arguments(case).values()
     require_equal("for a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
@@ -176,11 +178,11 @@ def _function_and_inputs(operation: str, implementation: Callable, seed: int, sc
     return f, inputs
 
 
+@claim("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
 def _right_ones_pass(check_gradients, case: Case) -> None:
     for operation in (name for group in GROUPS.values() for name in group):
-        right = right_operation(operation)
         try:
-            check_gradients(*_function_and_inputs(operation, right, case.seed))
+            check_gradients(*_function_and_inputs(operation, right_operation(operation), case.seed))
         except AssertionError as error:
             raise AssertionError(f"it refuses {operation}, which is right: {error}") from None
 
@@ -208,10 +210,14 @@ def _require_refusal(check_gradients, bug: PlantedBug, seed: int, scale: float =
     raise AssertionError(f"it accepts a wrong {bug.operation}: {bug.sentence}")
 
 
+@claim("tiny numbers", "a wrong gradient is refused even if all numbers are near 1e-6")
 def _refuses_tiny(check_gradients, case: Case) -> None:
     _require_refusal(check_gradients, bug_named("squared_without_two"), case.seed, TINY)
 
 
+@claim(
+    "names the culprit", "the message has the name of the input whose gradient is wrong, as a word"
+)
 def _names_the_input(check_gradients, case: Case) -> None:
     for name in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged"):
         bug = bug_named(name)
@@ -225,6 +231,7 @@ def _names_the_input(check_gradients, case: Case) -> None:
             raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
 
 
+@claim("inputs stay", "the inputs are not changed")
 def _inputs_stay(check_gradients, case: Case) -> None:
     f, inputs = _function_and_inputs("conv1d", ops.conv1d, case.seed)
     before = {name: x.copy() for name, x in inputs.items()}
@@ -239,78 +246,53 @@ DRAWN_UPSTREAM = "is your upstream gradient random, and is every input checked?"
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "central_differences",
-        "one entry at a time, a small step up and down; np.ndindex iterates over the entries",
         central_differences,
+        "one entry at a time, a small step up and down; np.ndindex iterates over the entries",
         _difference_arguments,
         {"rows": (1, 2), "columns": (1, 2, 3)},
-        (
-            Claim(
-                "value",
-                "for a cubic, exactly the central difference: step h to both sides, over 2h",
-                _slopes_of_cubic,
-                2,
-            ),
-            X_UNCHANGED,
-        ),
+        _slopes_of_cubic,
+        X_UNCHANGED,
+        pure=False,
         hints={"value": "each slope is that of one entry: every other entry of x keeps its value"},
     ),
     exercise(
-        "adjoint_gap",
-        "two inner products, one with the value of f at x, one with the pullback of y",
         adjoint_gap,
+        "two inner products, one with the value of f at x, one with the pullback of y",
         _wrong_matrix_arguments,
         {"rows": (1, 2, 3), "columns": (1, 2, 3)},
-        (
-            Claim("right ones", "for a matrix and its transpose it is 0 to rounding", _no_gap),
-            Claim("wrong ones", "for another matrix's transpose it is as defined", _right_gap),
-        ),
+        _no_gap,
+        _right_gap,
+        pure=False,
     ),
     exercise(
-        "accuse",
-        "compare the lines one by one with the equations in the docstring of the right one",
         accuse,
+        "compare the lines one by one with the equations in the docstring of the right one",
         _seed_arguments,
         ONE_CASE,
-        [_accused(number) for number in range(1, len(SUSPECTS) + 1)],
+        *[_accused(number) for number in range(1, len(SUSPECTS) + 1)],
+        pure=False,
     ),
     exercise(
-        "check_gradients",
+        check_gradients,
         "draw an upstream gradient; the loss is Σ dy ∘ f; compare the pullback's gradient for each "
         "input with differences of that loss, relative to the size of the gradient",
-        check_gradients,
         _seed_arguments,
         ONE_CASE,
-        (
+        _right_ones_pass,
+        *(
             Claim(
-                "right ones pass",
-                "no right operation is refused",
-                _right_ones_pass,
+                group,
+                f"every planted bug of {' or '.join(operations)} is refused",
+                _refuses_group(group),
                 2,
                 examples=FEW_EXAMPLES,
-            ),
-            *(
-                Claim(
-                    group,
-                    f"every planted bug of {' or '.join(operations)} is refused",
-                    _refuses_group(group),
-                    2,
-                    examples=FEW_EXAMPLES,
-                )
-                for group, operations in GROUPS.items()
-            ),
-            Claim(
-                "tiny numbers",
-                "a wrong gradient is refused even if all numbers are near 1e-6",
-                _refuses_tiny,
-            ),
-            Claim(
-                "names the culprit",
-                "the message has the name of the input whose gradient is wrong, as a word",
-                _names_the_input,
-            ),
-            Claim("inputs stay", "the inputs are not changed", _inputs_stay),
+            )
+            for group, operations in GROUPS.items()
         ),
+        _refuses_tiny,
+        _names_the_input,
+        _inputs_stay,
+        pure=False,
         hints={
             "right ones pass": "rounding is proportional to the numbers: is your tolerance "
             "relative?",

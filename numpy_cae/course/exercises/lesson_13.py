@@ -7,8 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import require_parts, same_as, unchanged
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.checks import (
+    claim,
+    drawn,
+    require_parts,
+    size,
+)
+from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
@@ -65,8 +70,7 @@ def _product_arguments(case: Case) -> dict[str, object]:
     return {**dict(zip("abpq", numbers, strict=True)), "multiply": CountedProduct()}
 
 
-def _block_arguments(case: Case) -> dict[str, object]:
-    return {"taps": case["taps"], "frames": case["frames"]}
+_block_arguments = drawn(taps=size("taps"), frames=size("frames"))
 
 
 def _convolution_arguments(case: Case) -> dict[str, object]:
@@ -75,6 +79,7 @@ def _convolution_arguments(case: Case) -> dict[str, object]:
     return {**CONV1D.arguments(case), **matrices}
 
 
+@claim("value", "real and imaginary part of (a + i b)(p + i q)", 2)
 def _complex_product(three_products, case: Case) -> None:
     a, b, p, q, multiply = _product_arguments(case).values()
     returned = three_products(a, b, p, q, multiply)
@@ -86,6 +91,7 @@ def _complex_product(three_products, case: Case) -> None:
         raise AssertionError("multiply is never called: use it for every product")
 
 
+@claim("three", "multiply is called three times", 2)
 def _three_calls(three_products, case: Case) -> None:
     arguments = _product_arguments(case)
     three_products(*arguments.values())
@@ -106,6 +112,7 @@ def _checked_matrices(block_matrices, case: Case) -> list[np.ndarray]:
     return matrices
 
 
+@claim("value", "C ((A x) ∘ (G w)) is the sum over taps, for every frame of the block", 4)
 def _convolves(block_matrices, case: Case) -> None:
     taps, frames = _block_arguments(case).values()
     a, g, c = _checked_matrices(block_matrices, case)
@@ -115,6 +122,7 @@ def _convolves(block_matrices, case: Case) -> None:
     require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), np.array(sums))
 
 
+@claim("few products", "three products for a complex frequency, one for a real one", 2)
 def _few_products(block_matrices, case: Case) -> None:
     products = len(_checked_matrices(block_matrices, case)[0])
     points = case["frames"] + case["taps"] - 1
@@ -127,73 +135,51 @@ def _few_products(block_matrices, case: Case) -> None:
         )
 
 
-VALUE_OF_CONVOLUTION = (
-    Claim(
-        "value",
-        "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-        same_as(definitions.conv1d, CONV1D.arguments),
-        3,
-    ),
-    unchanged(CONV1D.arguments),
-)
+VALUE_OF_CONVOLUTION = {
+    "value": "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
+    "definition": definitions.conv1d,
+    "points": 3,
+}
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        "conv1d_unfolded",
+        conv1d_unfolded,
         "unfold(x, taps) has rows of K · C numbers, tap after tap; reshape w so that its rows "
         "have the same order",
-        conv1d_unfolded,
         CONV1D.arguments,
         CONV1D.sizes,
-        VALUE_OF_CONVOLUTION,
+        **VALUE_OF_CONVOLUTION,
         given=("unfold",),
     ),
     exercise(
-        "conv1d_shifted",
-        "pad once; for tap k, the slice of T frames that begins at frame k, times w[k]",
         conv1d_shifted,
+        "pad once; for tap k, the slice of T frames that begins at frame k, times w[k]",
         CONV1D.arguments,
         CONV1D.sizes,
-        VALUE_OF_CONVOLUTION,
+        **VALUE_OF_CONVOLUTION,
     ),
     exercise(
-        "three_products",
+        three_products,
         "a p + b p is one product, (a + b) p. It exceeds the real part by b (p + q) and falls "
         "short of the imaginary one by a (q - p)",
-        three_products,
         _product_arguments,
         {"numbers": (1, 2, 3)},
-        (
-            Claim("value", "real and imaginary part of (a + i b)(p + i q)", _complex_product, 2),
-            Claim("three", "multiply is called three times", _three_calls, 2),
-            unchanged(_product_arguments),
-        ),
+        _complex_product,
+        _three_calls,
         hints={
             "value": "real is a p - b q, imaginary is a q + b p",
             "three": "k1 = (a + b) p is part of both; which product is k1 minus the real part?",
         },
     ),
     exercise(
-        "block_matrices",
+        block_matrices,
         "for each frequency f = 0, ..., N // 2 three rows (one if f is 0 or N / 2); np.array(list "
         "of rows) at the end, and C is made as rows and transposed",
-        block_matrices,
         _block_arguments,
         {"taps": (1, 3, 5, 7), "frames": (1, 2, 3, 4, 5, 6)},
-        (
-            Claim(
-                "value",
-                "C ((A x) ∘ (G w)) is the sum over taps, for every frame of the block",
-                _convolves,
-                4,
-            ),
-            Claim(
-                "few products",
-                "three products for a complex frequency, one for a real one",
-                _few_products,
-                2,
-            ),
-        ),
+        _convolves,
+        _few_products,
+        pure=False,
         hints={
             "value": "try one tap and one frame, with N = 1 and matrices of 1 by 1; then two "
             "frames. A complex frequency also stands for its conjugate",

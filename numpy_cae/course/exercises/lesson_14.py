@@ -6,12 +6,15 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import (
     PULLBACK,
+    Claim,
     Differentiated,
+    claim,
     copies,
+    drawn,
     require_parts,
     require_same,
 )
-from numpy_cae.course.exercises.exercise import Claim, Exercise, exercise
+from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
 
@@ -91,8 +94,7 @@ def _bone_arguments(case: Case) -> dict[str, object]:
     return {"q": q, "lengths": lengths, "parents": TREES[case["joints"]]}
 
 
-def _path_arguments(case: Case) -> dict[str, object]:
-    return {"path": spread(case.rng(), (case["points"], case["numbers"]))}
+_path_arguments = drawn(path="points numbers")
 
 
 def _observed_arguments(case: Case) -> dict[str, object]:
@@ -107,27 +109,7 @@ ENERGY = Differentiated(_path_arguments, _energy_by_loops, ("path",), RETURNS)
 OBSERVED = Differentiated(_observed_arguments, _observed_by_loops, ("x_hat",), RETURNS)
 
 
-def _claims(loss: Differentiated, *own: Claim) -> tuple[Claim, ...]:
-    """The claims about every loss, and those of its own."""
-    (argument,) = loss.inputs
-
-    def upstream_is_one(function, case: Case) -> None:
-        _, pullback = require_parts(function(*copies(loss.arguments(case))), RETURNS)
-        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
-
-    return (
-        loss.value("the loss is that of the definition, computed by loops"),
-        loss.gradient(
-            f"gradient for {argument}",
-            f"the pullback's gradient for {argument} agrees with central differences",
-            4,
-        ),
-        Claim("upstream default", "the upstream gradient is 1 by default", upstream_is_one),
-        *own,
-        loss.unchanged(),
-    )
-
-
+@claim("at rest", "if every bone has its length, loss and gradient are 0")
 def _right_lengths(function, case: Case) -> None:
     q, lengths, parents = _bone_arguments(case).values()
     q = np.repeat(q[:1], case["frames"], axis=0)
@@ -139,6 +121,7 @@ def _right_lengths(function, case: Case) -> None:
     require_equal("the gradient", pullback(), np.zeros_like(q))
 
 
+@claim("straight", "for a straight path with equal steps it is the squared distance of the ends", 2)
 def _straight_path(function, case: Case) -> None:
     path = _path_arguments(case)["path"]
     shares = np.linspace(0, 1, case["points"])[:, None]
@@ -150,6 +133,7 @@ def _straight_path(function, case: Case) -> None:
     require_equal("its gradient between the ends", inner, np.zeros_like(inner))
 
 
+@claim("unknown", "an unknown value, NaN included, adds no loss and gets no gradient", 2)
 def _unknown_values(function, case: Case) -> None:
     x_hat, x, known = _observed_arguments(case).values()
     x = np.where(known, x, np.nan)
@@ -159,55 +143,53 @@ def _unknown_values(function, case: Case) -> None:
     require_same(pullback()[~known], zeros, ("the gradient of an unknown value",))
 
 
+def _loss_exercise(
+    solution, hint: str, loss: Differentiated, sizes, *claims: Claim, hints=None
+) -> Exercise:
+    """An exercise about a loss and its pullback, whose upstream gradient is 1 by default."""
+
+    @claim("upstream default", "the upstream gradient is 1 by default")
+    def upstream_is_one(function, case: Case) -> None:
+        _, pullback = require_parts(function(*copies(loss.arguments(case))), RETURNS)
+        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
+
+    return differentiated_exercise(
+        solution,
+        hint,
+        loss,
+        sizes,
+        upstream_is_one,
+        *claims,
+        value="the loss is that of the definition, computed by loops",
+        gradients={f"gradient for {loss.inputs[0]}": (4,)},
+        hints=hints,
+    )
+
+
 EXERCISES: tuple[Exercise, ...] = (
-    exercise(
-        "bones_off",
+    _loss_exercise(
+        bones_off,
         "first all bones b = q[:, ends] - q[:, starts], then their lengths; a bone contributes to "
         "the gradient of both its ends, with opposite signs, and a joint may be the end of one "
         "bone and the start of others",
-        bones_off,
-        _bone_arguments,
+        BONES,
         {"frames": (1, 2), "joints": (2, 3, 4)},
-        _claims(
-            BONES,
-            Claim(
-                "at rest", "if every bone has its length, loss and gradient are 0", _right_lengths
-            ),
-        ),
+        _right_lengths,
     ),
-    exercise(
-        "path_energy",
+    _loss_exercise(
+        path_energy,
         "np.diff gives the steps; each point between the ends is part of two of them, once with a "
         "plus and once with a minus",
-        path_energy,
-        _path_arguments,
+        ENERGY,
         {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)},
-        _claims(
-            ENERGY,
-            Claim(
-                "straight",
-                "for a straight path with equal steps it is the squared distance of the ends, and "
-                "the gradient is 0 between them",
-                _straight_path,
-                2,
-            ),
-        ),
+        _straight_path,
     ),
-    exercise(
-        "observed_error",
-        "the mean is over the known values alone: divide by their number",
+    _loss_exercise(
         observed_error,
-        _observed_arguments,
+        "the mean is over the known values alone: divide by their number",
+        OBSERVED,
         {"frames": (1, 2, 3), "channels": (1, 2, 3)},
-        _claims(
-            OBSERVED,
-            Claim(
-                "unknown",
-                "an unknown value, NaN included, adds nothing to the loss and gets no gradient",
-                _unknown_values,
-                2,
-            ),
-        ),
+        _unknown_values,
         hints={"unknown": "0 times NaN is NaN: choose with np.where, do not multiply"},
     ),
 )

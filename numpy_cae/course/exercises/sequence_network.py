@@ -16,6 +16,7 @@ ENCODER = ("encoder_w", "encoder_u", "encoder_b", "encoder_c", "latent_w", "late
 DECODER_GRU = ("decoder_w", "decoder_u", "decoder_b", "decoder_c")
 FRAME = ("frame_w", "frame_b")
 DECODER = ("state_w", "state_b", *DECODER_GRU, *FRAME)
+LOSS_AND_GRADIENTS = ("the loss", "the gradients by name")
 WEIGHT_BOUND = 0.9
 DTYPE_HINT = "np.zeros makes float64 unless you pass a dtype, and what follows is float64 too"
 
