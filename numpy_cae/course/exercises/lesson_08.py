@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
 from numpy_cae.course.exercises.exercise import Exercise, exercise
-from numpy_cae.manifold.blind import lost_share
+from numpy_cae.manifold.blind import zeroed_fraction
 from numpy_cae.manifold.compare import G
 from numpy_cae.measures import retrieval
 from numpy_cae.verify.case import Case, spread
@@ -33,7 +33,7 @@ class Blur:
 
 def rescale(x):
     """X_c / (1 - p̂), p̂ being the share of zeros in each window."""
-    return x / (1 - lost_share(x))
+    return x / (1 - zeroed_fraction(x))
 
 
 def denoising_weights(second, cross, kept):
