@@ -1,4 +1,4 @@
-"""Clips blended to motions of any length: read, written, sampled, from the command line too."""
+"""Motions of any length by blended clips: projected, sampled, and from the command line."""
 
 from dataclasses import replace
 
@@ -12,9 +12,9 @@ from numpy_cae.manifold import (
     project_sequence,
     repair_sequence,
     sample_sequence,
-    save_sequences,
+    save_manifold,
 )
-from numpy_cae.manifold.long_sequences import starts
+from numpy_cae.manifold.long_sequences import clip_starts
 from numpy_cae.motion import angles_of, body_positions, load_motion, write_bvh
 from numpy_cae.training import SequenceSchedule
 
@@ -42,7 +42,7 @@ def walked(seconds, rate=25.0):
 
 @pytest.mark.parametrize("frames", [1, 7, 49, 50, 51, 99, 100, 140])
 def test_clips_cover_every_frame_and_a_perfect_network_changes_nothing(manifold, frames):
-    begin = starts(frames, min(frames, 50))
+    begin = clip_starts(frames, min(frames, 50))
     assert begin[0] == 0 and begin[-1] + min(frames, 50) == frames
     assert (np.diff(begin) <= 25).all()
     whole = angles_of(walked(6.0))
@@ -76,16 +76,19 @@ def test_samples_of_any_length(manifold, frames, monkeypatch):
 def test_from_the_command_line(manifold, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("numpy_cae.manifold.long_sequences.CANDIDATES", 3)
     model, file, out = tmp_path / "m.npz", tmp_path / "a.bvh", tmp_path / "o.bvh"
-    save_sequences(manifold, model)
+    save_manifold(manifold, model)
     write_bvh(walked(3.0, 60.0), file)
     assert main(["repair", str(file), "-m", str(model), "-o", str(out)]) == 0
     assert len(load_motion(out)) == 180
     assert main(["sample", "-m", str(model), "-o", str(out), "--seconds", "3"]) == 0
     assert len(load_motion(out)) == 75
     for words, said in (
-        (["repair", str(file), "-m", str(model), "-o", str(out), "--constrain"], "no constraints"),
+        (
+            ["repair", str(file), "-m", str(model), "-o", str(out), "--constrain"],
+            "supports no constraints",
+        ),
         (["sample", "-m", str(model), "-o", str(out), "--data", str(tmp_path)], "--data"),
-        (["compare", str(file), str(file), "-m", str(model)], "sequential manifold"),
+        (["compare", str(file), str(file), "-m", str(model)], "not a sequential manifold"),
     ):
         capsys.readouterr()
         assert main(words) == 2

@@ -1,17 +1,9 @@
-"""The manifold: learned from takes, kept in a file, used on motions of any rig and length."""
-
-import json
+"""The manifold of motions: learned from takes, used on features of any length."""
 
 import numpy as np
 import pytest
 
-from numpy_cae.manifold import (
-    ModelFileError,
-    MotionManifold,
-    learn_manifold,
-    load_manifold,
-    save_manifold,
-)
+from numpy_cae.manifold import learn_manifold
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, POSITIONS, TURN, VELOCITY, bone_lengths, fit_motion
 from numpy_cae.motion.retarget.fit import body_skeleton
@@ -64,12 +56,12 @@ def test_normalised_features_have_mean_zero_and_one_scale_a_kind(manifold):
     np.testing.assert_allclose(manifold.denormalise(x), np.concatenate(features), atol=1e-6)
 
 
-def test_where_nobody_turned_a_turn_is_not_blown_up(manifold):
+def test_constant_features_are_not_scaled_without_limit(manifold):
     """Nobody in these takes turns: what a turn is multiplied by stays within reason."""
     assert manifold.scale[TURN] == pytest.approx(250)
 
 
-def test_one_loud_take_does_not_drown_the_others():
+def test_one_take_of_large_spread_limits_the_scale():
     """A person lying down has many times the spread of people standing."""
     takes = [take(seed).positions() for seed in range(20)]
     flat = takes[0] - takes[0][:, :1]
@@ -98,7 +90,7 @@ def test_projection_of_the_ends_does_not_fall_back_to_the_mean_pose(manifold):
     assert error < position_error(bare[ends], features[ends])
 
 
-def test_projection_brings_a_damaged_motion_nearer_to_the_truth(manifold):
+def test_a_projected_motion_is_nearer_to_the_truth_than_the_damaged_one(manifold):
     features, _ = manifold.features(take(99).positions())
     rng = np.random.default_rng(0)
     lost = np.where(rng.random(features.shape) < 0.5, manifold.mean_pose, features)
@@ -115,63 +107,7 @@ def test_same_seed_same_manifold_to_the_bit(manifold):
         np.testing.assert_array_equal(one.b, two.b)
 
 
-def test_a_model_file_holds_everything_and_no_pickle(manifold, tmp_path):
-    file = tmp_path / "model.npz"
-    save_manifold(manifold, file)
-    loaded = load_manifold(file)
-    assert list(tmp_path.iterdir()) == [file]
-    features, _ = manifold.features(take(5).positions())
-    np.testing.assert_array_equal(loaded.project(features), manifold.project(features))
-    assert loaded.settings == json.loads(json.dumps(manifold.settings))
-    assert loaded.settings["schedule"]["layer"]["epochs"] == 6
-    with np.load(file, allow_pickle=False) as arrays:
-        assert all(arrays[name].dtype != object for name in arrays.files)
-
-
-def spoiled(manifold, file, **changes):
-    save_manifold(manifold, file)
-    with np.load(file) as archive:
-        arrays = {name: archive[name] for name in archive.files}
-    arrays.update(changes)
-    np.savez(file, **{name: array for name, array in arrays.items() if array is not None})
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"format": np.array("another")}, "another"),
-        ({"w1": np.zeros((5, 62, 12), np.float32)}, "w1 has shape"),
-        ({"b2": None}, "b2"),
-        ({"mean_pose": np.full(63, np.nan)}, "mean_pose"),
-        ({"joints": np.array(["tail"])}, "joints"),
-        ({"settings": np.array("{")}, ""),
-    ],
-)
-def test_a_model_file_that_does_not_fit_is_refused(manifold, tmp_path, changes, said):
-    file = tmp_path / "model.npz"
-    spoiled(manifold, file, **changes)
-    with pytest.raises(ModelFileError, match=r"model\.npz") as error:
-        load_manifold(file)
-    assert said in str(error.value)
-
-
-@pytest.mark.parametrize("content", [b"", b"not a model", b"PK\x03\x04 broken", None])
-def test_what_is_no_model_file_is_refused(tmp_path, content):
-    file = tmp_path / "model.npz"
-    if content is not None:
-        file.write_bytes(content)
-    with pytest.raises(ModelFileError, match=r"model\.npz"):
-        load_manifold(file)
-
-
-def test_a_pickle_in_a_model_file_is_not_opened(manifold, tmp_path):
-    file = tmp_path / "model.npz"
-    spoiled(manifold, file, scale=np.array({"a": 1}, dtype=object))
-    with pytest.raises(ModelFileError):
-        load_manifold(file)
-
-
-def test_learning_says_what_it_cannot_use():
+def test_unusable_takes_are_refused():
     with pytest.raises(ValueError, match="no takes"):
         learn_manifold([])
     with pytest.raises(ValueError, match="window is 30, expected a multiple of 8"):
@@ -180,10 +116,3 @@ def test_learning_says_what_it_cannot_use():
     still[:, 0, 2] = 0
     with pytest.raises(ValueError, match="nothing to learn"):
         learn_manifold([still], show_progress=False)
-
-
-def test_a_manifold_can_be_put_together_by_hand():
-    from numpy_cae.models import ConvAutoencoder
-
-    by_hand = MotionManifold(ConvAutoencoder(), np.zeros(63), np.ones(63), LENGTHS)
-    assert by_hand.project(np.zeros((5, 63))).shape == (5, 63)

@@ -1,21 +1,13 @@
-"""A manifold of clips: made, saved, loaded, refused."""
+"""The manifold of clips: learned from motions of one rig."""
 
 import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import (
-    ModelFileError,
-    learn_manifold,
-    learn_sequences,
-    load_manifold,
-    load_sequences,
-    save_manifold,
-    save_sequences,
-)
-from numpy_cae.motion import angles_of, body_of, cut_clips, load_motion, write_bvh
+from numpy_cae.manifold import learn_sequences
+from numpy_cae.motion import angles_of, cut_clips, load_motion, write_bvh
 from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.training import Schedule, SequenceSchedule, Stage
+from numpy_cae.training import SequenceSchedule
 
 SHORT = SequenceSchedule(epochs=1, steps=3, batch=4, directions=4)
 
@@ -60,48 +52,6 @@ def test_watching_changes_nothing(manifold, sequences):
     again = learn_sequences(sequences, SHORT, 0, 6, 3, watch=watch, show_progress=False)
     assert steps == [0, 1, 2, 3]
     assert np.array_equal(manifold.network.weights["latent_w"], again.network.weights["latent_w"])
-
-
-def test_a_file_holds_all_of_it(manifold, sequences, tmp_path):
-    save_sequences(manifold, tmp_path / "seq.npz")
-    loaded = load_sequences(tmp_path / "seq.npz")
-    x = manifold.normalise(cut_clips(sequences)[:2])
-    assert np.array_equal(loaded.network.denoise(x), manifold.network.denoise(x))
-    assert loaded.settings == manifold.settings and loaded.table is manifold.table
-    assert loaded.rate == 25.0
-    assert np.array_equal(loaded.offsets, manifold.offsets)
-    assert np.array_equal(loaded.motion(x[0]).positions(), manifold.motion(x[0]).positions())
-
-
-def test_one_kind_of_model_is_refused_as_the_other(manifold, tmp_path):
-    schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(epochs=0))
-    take = body_of(make_take("walk", 0, 3.0, 30.0).motion)
-    convolutional = learn_manifold([take], schedule, window=8, overlap=0, filters=[2, 2, 2])
-    save_manifold(convolutional, tmp_path / "conv.npz")
-    save_sequences(manifold, tmp_path / "seq.npz")
-    with pytest.raises(ModelFileError, match=r"not a .*sequential.* but .*convolutional"):
-        load_sequences(tmp_path / "conv.npz")
-    with pytest.raises(ModelFileError, match=r"not a .*convolutional.* but .*sequential"):
-        load_manifold(tmp_path / "seq.npz")
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "said"),
-    [
-        ("mean", np.zeros(53), "mean has shape"),
-        ("deviation", np.zeros(54), "not above 0"),
-        ("encoder_u", np.full((6, 18), np.nan, np.float32), "not finite"),
-        ("table", np.array("another"), "none of this version"),
-        ("state_w", np.zeros(3), "no matrix"),
-    ],
-)
-def test_damaged_files_are_said(manifold, tmp_path, name, value, said):
-    save_sequences(manifold, tmp_path / "seq.npz")
-    with np.load(tmp_path / "seq.npz") as file:
-        arrays = dict(file) | {name: value}
-    np.savez(tmp_path / "seq.npz", **arrays)
-    with pytest.raises(ModelFileError, match=said):
-        load_sequences(tmp_path / "seq.npz")
 
 
 def test_different_rigs_are_not_learned_together(sequences):

@@ -1,4 +1,4 @@
-"""Pins: read with a word about what is wrong, brought to the mean skeleton, and reached."""
+"""Pins: read from JSON, converted to the mean skeleton, and reached."""
 
 import json
 from dataclasses import replace
@@ -8,10 +8,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.beyond import Pin, read_pins
-from numpy_cae.beyond.pins import pins_for
 from numpy_cae.cli import main
-from numpy_cae.manifold import MotionManifold, repair, save_manifold
-from numpy_cae.models import ConvAutoencoder
+from numpy_cae.manifold import save_manifold
 from numpy_cae.motion import (
     JOINTS,
     MotionFileError,
@@ -31,35 +29,20 @@ def motion():
     return replace(make_take("walk", 3, seconds=2.0, rate=120.0).motion, unit=0.01)
 
 
-@pytest.fixture(scope="module")
-def manifold():
-    """Untrained, about the mean pose of another person's walk: it can bend, and that is enough."""
-    body = body_of(make_take("walk", 0, seconds=2.0, rate=30.0).motion)
-    lengths = bone_lengths(body)
-    found = MotionManifold(
-        ConvAutoencoder(filters=(16, 16), taps=5, rng=np.random.default_rng(0)),
-        np.zeros(63),
-        np.full(63, 0.25),
-        lengths,
-    )
-    found.mean_pose = found.features(body)[0].mean(axis=0)
-    return found
-
-
 WRONG = {
     '{"joint"': "not JSON",
     "[]": "a list of pins",
     "[3]": "pin 1: expected an object",
     '[{"joint": "tail", "frames": [0, 1], "at": [0, 0, 0]}]': "pin 1: there is no joint 'tail'",
-    '[{"joint": "head", "frames": [0, 1]}]': "one of the two",
-    '[{"joint": "head", "frames": [0, 1], "at": [0, 0]}]': "is no point",
-    '[{"joint": "head", "frames": [0, 1], "at": [null, null, null]}]': "is no point",
-    '[{"joint": "head", "frames": [0, 1], "at": [0, true, 0]}]': "is no point",
+    '[{"joint": "head", "frames": [0, 1]}]': "expected either",
+    '[{"joint": "head", "frames": [0, 1], "at": [0, 0]}]': "is not a point",
+    '[{"joint": "head", "frames": [0, 1], "at": [null, null, null]}]': "is not a point",
+    '[{"joint": "head", "frames": [0, 1], "at": [0, true, 0]}]': "is not a point",
     '[{"joint": "head", "frames": [0, 1], "path": [[0, 1, 0]]}]': "two points or more",
     '[{"joint": "head", "frames": [0, 1], "path": [[0, 1, 0], [0, null, 0]]}]': "y is null in some",
     '[{"joint": "head", "frames": [9, 2], "at": [0, 1, 0]}]': "frames 9 to 2",
     '[{"joint": "head", "frames": [0, 240], "at": [0, 1, 0]}]': "the motion has 0 to 239",
-    '[{"joint": "head", "frame": 3, "at": [0, 1, 0]}]': "nothing is known of frame",
+    '[{"joint": "head", "frame": 3, "at": [0, 1, 0]}]': "unknown: frame",
 }
 
 
@@ -72,7 +55,7 @@ def test_what_is_wrong_with_pins_is_said(motion, tmp_path, text, said):
     assert said in str(raised.value)
 
 
-def test_pins_are_in_the_unit_and_frames_of_the_file(motion, manifold, tmp_path):
+def test_pins_are_in_the_unit_and_frames_of_the_file(motion, untrained_manifold, tmp_path):
     file = tmp_path / "pins.json"
     file.write_text(
         json.dumps(
@@ -83,17 +66,17 @@ def test_pins_are_in_the_unit_and_frames_of_the_file(motion, manifold, tmp_path)
         )
     )
     pins = read_pins(file, motion)
-    wanted = pins_for(pins, motion, manifold)
+    targets = pins_on_mean_skeleton(pins, untrained_manifold.body(motion))
     # Every fourth frame of 120 Hz is a pose; the nearest to frame 41 is the tenth.
-    np.testing.assert_array_equal(np.argwhere(wanted.weights[:, WRIST]), [[10, 0], [10, 1]])
-    np.testing.assert_allclose(wanted.targets[10, WRIST], [0.1, 1.2, 0])
-    np.testing.assert_allclose(wanted.targets[[0, 25], 0], [[0, 0, 0], [0.5, 0, 2.0]])
-    assert not wanted.weights[26:].any() and not wanted.weights[:, 0, 1].any()
+    np.testing.assert_array_equal(np.argwhere(targets.weights[:, WRIST]), [[10, 0], [10, 1]])
+    np.testing.assert_allclose(targets.targets[10, WRIST], [0.1, 1.2, 0])
+    np.testing.assert_allclose(targets.targets[[0, 25], 0], [[0, 0, 0], [0.5, 0, 2.0]])
+    assert not targets.weights[26:].any() and not targets.weights[:, 0, 1].any()
     positions = body_of(motion)
-    mean = change_lengths(positions, bone_lengths(positions), manifold.lengths)
-    back = np.einsum("jk,fkx->fjx", wanted.body, mean)
+    mean = change_lengths(positions, bone_lengths(positions), untrained_manifold.lengths)
+    back = np.einsum("jk,fkx->fjx", targets.body, mean)
     np.testing.assert_allclose(back, positions, atol=1e-9)
-    assert wanted.start(RootTransform(1.0, 2.0, 3.0)) == RootTransform(0.0, 0.0, 3.0)
+    assert targets.root(RootTransform(1.0, 2.0, 3.0)) == RootTransform(0.0, 0.0, 3.0)
 
 
 @pytest.fixture(scope="module")
@@ -101,20 +84,20 @@ def brief(motion):
     return replace(motion, rotations=motion.rotations[:80], translations=motion.translations[:80])
 
 
-def test_the_rig_goes_where_it_is_pinned(brief, manifold):
+def test_the_rig_goes_where_it_is_pinned(brief, untrained_manifold):
     motion = brief
     own = body_positions(motion)
     pin = Pin("left_wrist", 20, 60, own[[40], WRIST] + [0.0, 0.05, 0.0])
     before, after = (
-        pin.missed(repair(motion, manifold, constrained=True, pins=pins)).mean()
+        pin.errors(repair_constrained(motion, untrained_manifold, pins=pins)).mean()
         for pins in ([], [pin])
     )
     assert after < before / 2
 
 
-def test_pins_from_the_command_line(brief, manifold, tmp_path, capsys):
+def test_pins_from_the_command_line(brief, untrained_manifold, tmp_path, capsys):
     model, file, pins, out = (tmp_path / n for n in ("m.npz", "a.bvh", "p.json", "o.bvh"))
-    save_manifold(manifold, model)
+    save_manifold(untrained_manifold, model)
     write_bvh(brief, file)
     words = ["repair", str(file), "-m", str(model), "-o", str(out), "--pin", str(pins)]
     assert main(words) == 2

@@ -1,0 +1,85 @@
+"""Optimised projections: exact lengths, standing feet, pinned joints and filled holes."""
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.baselines import interpolate_linearly
+from numpy_cae.beyond import Pins, constraints, pose_pca, project_constrained, project_observed
+from numpy_cae.beyond.observed import initial_fill
+from numpy_cae.measures import position_error
+from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
+from numpy_cae.motion.contacts import find_contacts
+
+
+@pytest.fixture(scope="module")
+def walked(walk_manifold):
+    """A manifold of walks, and the features and root of one that it was not trained on."""
+    body = walk_manifold.body(make_take("walk", 99, seconds=2.4, rate=30).motion)
+    return walk_manifold, body.features[:70], body.root
+
+
+def test_constrained_projection_keeps_lengths_and_standing_feet(walked):
+    manifold, features, start = walked
+    plain = manifold.project(features)
+    contacts = find_contacts(features_to_positions(features, start), 30.0)
+    assert 0.2 < contacts.mean() < 0.95
+    kept = project_constrained(manifold, features, start, contacts, steps=60)
+    assert constraints.bone_length_error(kept, manifold.lengths)[0] < 1e-20
+    moved = constraints.foot_sliding_error(plain, contacts)[0]
+    assert (
+        constraints.foot_sliding_error(kept, contacts)[0] < moved / 5**2
+    )  # a fifth of the distance
+    assert position_error(kept, features) < 1.1 * position_error(plain, features)
+
+
+def test_a_pinned_hand_reaches_its_target(walked):
+    manifold, features, start = walked
+    hand = JOINTS.index("left_wrist")
+    plain = features_to_positions(manifold.project(features), start)
+    targets, weights = np.full(plain.shape, np.nan), np.zeros(plain.shape[:2])
+    targets[30, hand], weights[30, hand] = plain[30, hand] + [0.0, 0.1, 0.05], 1.0
+    kept = project_constrained(manifold, features, start, pins=Pins(targets, weights), steps=60)
+    reached = features_to_positions(kept, start)[30, hand]
+    assert np.linalg.norm(reached - targets[30, hand]) < 0.03
+
+
+def test_known_values_stay_and_holes_are_filled_better_than_by_a_line(walked):
+    manifold, features, _ = walked
+    known = np.ones(features.shape, bool)
+    gap = slice(20, 50), joint_slice("left_ankle")
+    known[gap] = False
+    damaged = features.copy()
+    damaged[gap] = np.nan
+    filled = project_observed(manifold, damaged, known)
+    np.testing.assert_array_equal(filled[known], features[known])
+
+    def error(x):
+        return np.sqrt(np.mean((x[gap] - features[gap]) ** 2))
+
+    assert error(filled) < error(interpolate_linearly(damaged, known)) / 2
+    with pytest.raises(ValueError, match="nothing is known"):
+        project_observed(manifold, features, np.zeros(features.shape, bool))
+
+
+def test_pca_of_poses_improves_a_joint_that_is_never_observed(walked):
+    manifold, features, _ = walked
+    known = np.ones(features.shape, bool)
+    known[:, joint_slice("left_wrist")] = False
+    takes = [
+        manifold.features(body_of(make_take("walk", seed=seed, seconds=4, rate=30).motion))[0]
+        for seed in range(6, 10)
+    ]
+    poses = pose_pca(manifold, takes)
+    without, told = (
+        position_error(project_observed(manifold, features, known, steps=20, poses=each), features,
+                       joint="left_wrist")
+        for each in (None, poses)
+    )  # fmt: skip
+    assert told < without
+    line, by_more = initial_fill(manifold, features, known)
+    assert not by_more
+    np.testing.assert_array_equal(line[known], features[known])
+    start, by_more = initial_fill(manifold, features, known, poses)
+    assert by_more
+    np.testing.assert_allclose(start[known], features[known], atol=1e-6)

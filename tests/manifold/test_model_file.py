@@ -1,0 +1,239 @@
+"""Model files: what was saved is loaded; a damaged file is loaded, all finite, or refused."""
+
+from __future__ import annotations
+
+import io
+import json
+import tracemalloc
+import zipfile
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.manifold import (
+    ModelFileError,
+    learn_manifold,
+    learn_sequences,
+    load_manifold,
+    save_manifold,
+)
+from numpy_cae.motion import angles_of, body_of, cut_clips
+from numpy_cae.training import Schedule, SequenceSchedule, Stage
+
+KINDS = pytest.mark.parametrize("kind", ["conv", "sequence"])
+
+
+@pytest.fixture(scope="module")
+def manifolds():
+    """A small manifold of each kind, and the motion that they were learned from."""
+    motion = make_take("walk", 0, seconds=2.0, rate=50.0).motion
+    stages = Schedule(Stage(epochs=1), Stage(epochs=1, rescaled=True))
+    conv = learn_manifold([body_of(motion)], stages, 0, 16, 8, (4, 6), 5, show_progress=False)
+    short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
+    sequence = learn_sequences(
+        [angles_of(motion)], short, hidden=6, latent=3, frames=30, show_progress=False
+    )
+    return {"conv": conv, "sequence": sequence}, motion
+
+
+@pytest.fixture(scope="module")
+def models(manifolds, tmp_path_factory):
+    """The bytes of a saved model of each kind."""
+    file = tmp_path_factory.mktemp("models") / "m.npz"
+    saved = {}
+    for kind, manifold in manifolds[0].items():
+        save_manifold(manifold, file)
+        assert [each.name for each in file.parent.iterdir()] == ["m.npz"]
+        saved[kind] = file.read_bytes()
+    return saved
+
+
+@pytest.mark.parametrize("engine", ["fast", "ops"])
+def test_a_convolutional_manifold_comes_back(manifolds, models, tmp_path, engine):
+    (tmp_path / "m.npz").write_bytes(models["conv"])
+    saved, loaded = manifolds[0]["conv"], load_manifold(tmp_path / "m.npz", engine)
+    assert (loaded.rate, loaded.rescales, loaded.window) == (30.0, True, 16)
+    assert loaded.settings == json.loads(json.dumps(saved.settings))
+    features = saved.body(manifolds[1]).features
+    np.testing.assert_allclose(
+        loaded.project(features), saved.project(features), atol=0 if engine == "fast" else 1e-5
+    )
+    with pytest.raises(ValueError, match="engine is 'slow'"):
+        load_manifold(tmp_path / "m.npz", "slow")
+
+
+@pytest.mark.parametrize("engine", ["fast", "ops"])
+def test_a_sequential_manifold_comes_back(manifolds, models, tmp_path, engine):
+    (tmp_path / "m.npz").write_bytes(models["sequence"])
+    saved, loaded = manifolds[0]["sequence"], load_manifold(tmp_path / "m.npz", engine)
+    assert (loaded.rate, loaded.frames, loaded.table) == (25.0, 30, saved.table)
+    assert loaded.settings == json.loads(json.dumps(saved.settings))
+    np.testing.assert_array_equal(loaded.offsets, saved.offsets)
+    x = saved.normalise(cut_clips([angles_of(manifolds[1])]))
+    np.testing.assert_allclose(
+        loaded.network.denoise(x), saved.network.denoise(x), atol=0 if engine == "fast" else 1e-5
+    )
+
+
+def arrays_of(data: bytes) -> dict[str, np.ndarray]:
+    with np.load(io.BytesIO(data)) as file:
+        return {name: file[name] for name in file.files}
+
+
+def packed(arrays: dict[str, np.ndarray]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def load_or_refuse(data: bytes, path, what) -> bool:
+    path.write_bytes(data)
+    tracemalloc.start()
+    try:
+        model = load_manifold(path)
+    except ModelFileError as refused:
+        assert str(path) in str(refused), what
+        assert "\n" not in str(refused), what
+        model = None
+    except Exception as error:
+        raise AssertionError(f"{what}: {error!r}") from error
+    finally:
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    assert peak < 200 * len(data) + 5e6, (what, peak)
+    if model is not None:
+        weights = getattr(model.network, "weights", None)
+        arrays = weights.values() if weights else [each.w for each in model.network.layers]
+        assert all(np.isfinite(array).all() for array in arrays), what
+    return model is not None
+
+
+def mutate_many(models, kind, tmp_path, count, seed):
+    data = models[kind]
+    loaded = 0
+    for number in range(count):
+        rng = np.random.default_rng([seed, number])
+        changed = bytearray(data)
+        for place in rng.integers(0, len(data), rng.integers(1, 6)):
+            changed[place] ^= 1 << int(rng.integers(8))
+        if rng.random() < 0.3:
+            changed = changed[: rng.integers(0, len(changed))]
+        if rng.random() < 0.2:
+            at, length = rng.integers(len(data)), rng.integers(1, 400)
+            changed[at : at + length] = rng.bytes(int(rng.integers(0, 400)))
+        loaded += load_or_refuse(bytes(changed), tmp_path / "m.npz", (kind, seed, number))
+    assert loaded < count
+
+
+@KINDS
+def test_flipped_bytes(models, kind, tmp_path):
+    assert load_or_refuse(models[kind], tmp_path / "m.npz", "whole")
+    mutate_many(models, kind, tmp_path, 60, seed=0)
+
+
+@pytest.mark.thorough
+@KINDS
+def test_many_flipped_bytes(models, kind, tmp_path):
+    mutate_many(models, kind, tmp_path, 5000, seed=1)
+
+
+REPLACEMENTS = [
+    np.array(np.nan),
+    np.array([]),
+    np.zeros((0, 0, 0), np.float32),
+    np.zeros(200_000, np.float32),
+    np.zeros((1, 1000, 1000), np.float32),
+    np.array("text"),
+    np.array("[" * 100_000),
+    np.array("{}"),
+    np.array(-1.0),
+    np.array(1j),
+    np.array([True]),
+]
+
+
+@pytest.mark.parametrize("each", [2, pytest.param(99, marks=pytest.mark.thorough)])
+@KINDS
+def test_every_array_missing_replaced_or_not_finite(models, kind, tmp_path, each):
+    data = models[kind]
+    arrays = arrays_of(data)
+    for number, (name, array) in enumerate(arrays.items()):
+        without = {key: value for key, value in arrays.items() if key != name}
+        # A network of fewer layers is one too where the last layer is missing, but its b tells.
+        load_or_refuse(packed(without), tmp_path / "m.npz", (name, "missing"))
+        for new in (
+            REPLACEMENTS[number % len(REPLACEMENTS) :] + REPLACEMENTS[: number % len(REPLACEMENTS)]
+        )[:each]:
+            what = (name, new.shape, new.dtype)
+            load_or_refuse(packed(arrays | {name: new}), tmp_path / "m.npz", what)
+        if array.dtype.kind == "f":
+            bad = array.copy()
+            bad.flat[-1] = np.nan
+            with pytest.raises(ModelFileError, match=f"{name} holds"):
+                (tmp_path / "m.npz").write_bytes(packed(arrays | {name: bad}))
+                load_manifold(tmp_path / "m.npz")
+
+
+@KINDS
+def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
+    arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
+    for version in ("1", "3"):
+        form = str(arrays["format"]).replace("2", version)
+        path.write_bytes(packed(arrays | {"format": np.array(form)}))
+        with pytest.raises(ModelFileError, match=f"manifold {version}'.*train the model again"):
+            load_manifold(path)
+    path.write_bytes(packed(arrays | {"rate": np.array([{"run": "me"}], dtype=object)}))
+    with pytest.raises(ModelFileError, match="not a model"):
+        load_manifold(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "message"),
+    [
+        ("conv", {"format": np.array("another")}, "another"),
+        ("conv", {"w1": np.zeros((5, 62, 12), np.float32)}, "w1 has shape"),
+        ("conv", {"joints": np.array(["tail"])}, "joints"),
+        ("conv", {"rescales": np.array(1)}, "rescales has"),
+        ("conv", {"window": np.array(-3)}, "window is -3"),
+        ("sequence", {"mean": np.zeros(53)}, "mean has shape"),
+        ("sequence", {"deviation": np.zeros(54)}, "not above 0"),
+        ("sequence", {"table": np.array("another")}, "none of this version"),
+        ("sequence", {"state_w": np.zeros(3)}, "not a matrix"),
+        ("sequence", {"frames": np.array(10**9)}, "frames is 1000000000"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_named(models, tmp_path, kind, changes, message):
+    path = tmp_path / "m.npz"
+    path.write_bytes(packed(arrays_of(models[kind]) | changes))
+    with pytest.raises(ModelFileError, match=message):
+        load_manifold(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a model", b"PK\x03\x04 broken", None])
+def test_other_files_are_refused(tmp_path, content):
+    path = tmp_path / "m.npz"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(ModelFileError, match=r"m\.npz"):
+        load_manifold(path)
+
+
+def test_a_header_that_claims_a_billion_numbers(models, tmp_path):
+    data = models["conv"]
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(buffer, "w") as new:
+        for info in old.infolist():
+            body = old.read(info)
+            if info.filename == "mean_pose.npy":
+                body = body.replace(b"(63,), }" + b" " * 10, b"(1000000063,), }  ", 1)
+                assert b"1000000063" in body
+            new.writestr(info.filename, body)
+    assert not load_or_refuse(buffer.getvalue(), tmp_path / "m.npz", "billion")
+
+
+def test_settings_that_are_nested_deeply(models, tmp_path):
+    data = models["conv"]
+    deep = json.dumps({"a": 1}).replace("1", "[" * 50_000 + "]" * 50_000)
+    changed = packed(arrays_of(data) | {"settings": np.array(deep)})
+    assert not load_or_refuse(changed, tmp_path / "m.npz", "deep")
