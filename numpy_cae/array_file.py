@@ -9,7 +9,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
@@ -64,23 +64,21 @@ def save_arrays(arrays: dict[str, np.ndarray], path: str | Path, compressed: boo
 
 
 def load_arrays(
-    path: str | Path, form: str, assembled: Callable[[dict[str, np.ndarray]], Model]
+    path: str | Path, readers: Mapping[str, Callable[[dict[str, np.ndarray]], Model]]
 ) -> Model:
     """Read what `save_arrays` wrote and make a model of it.
 
     Parameters
     ----------
     path : path
-    form : str
-        What the array `format` must say.
-    assembled : dict of arrays -> model
-        A KeyError, ValueError or TypeError that it raises becomes a `ModelFileError`.
+    readers : mapping of format to function (dict of arrays) -> model
+        For each accepted value of the array `format`. A KeyError, ValueError or TypeError that the
+        function raises becomes a `ModelFileError`.
 
     Raises
     ------
     ModelFileError
-        If the file is missing, is none of ours or of another kind, or its arrays do not fit
-        together.
+        If the file is missing, has another format, or its arrays do not fit together.
     """
     try:
         arrays = _arrays(Path(path))
@@ -89,22 +87,17 @@ def load_arrays(
     except _UNREADABLE:
         raise ModelFileError(f"{path}: not a model that `numpy-cae train` wrote") from None
     found = str(arrays.get("format", "no model"))
-    if found != form:
-        raise ModelFileError(f"{path}: not a {form!r}, but {found!r}")
+    if found not in readers:
+        expected = " or ".join(map(repr, readers))
+        raise ModelFileError(
+            f"{path}: its format is {found[:80]!r}, expected {expected}; make the file again with "
+            "this version"
+        )
     try:
-        return assembled(arrays)
+        return readers[found](arrays)
     except (KeyError, ValueError, TypeError, IndexError, RecursionError) as error:
         problem = f"it has no {error}" if isinstance(error, KeyError) else str(error)
         raise ModelFileError(f"{path}: {problem[:500]}") from None
-
-
-def form_of(path: str | Path) -> str:
-    """What the array `format` of a model file says; "" where it is no file of ours."""
-    try:
-        with zipfile.ZipFile(path) as archive, archive.open("format.npy") as file:
-            return str(np.lib.format.read_array(file, allow_pickle=False))
-    except (OSError, *_UNREADABLE):
-        return ""
 
 
 def _arrays(path: Path) -> dict[str, np.ndarray]:

@@ -131,4 +131,5 @@ def project_constrained(
 def _weighted(terms: list[tuple[float, tuple[float, Pullback]]]) -> tuple[float, np.ndarray]:
     """Σ w L in squared centimetres, and Σ w dL/df, of terms (w, (L, pullback))."""
     loss = constraints.CENTIMETRES * sum(weight * loss for weight, (loss, _) in terms)
-    return loss, sum(pullback(constraints.CENTIMETRES * weight) for weight, (_, pullback) in terms)
+    gradients = [pullback(constraints.CENTIMETRES * weight) for weight, (_, pullback) in terms]
+    return loss, sum(gradients[1:], start=gradients[0])

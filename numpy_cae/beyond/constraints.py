@@ -117,7 +117,9 @@ def ground_penetration(features: np.ndarray, ground: float) -> tuple[float, Pull
     return float(np.mean(depth**2)), pullback
 
 
-def squared_difference(features: np.ndarray, target: np.ndarray, weights: np.ndarray) -> tuple[float, Pullback]:
+def squared_difference(
+    features: np.ndarray, target: np.ndarray, weights: np.ndarray
+) -> tuple[float, Pullback]:
     """L = Σ w (f - f*)² / Σ w, the weighted squared difference from target features f*.
 
     Parameters

@@ -51,19 +51,14 @@ def optimise_latent(
     bound = network.layers[-1].bound
     start = np.clip(start, -bound, bound)
 
-    def of_windows(x_hat: np.ndarray) -> tuple[float, np.ndarray]:
-        loss, d_features = objective(manifold.denormalise(x_hat[0])[own])
-        dx_hat = np.zeros_like(x_hat)
-        dx_hat[0, own] = d_features / manifold.scale
-        return loss, dx_hat
-
     def total(flat: np.ndarray) -> tuple[float, np.ndarray]:
         y = flat.reshape(start.shape)
         x_hat, pullback = network.decode_with_pullback(y[None].astype(start.dtype))
-        loss, dx_hat = of_windows(x_hat)
-        dy = pullback(dx_hat)
+        loss, d_features = objective(manifold.denormalise(x_hat[0])[own])
+        dx_hat = np.zeros_like(x_hat)
+        dx_hat[0, own] = d_features / manifold.scale
         difference = y - start
-        dy = dy[0] + 2 * beta / difference.size * difference
+        dy = pullback(dx_hat)[0] + 2 * beta / difference.size * difference
         loss += beta * np.mean(difference**2)
         return loss, dy.ravel().astype(np.float64)
 

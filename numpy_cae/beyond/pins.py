@@ -154,7 +154,9 @@ def _pin(entry: object, motion: Motion) -> Pin:
     points = [_point(p) for p in ([entry["at"]] if "at" in entry else _list(entry["path"]))]
     for axis, column in zip("xyz", np.transpose(points), strict=True):
         if 0 < np.isnan(column).sum() < len(column):
-            raise ValueError(f"{axis} is null in some points of the path, expected in all or in none")
+            raise ValueError(
+                f"{axis} is null in some points of the path, expected in all or in none"
+            )
     first, last = _frames(entry.get("frames"), len(motion))
     return Pin(joint, first, last, np.array(points) * motion.unit)
 

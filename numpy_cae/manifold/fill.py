@@ -57,7 +57,7 @@ def fill_joint(manifold: MotionManifold, features: np.ndarray, joint: str) -> np
     filled = np.array(features, dtype=np.float64)
     unknown = np.isnan(filled[:, place]).any(axis=1)
     if not unknown.any():
-        unknown[:] = True
+        unknown = np.ones(len(filled), dtype=bool)
     filled[unknown, place] = manifold.mean_pose[place]
     filled[unknown, place] = manifold.project(filled)[unknown, place]
     return filled

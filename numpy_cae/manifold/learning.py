@@ -160,8 +160,7 @@ def learn_sequences(
     table, bones = common_bones(sequences)
     mean, deviation = standardisation(cut_clips(sequences, CLIP_STEP, frames))
     rng = np.random.default_rng(seed)
-    plain = network(len(table.columns), hidden, latent, rng)
-    model = with_engine(plain, engine if network is SequentialAutoencoder else "ops")
+    model = with_engine(network(len(table.columns), hidden, latent, rng), engine)
     manifold = SequenceManifold(model, mean, deviation, table, bones, frames=frames)
     if watch is not None:
         watch(manifold, 0)
@@ -185,9 +184,7 @@ def learn_sequences(
     return manifold
 
 
-def _windows(
-    manifold: MotionManifold, features: Sequence[np.ndarray], overlap: int
-) -> np.ndarray:
+def _windows(manifold: MotionManifold, features: Sequence[np.ndarray], overlap: int) -> np.ndarray:
     """The normalised windows of all takes, written take by take into one array."""
     window = manifold.window
     counts = [len(cut_windows(take, window, overlap)[0]) for take in features]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import checked, form_of, load_arrays, positive, save_arrays, text
+from numpy_cae.array_file import checked, load_arrays, positive, save_arrays, text
 from numpy_cae.manifold.engine import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
@@ -46,9 +46,11 @@ def load_manifold(path: str | Path, engine: str = "fast") -> MotionManifold | Se
     ModelFileError
         If the file is missing, is not a model of this version, or its arrays do not fit together.
     """
-    if form_of(path) == SEQUENTIAL:
-        return load_arrays(path, SEQUENTIAL, lambda arrays: _sequences_of(arrays, engine))
-    return load_arrays(path, CONVOLUTIONAL, lambda arrays: _motions_of(arrays, engine))
+    manifold: MotionManifold | SequenceManifold = load_arrays(
+        path, {CONVOLUTIONAL: _motions_of, SEQUENTIAL: _sequences_of}
+    )
+    manifold.network = with_engine(manifold.network, engine)
+    return manifold
 
 
 def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
@@ -70,7 +72,7 @@ def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _motions_of(arrays: dict[str, np.ndarray], engine: str) -> MotionManifold:
+def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     if not np.array_equal(arrays["joints"], JOINTS):
         raise ValueError("its twenty joints are not those of this version")
     count = max(1, sum(f"w{number}" in arrays for number in range(1, len(arrays))))
@@ -84,7 +86,7 @@ def _motions_of(arrays: dict[str, np.ndarray], engine: str) -> MotionManifold:
     for number, layer in enumerate(network.layers, start=1):
         layer.w, layer.b = arrays[f"w{number}"], arrays[f"b{number}"]
     return MotionManifold(
-        with_engine(network, engine),
+        network,
         checked(arrays, "mean_pose", (FEATURES,)),
         positive(arrays, "scale", (FEATURES,)),
         checked(arrays, "lengths", (len(JOINTS),)),
@@ -109,7 +111,7 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
     }
 
 
-def _sequences_of(arrays: dict[str, np.ndarray], engine: str) -> SequenceManifold:
+def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     table = TABLES.get(str(arrays["table"]))
     if table is None or not np.array_equal(arrays["columns"], table.columns):
         raise ValueError("its table of numbers is none of this version")
@@ -123,7 +125,7 @@ def _sequences_of(arrays: dict[str, np.ndarray], engine: str) -> SequenceManifol
     for name, weight in network.weights.items():
         weight[...] = checked(arrays, name, weight.shape)
     return SequenceManifold(
-        with_engine(network, engine),
+        network,
         checked(arrays, "mean", (numbers,)),
         positive(arrays, "deviation", (numbers,)),
         table,

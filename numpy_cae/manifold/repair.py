@@ -1,4 +1,4 @@
-"""Repair of a damaged motion by projection (holden2015, section 7, "Fixing Corrupt Motion Data")."""
+"""Repair of a motion by projection (holden2015, section 7, "Fixing Corrupt Motion Data")."""
 
 from __future__ import annotations
 
@@ -71,7 +71,10 @@ def keep_trajectory(
         `projected` except for velocity and turn.
     root : RootTransform
     """
-    (own_floor, own_theta), (floor, theta) = trajectory_of(features, root), trajectory_of(projected, root)
+    (own_floor, own_theta), (floor, theta) = (
+        trajectory_of(features, root),
+        trajectory_of(projected, root),
+    )
     sigma = SMOOTHING_SECONDS * rate
     floor = floor + gaussian_filter1d(own_floor - floor, sigma, axis=0, mode="nearest")
     theta = theta + gaussian_filter1d(own_theta - theta, sigma, mode="nearest")

@@ -118,7 +118,7 @@ class Checkpoint(Callback):
     def _load(self) -> tuple[Position, dict[str, np.ndarray], dict, dict]:
         """What `Loop.resume` takes."""
         try:
-            run, *found = load_arrays(self.path, FORMAT, _assemble)
+            run, *found = load_arrays(self.path, {FORMAT: _assemble})
         except ModelFileError:
             raise CheckpointError(f"{self.path}: is not a checkpoint of this version") from None
         if run != self.run:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.beyond import Pin, read_pins
+from numpy_cae.beyond import Pin, read_pins, repair_constrained
+from numpy_cae.beyond.pins import pins_on_mean_skeleton
 from numpy_cae.cli import main
 from numpy_cae.manifold import save_manifold
 from numpy_cae.motion import (

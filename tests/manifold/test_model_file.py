@@ -181,7 +181,7 @@ def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
     for version in ("1", "3"):
         form = str(arrays["format"]).replace("2", version)
         path.write_bytes(packed(arrays | {"format": np.array(form)}))
-        with pytest.raises(ModelFileError, match=f"manifold {version}'.*train the model again"):
+        with pytest.raises(ModelFileError, match=f"manifold {version}'.*make the file again"):
             load_manifold(path)
     path.write_bytes(packed(arrays | {"rate": np.array([{"run": "me"}], dtype=object)}))
     with pytest.raises(ModelFileError, match="not a model"):

@@ -1,4 +1,4 @@
-"""Repair: any rig, rate and length comes back as it was, its twenty joints on the untrained_manifold."""
+"""Repair: rig, rate and length stay, and the twenty joints are moved onto the manifold."""
 
 from dataclasses import replace
 
