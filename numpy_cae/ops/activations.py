@@ -1,9 +1,9 @@
-"""The bounded nonlinearities, and the inverse of one.
+"""The activation functions: tanh and its clipped inverse, and the sigmoid.
 
-tanh places the hidden units in [-1, 1], the parametrisation of the manifold (holden2015, section
-3); the decoder undoes it with arctanh (equation 2). arctanh is infinite at ±1, and a decoded layer
-below can be anything, so it takes a bound: see "Where equation 2 breaks" in
-lessons/papers_to_code.md. The gates of jang2018's recurrent networks are sigmoids.
+tanh maps the hidden units into [-1, 1], the parametrisation of the manifold (holden2015, section
+3); the decoder inverts it with arctanh (equation 2). arctanh is infinite at ±1, and the output of
+a decoding layer is unbounded, so it takes a bound: see "Where equation 2 breaks" in
+docs/lab_book.md. The gates of jang2018's recurrent networks are sigmoids.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def arctanh(y: np.ndarray, bound: float) -> tuple[np.ndarray, Pullback]:
 
         dL/dy = dL/dx / (1 - y²) where |y| <= bound, else 0
 
-    Beyond the bound the clipped value no longer moves with y, hence no gradient.
+    Beyond the bound the clipped value does not depend on y, hence no gradient.
 
     Parameters
     ----------

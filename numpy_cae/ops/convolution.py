@@ -1,8 +1,8 @@
-"""Convolution over time, the operation that both directions of holden2015 are built from.
+"""Convolution over time, used by both the encoder and the decoder of holden2015.
 
 `conv1d` is the * of equation 1; `transpose_filters` makes the W̃ of equation 2. Convolving with W̃
 is exactly the adjoint of convolving with W, so the decoder of the paper is the transpose of its
-encoder, and the pullback of `conv1d` for its input is a convolution once more.
+encoder, and the gradient of `conv1d` for its input is again a convolution.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     x : (B, T, C) array of float
         B windows of T frames of C channels.
     w : (K, C, D) array of float
-        D filters of K taps over C channels; K is odd, so that a filter has a middle.
+        D filters of K taps over C channels; K is odd, so that a filter has a centre.
     b : (D,) array of float
         A bias for each filter.
 
     Returns
     -------
     y : (B, T, D) array
-        As many frames as x has ("same" padding).
+        The same number of frames as x ("same" padding).
     pullback : dy -> (dx, dw, db)
 
     Raises
@@ -57,14 +57,14 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
         raise ValueError(f"w has shape {w.shape}: the number of taps must be odd, got {taps}")
 
     frames = x.shape[1]
-    beyond = taps // 2
-    padded = np.pad(x, ((0, 0), (beyond, beyond), (0, 0)))
+    margin = taps // 2
+    padded = np.pad(x, ((0, 0), (margin, margin), (0, 0)))
     y = sum(padded[:, k : k + frames] @ w[k] for k in range(taps)) + b
 
     def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         require_shape("dy", dy, y.shape)
         w_tilde, _ = transpose_filters(w)
-        dy_padded = np.pad(dy, ((0, 0), (beyond, beyond), (0, 0)))
+        dy_padded = np.pad(dy, ((0, 0), (margin, margin), (0, 0)))
         dx = sum(dy_padded[:, k : k + frames] @ w_tilde[k] for k in range(taps))
         dy_rows = dy.reshape(-1, filters)
         dw = np.stack(
@@ -77,9 +77,9 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
 
 
 def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """W̃[k] = W[K - 1 - k]ᵀ: flipped in time, the filters and the channels exchanged.
+    """W̃[k] = W[K - 1 - k]ᵀ: flipped in time, with filters and channels exchanged.
 
-    The flip and the exchange undo themselves, so the pullback is the same map again.
+    Both the flip and the exchange are their own inverses, so the pullback is the same map.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """The gated recurrent unit of jang2018's encoder and decoders, one step and a whole sequence.
 
-Three conventions of the GRU are in use; this is the arithmetic of PyTorch and cuDNN, where the
-reset gate acts after the product h · Un, and z keeps the old state. `gru` is `gru_step` repeated,
-and its pullback is that of `gru_step` repeated backwards: backpropagation through time.
+Three conventions of the GRU are in use; this is the one of PyTorch and cuDNN, where the reset gate
+acts after the product h · Un, and z is the share of the old state. `gru` applies `gru_step` to each
+frame, and its pullback applies the pullbacks from the last frame to the first: backpropagation
+through time.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ def gru_step(
     """One step of the recurrence, h -> h'. Gates in the order reset, update, new.
 
         a = x · W + b,   s = h · U + c        each in three parts: a_r, a_z, a_n and s_r, s_z, s_n
-        r = σ(a_r + s_r)                      reset: how much of the past the new state looks at
-        z = σ(a_z + s_z)                      update: how much of the past is kept
+        r = σ(a_r + s_r)                      reset: how much of h enters n
+        z = σ(a_z + s_z)                      update: how much of h is kept
         n = tanh(a_n + r ∘ s_n)               new
         h' = (1 - z) ∘ n + z ∘ h
 
@@ -100,7 +101,7 @@ def gru_step(
 def gru(
     x: np.ndarray, h0: np.ndarray, w: np.ndarray, u: np.ndarray, b: np.ndarray, c: np.ndarray
 ) -> tuple[np.ndarray, Pullback]:
-    """h_t = gru_step(x_t, h_(t-1)) for each frame in turn, beginning with h_0.
+    """h_t = gru_step(x_t, h_(t-1)) for each frame in turn, starting from h_0.
 
     The weights are the same at every step, so their gradients are summed over the steps. A state
     acts on the loss along two paths, as the output of its frame and as the state of the next step,
@@ -109,7 +110,7 @@ def gru(
         dh_t          = dy_t + (dh_t as the next step's pullback returns it; 0 after the last)
         dx_t, dh_(t-1), dW, dU, db, dc  from the pullback of step t at dh_t
 
-    and what is left after the first frame is the gradient for h_0.
+    and dh_0 of the first step is the gradient for h_0.
 
     Parameters
     ----------
@@ -155,15 +156,17 @@ def gru(
         dw, du, db, dc = (np.zeros_like(weight) for weight in (w, u, b, c))
         dh = np.zeros_like(h0)
         for t in reversed(range(frames)):
-            dx[:, t], dh, *of_weights = pullbacks[t](dy[:, t] + dh)
-            for total, term in zip((dw, du, db, dc), of_weights, strict=True):
+            dx[:, t], dh, *weight_terms = pullbacks[t](dy[:, t] + dh)
+            for total, term in zip((dw, du, db, dc), weight_terms, strict=True):
                 total += term
         return dx, dh, dw, du, db, dc
 
     return y, pullback
 
 
-def _require_weights(channels: int, hidden: int, w, u, b, c) -> None:
+def _require_weights(
+    channels: int, hidden: int, w: np.ndarray, u: np.ndarray, b: np.ndarray, c: np.ndarray
+) -> None:
     require_shape("w", w, (channels, 3 * hidden))
     require_shape("u", u, (hidden, 3 * hidden))
     require_shape("b", b, (3 * hidden,))

@@ -1,4 +1,4 @@
-"""The affine map of one frame: what a GRU is built from, and what leads into and out of it."""
+"""The affine map along the last axis, used inside a GRU and for its input and output."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 def linear(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """y = x · W + b, along the last axis.
+    """y = x · W + b along the last axis.
 
-    With dy short for dL/dy, and every axis but the last counted as rows,
+    With dy short for dL/dy, and all axes but the last taken as rows,
 
         dL/dx = dy · Wᵀ
         dL/dW = Σ_rows xᵀ · dy

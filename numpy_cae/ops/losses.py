@@ -1,8 +1,8 @@
 """The two terms of equation 3, as means over elements.
 
 The paper writes norms; a mean keeps the learning rate independent of the window's length, the
-number of features and the batch (lessons/papers_to_code.md). A loss is a scalar, so its pullback
-takes a number, 1 unless the loss is a term of something larger.
+number of features and the batch (docs/lab_book.md). A loss is a scalar, so its pullback takes a
+number: 1 by default, the weight of the loss where it is one term of a sum.
 """
 
 from __future__ import annotations

@@ -1,11 +1,8 @@
-"""Max pooling (Ψ) and the two approximate inverses (Ψ†) that holden2015 puts in its place.
+"""Max pooling (Ψ) and the two approximate inverses (Ψ†) of holden2015.
 
-The maximum forgets which of two frames it came from and what the other one was. The paper
-guesses: at random while a layer is trained (noisy, but a true inverse of *some* pair), evenly
-while fine tuning and in use (never a true inverse, but smooth).
-
-The mean of the pair is what the paper might have pooled with and did not; unpooling evenly is its
-exact adjoint.
+The maximum of a pair of frames loses which of them it came from and what the other one was. The
+paper unpools at random while a layer is trained (noisy, but a right inverse for one of the two
+frames) and evenly in fine tuning and afterwards (never an exact inverse, but smooth).
 """
 
 from __future__ import annotations
@@ -20,9 +17,9 @@ Pullback = Callable[[np.ndarray], np.ndarray]
 
 
 def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """y[t] = max(x[2t], x[2t + 1]), each channel for itself; a tie goes to the earlier frame.
+    """y[t] = max(x[2t], x[2t + 1]) in each channel; in a tie the earlier frame counts.
 
-    Only the frame that won had any influence, so the whole gradient is its own:
+    The value depends on the larger frame alone, so that frame gets the whole gradient:
 
         dL/dx[2t]     = dy[t] where x[2t] >= x[2t + 1], else 0
         dL/dx[2t + 1] = dy[t] where x[2t] <  x[2t + 1], else 0
@@ -48,57 +45,21 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """
     _require_pairs(x)
     earlier, later = x[:, 0::2], x[:, 1::2]
-    earlier_won = earlier >= later
+    earlier_is_max = earlier >= later
     y = np.maximum(earlier, later)
 
     def pullback(dy: np.ndarray) -> np.ndarray:
         require_shape("dy", dy, y.shape)
         dx = np.empty(x.shape, dtype=dy.dtype)
-        dx[:, 0::2] = dy * earlier_won
-        dx[:, 1::2] = dy * ~earlier_won
+        dx[:, 0::2] = dy * earlier_is_max
+        dx[:, 1::2] = dy * ~earlier_is_max
         return dx
 
     return y, pullback
 
 
-def average_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """y[t] = (x[2t] + x[2t + 1]) / 2, each channel for itself.
-
-    Both frames have the same influence, half each, so the pullback is `unpool_even`:
-
-        dL/dx[2t] = dL/dx[2t + 1] = dy[t] / 2
-
-    Parameters
-    ----------
-    x : (B, T, C) array of float
-        T is even.
-
-    Returns
-    -------
-    y : (B, T/2, C) array
-    pullback : dy -> dx
-
-    Raises
-    ------
-    ValueError
-        If x does not have three axes or T is odd.
-
-    References
-    ----------
-    Not in holden2015, whose Ψ is `max_pool`: what the ablation puts in its place.
-    """
-    _require_pairs(x)
-    y = (x[:, 0::2] + x[:, 1::2]) / 2
-
-    def pullback(dy: np.ndarray) -> np.ndarray:
-        require_shape("dy", dy, y.shape)
-        return unpool_even(dy)[0]
-
-    return y, pullback
-
-
 def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """x[2t] = x[2t + 1] = y[t] / 2: the value is spread evenly over both frames.
+    """x[2t] = x[2t + 1] = y[t] / 2: half of the value on both frames.
 
         dL/dy[t] = (dx[2t] + dx[2t + 1]) / 2
 
@@ -139,7 +100,7 @@ def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullbac
     ----------
     y : (B, T, C) array of float
     first : (B, T, C) array of bool
-        Drawn by the caller, so that a test can hold it fixed.
+        Drawn by the caller.
 
     Returns
     -------

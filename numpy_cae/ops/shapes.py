@@ -1,7 +1,7 @@
-"""What an operation says when an argument does not fit.
+"""The check of an argument's shape.
 
-A wrong shape that happens to broadcast trains to nonsense without a word, so every operation
-checks first and names the argument, the shape it has and the shape that was expected.
+A wrong shape that broadcasts gives wrong results without an error, so every operation checks first
+and names the argument, the shape it has and the expected shape.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 
 def require_shape(name: str, array: np.ndarray, expected: tuple) -> None:
-    """Raise unless `array` has the shape `expected`; a string there stands for any length.
+    """Raise unless `array` has the shape `expected`; a string in it means any length.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""The distance between two sets of points that jang2018 regularises its latent space with.
+"""The distance between two sets of points that regularises the latent space of jang2018.
 
-In one dimension the cheapest way of carrying one set of N points onto another pairs the smallest
-with the smallest and so on; in more dimensions the sets are projected on directions and the
-one-dimensional costs averaged.
+In one dimension the optimal transport of one set of N points onto another pairs the smallest with
+the smallest and so on; in more dimensions the sets are projected onto directions and the
+one-dimensional costs are averaged.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from numpy_cae.ops.shapes import require_shape
 
 ScalarPullback = Callable[..., np.ndarray]
 
-UNIT_WITHIN = 1e-4  # what float32 makes of a length of 1, with room
+UNIT_TOLERANCE = 1e-4
+"""Allowed deviation of a direction's length from 1; the rounding of float32 is far smaller."""
 
 
 def sliced_wasserstein(
@@ -27,8 +28,7 @@ def sliced_wasserstein(
         g[i] = p[order[i]] - q_sorted[i]         the gap of the i-th order statistics
         loss = Σ_directions Σ_i g² / (L N)
 
-    Sorting only moves numbers about, so its derivative carries each gap back to the point that it
-    came from:
+    Sorting is a permutation, so its derivative takes each gap back to the point it belongs to:
 
         dL/dp[order[i]] = 2 g[i] / (L N) · dL/dloss
         dL/dz = dL/dp · θ
@@ -38,7 +38,7 @@ def sliced_wasserstein(
     z : (N, D) array of float
         The encoded points.
     prior : (N, D) array of float
-        As many draws from the prior.
+        The same number of draws from the prior.
     directions : (L, D) array of float
         Rows of length 1.
 
@@ -63,7 +63,7 @@ def sliced_wasserstein(
     require_shape("directions", directions, ("directions", z.shape[1]))
     lengths = np.linalg.norm(directions, axis=1)
     worst = int(np.argmax(np.abs(lengths - 1)))
-    if abs(lengths[worst] - 1) > UNIT_WITHIN:
+    if abs(lengths[worst] - 1) > UNIT_TOLERANCE:
         raise ValueError(f"directions[{worst}] has length {lengths[worst]:.4g}, expected unit rows")
     projected = z @ directions.T
     order = np.argsort(projected, axis=0)

@@ -40,14 +40,6 @@ def max_pool(x):
     return y
 
 
-def average_pool(x):
-    batch, frames, channels = x.shape
-    y = np.zeros((batch, frames // 2, channels))
-    for i, t, c in np.ndindex(y.shape):
-        y[i, t, c] = (x[i, 2 * t, c] + x[i, 2 * t + 1, c]) / 2
-    return y
-
-
 def unpool_even(y):
     batch, frames, channels = y.shape
     x = np.zeros((batch, 2 * frames, channels))

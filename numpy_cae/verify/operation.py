@@ -161,7 +161,6 @@ OPERATIONS: dict[str, Operation] = {
             linear_in=("w",),
         ),
         Operation("max_pool", WINDOW, _pool, ("x",), definitions.max_pool),
-        Operation("average_pool", WINDOW, _pool, ("x",), definitions.average_pool, ("x",)),
         Operation("unpool_even", WINDOW, _unpool_even, ("y",), definitions.unpool_even, ("y",)),
         Operation(
             "unpool_random", WINDOW, _unpool_random, ("y",), definitions.unpool_random, ("y",)

@@ -64,12 +64,6 @@ def _loser_gets_nothing(operation: Operation, max_pool: Callable, case: Case) ->
     require_equal("the smaller frames' gradient", dx[lost], np.zeros(lost.sum()), 0)
 
 
-def _equal_frames(operation: Operation, average_pool: Callable, case: Case) -> None:
-    (x,) = operation.arguments(case).values()
-    paired = np.repeat(x[:, ::2], 2, axis=1)
-    require_equal("the mean of two equal frames", average_pool(paired)[0], x[:, ::2])
-
-
 def _pair_sums(operation: Operation, unpool: Callable, case: Case) -> None:
     arguments = operation.arguments(case)
     x, _ = unpool(*arguments.values())
@@ -235,9 +229,6 @@ STATED: dict[str, tuple] = {
     "max_pool": (
         ("ties", "a tie goes to the earlier frame, value and whole gradient", _ties, NO_SIZES),
         ("loser", "the smaller frame's gradient is exactly 0", _loser_gets_nothing, NO_SIZES),
-    ),
-    "average_pool": (
-        ("equal frames", "the mean of two equal frames is either", _equal_frames, NO_SIZES),
     ),
     "unpool_even": (PAIR_SUMS,),
     "unpool_random": (

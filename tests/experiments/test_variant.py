@@ -77,3 +77,12 @@ def test_its_gradients_are_those_of_differences(kind, layer, unpooling):
         return loss, lambda d: tuple(d * array for array in flat)
 
     check_gradients(f, *(getattr(each, name) for each, name in names))
+
+
+def test_average_pool_is_the_mean_of_each_pair():
+    x = np.random.default_rng(0).normal(size=(2, 6, 3))
+    y, _ = average_pool(x)
+    np.testing.assert_allclose(y, (x[:, ::2] + x[:, 1::2]) / 2)
+    check_gradients(average_pool, x)
+    with pytest.raises(ValueError, match="an even number of frames"):
+        average_pool(x[:, :5])

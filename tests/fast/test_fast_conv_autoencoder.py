@@ -1,4 +1,4 @@
-"""The fast convolutional autoencoder equals its definition, with any sizes and number of threads."""
+"""The fast convolutional autoencoder equals its definition, with any number of threads."""
 
 import copy
 import pickle

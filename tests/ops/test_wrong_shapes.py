@@ -53,11 +53,6 @@ LINEAR = (WINDOWS, np.ones((3, 2)), np.ones(2))
             [np.ones((2, 3, 1))],
             "x has shape (2, 3, 1), expected an even number of frames to pool",
         ),
-        (
-            "average_pool",
-            [np.ones((2, 3, 1))],
-            "x has shape (2, 3, 1), expected an even number of frames to pool",
-        ),
         ("unpool_even", [ONE_FRAME], "y has shape (2, 3), expected (batch, frames, channels)"),
         (
             "unpool_random",
@@ -147,7 +142,6 @@ def test_an_argument_that_does_not_fit(operation, arguments, message):
         ("conv1d", CONV, "dy", (2, 4, 2)),
         ("transpose_filters", [FILTERS], "dw_tilde", (5, 2, 3)),
         ("max_pool", [WINDOWS], "dy", (2, 2, 3)),
-        ("average_pool", [WINDOWS], "dy", (2, 2, 3)),
         ("unpool_even", [WINDOWS], "dx", (2, 8, 3)),
         ("unpool_random", [WINDOWS, WINDOWS > 0], "dx", (2, 8, 3)),
         ("tanh", [WINDOWS], "dy", (2, 4, 3)),
