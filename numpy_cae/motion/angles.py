@@ -1,15 +1,15 @@
 """A motion as the 54 numbers a frame of jang2018, and back.
 
-A joint's rotation is taken relative to the nearest joint above it that is in the table, so that
-what lies between (a second bone of the spine, a collar) is folded in and every joint of the table
-faces where it faced:
+A joint's rotation is relative to its nearest ancestor in the table, so that the rotations of the
+joints between (a second bone of the spine, a collar) are included and every joint of the table
+keeps its orientation:
 
-    R_j = G_aboveᵀ · G_j
+    R_j = G_ancestorᵀ · G_j
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.unwrap import unwrapped
 
 ANGLE_RATE = 25.0
-"""Frames a second, as MBR17 has Human3.6M: half of its fifty."""
+"""Frames a second, MBR17's rate for Human3.6M: half of its fifty."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,11 @@ class AngleSequence:
     Parameters
     ----------
     numbers : (F, 54) array of float64
-        The root's place in the world in metres and 51 angles in radians, unwrapped in time, in the
-        order of `table.columns`.
+        The root's position in the world in metres and 51 angles in radians, unwrapped in time, in
+        the order of `table.columns`.
     table : AngleTable
     offsets : (J, 3) array of float64
-        From each drawn joint's carrier to the joint in metres, mean over the motion.
+        From each joint's nearest rotating ancestor to the joint in metres, mean over the motion.
     """
 
     numbers: np.ndarray
@@ -50,14 +50,14 @@ class AngleSequence:
 
 
 def angles_of(motion: Motion, mapping: dict[str, str] | None = None) -> AngleSequence:
-    """The motion at 25 frames a second, without the T-pose before it, as 54 numbers a frame.
+    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
 
     Parameters
     ----------
     motion : Motion
         At the rate of its file.
     mapping : dict, optional
-        As `find_joints` takes it.
+        See `find_joints`.
 
     Raises
     ------
@@ -65,20 +65,20 @@ def angles_of(motion: Motion, mapping: dict[str, str] | None = None) -> AngleSeq
         If joints are missing.
     """
     table = table_for(motion.skeleton)
-    found = table.locate(motion.skeleton, mapping)
+    found = table.find(motion.skeleton, mapping)
     motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)
-    positions, turned = motion.forward_kinematics()
+    positions, rotations = motion.forward_kinematics()
     vectors = np.zeros((len(motion), len(found), 3))
     offsets = np.zeros((len(found), 3))
-    for joint, above in enumerate(table.carriers):
-        here = turned[found[joint]]
-        if above >= 0:
-            carrier = turned[found[above]].inv()
-            reach = positions[:, found[joint]] - positions[:, found[above]]
-            offsets[joint] = carrier.apply(reach).mean(axis=0)
-            here = carrier * here
-        vectors[:, joint] = here.as_rotvec()
-    angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.places]
+    for joint, ancestor in enumerate(table.rotating_parents):
+        local = rotations[found[joint]]
+        if ancestor >= 0:
+            inverse = rotations[found[ancestor]].inv()
+            offset = positions[:, found[joint]] - positions[:, found[ancestor]]
+            offsets[joint] = inverse.apply(offset).mean(axis=0)
+            local = inverse * local
+        vectors[:, joint] = local.as_rotvec()
+    angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
     return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
 
 
@@ -101,7 +101,7 @@ def load_angles(
 
 
 def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Motion:
-    """The motion that 54 numbers a frame describe, on bones of our own.
+    """The motion that 54 numbers a frame describe, on bones of the given offsets.
 
     Parameters
     ----------
@@ -113,15 +113,15 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     Returns
     -------
     Motion
-        At 25 frames a second. The root is where the translation says; see `on_floor` for a clip.
+        At 25 frames a second. The root is at the translation; see `on_floor` for a clip.
     """
     frames, joints = len(numbers), len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
-    vectors[:, table.places] = numbers[:, TRANSLATION.stop :]
-    # A joint that does not turn moves with its parent: the offset from its carrier is what is left.
+    vectors[:, table.indices] = numbers[:, TRANSLATION.stop :]
+    # A joint whose parent does not rotate: subtract the parent's offset from the same ancestor.
     local = np.array(offsets, dtype=np.float64)
-    for joint, (parent, carrier) in enumerate(zip(table.parents, table.carriers, strict=True)):
-        if parent != carrier:
+    for joint, parent in enumerate(table.parents):
+        if parent != table.rotating_parents[joint]:
             local[joint] -= offsets[parent]
     translations = np.tile(local, (frames, 1, 1))
     translations[:, 0] = numbers[:, TRANSLATION]
@@ -131,8 +131,8 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
 
 
 def on_floor(motion: Motion) -> Motion:
-    """The same motion moved up or down so that its lowest joint ever touches the floor: a clip's
-    translation is relative to its first frame, and how high that was is not known."""
+    """The motion moved vertically so that its lowest joint touches the floor once: a clip's
+    translation is relative to its first frame, whose height is unknown."""
     translations = motion.translations.copy()
     translations[:, 0, 1] -= motion.positions()[..., 1].min()
-    return Motion(motion.skeleton, motion.rate, motion.rotations, translations)
+    return replace(motion, translations=translations)

@@ -8,7 +8,7 @@ import numpy as np
 
 from numpy_cae.motion.angle_table import ANGLES, TRANSLATION
 from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.unwrap import nearest_turn
+from numpy_cae.motion.unwrap import shortest_clips
 
 CLIP = 50
 """Frames, two seconds."""
@@ -17,12 +17,12 @@ CLIP = 50
 def draw_clips(
     sequences: Sequence[AngleSequence], clips: int, rng: np.random.Generator, frames: int = CLIP
 ) -> np.ndarray:
-    """Clips that begin anywhere, each beginning as likely as every other.
+    """Random clips; every possible first frame is equally likely.
 
     Parameters
     ----------
     sequences : sequence of AngleSequence
-        Those shorter than a clip are passed over.
+        Those shorter than a clip are ignored.
     clips : int
     rng : numpy.random.Generator
     frames : int
@@ -38,21 +38,22 @@ def draw_clips(
         If no sequence is as long as a clip.
     """
     starts = np.array([max(len(sequence) - frames + 1, 0) for sequence in sequences])
-    _require(starts.sum(), frames)
+    _require_clips(starts.sum(), frames)
     chosen = rng.integers(starts.sum(), size=clips)
     ends = np.cumsum(starts)
-    whose = np.searchsorted(ends, chosen, side="right")
-    first = chosen - (ends - starts)[whose]
-    return _as_clips(
-        np.stack([sequences[w].numbers[f : f + frames] for w, f in zip(whose, first, strict=True)]),
-        sequences[0],
-    )
+    sources = np.searchsorted(ends, chosen, side="right")
+    firsts = chosen - (ends - starts)[sources]
+    drawn = [
+        sequences[source].numbers[first : first + frames]
+        for source, first in zip(sources, firsts, strict=True)
+    ]
+    return _normalised(np.stack(drawn), sequences[0])
 
 
 def cut_clips(
     sequences: Sequence[AngleSequence], step: int = CLIP // 2, frames: int = CLIP
 ) -> np.ndarray:
-    """Clips that begin every `step` frames, for measuring: (clips, frames, 54).
+    """Clips that begin every `step` frames, for evaluation: (clips, frames, 54).
 
     Raises
     ------
@@ -64,20 +65,21 @@ def cut_clips(
         for sequence in sequences
         for first in range(0, len(sequence) - frames + 1, step)
     ]
-    _require(len(cut), frames)
-    return _as_clips(np.stack(cut), sequences[0])
+    _require_clips(len(cut), frames)
+    return _normalised(np.stack(cut), sequences[0])
 
 
-def _require(count: int, frames: int) -> None:
+def _require_clips(count: int, frames: int) -> None:
     if not count:
         raise ValueError(f"no motion is as long as a clip of {frames} frames at 25 a second")
 
 
-def _as_clips(clips: np.ndarray, sequence: AngleSequence) -> np.ndarray:
+def _normalised(clips: np.ndarray, sequence: AngleSequence) -> np.ndarray:
+    """Translations relative to the first frame, angles as short as they can be."""
     clips[..., TRANSLATION] -= clips[:, :1, TRANSLATION]
     table = sequence.table
-    whole = np.zeros((*clips.shape[:2], 3 * len(table.joints)))
-    whole[..., table.places] = clips[..., ANGLES]
-    turned = nearest_turn(whole.reshape(*clips.shape[:2], -1, 3))
-    clips[..., ANGLES] = turned.reshape(whole.shape)[..., table.places]
+    vectors = np.zeros((*clips.shape[:2], 3 * len(table.joints)))
+    vectors[..., table.indices] = clips[..., ANGLES]
+    shortest = shortest_clips(vectors.reshape(*clips.shape[:2], -1, 3))
+    clips[..., ANGLES] = shortest.reshape(vectors.shape)[..., table.indices]
     return clips

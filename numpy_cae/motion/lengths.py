@@ -1,24 +1,25 @@
-"""Joint lengths, normalised: everyone gets the bones of the mean person.
+"""Normalisation of bone lengths: every body gets the mean bones of all.
 
-holden2015, section 4: "We normalize the joint lengths". Each bone is stretched by one ratio for
-the whole take, wanted length over the take's own, which keeps every direction and every speed of
-a joint relative to its parent. The hips move by the ratio of the legs, so that a short person
-takes the mean person's steps and the feet stay on the floor.
+holden2015, section 4: "We normalize the joint lengths". Each bone is scaled by one ratio for the
+whole take, target length over own length, which keeps its direction. The hips move by the ratio
+of the legs, so that a short person takes the mean person's steps and the feet stay on the floor.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.motion.features import positions_to_features
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 _LEGS = [
     JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("knee", "ankle")
 ]
-_NO_LENGTH = 1e-6  # metres; the CMU BVH files put both collars exactly on the chest
+_NO_LENGTH = 1e-6  # metres; the CMU BVH files have both collars exactly at the chest
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
@@ -43,29 +44,24 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
 
 
 def require_legs(path: str | Path, positions: np.ndarray) -> None:
-    """Refuse a body that no bones of another length can be given to.
-
-    Raises
-    ------
-    MotionFileError
-        If the legs (knees and ankles) of these (F, 20, 3) positions in metres have no length.
-    """
+    """Raise MotionFileError if the legs in (F, 20, 3) positions have no length, so that
+    `change_lengths` cannot scale the body."""
     legs = bone_lengths(positions)[_LEGS].sum()
     if not legs > _NO_LENGTH:
         raise MotionFileError(path, None, f"its legs are {legs:.2g} m long, expected a person's")
 
 
-def change_lengths(positions: np.ndarray, own: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:
     """The same motion on bones of other lengths.
 
-    Calling it again with `own` and `wanted` exchanged undoes it.
+    With `own` and `target` exchanged it is its own inverse.
 
     Parameters
     ----------
     positions : (F, 20, 3) array of float
         In metres.
-    own, wanted : (20,) arrays of float
-        Bone lengths in metres, as `bone_lengths` gives them: of these positions, and of the
+    own, target : (20,) arrays of float
+        Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
         result. A bone without a length of its own continues the bone above it.
 
     Returns
@@ -74,14 +70,39 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, wanted: np.ndarray) -
         In metres.
     """
     changed = np.empty(positions.shape)
-    changed[:, 0] = positions[:, 0] * (wanted[_LEGS].sum() / own[_LEGS].sum())
-    for joint, parent in enumerate(PARENTS):
-        if parent < 0:
-            continue
+    changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())
+    for joint, parent in list(enumerate(PARENTS))[1:]:
         if own[joint] > _NO_LENGTH:
-            bone = (positions[:, joint] - positions[:, parent]) * (wanted[joint] / own[joint])
+            bone = (positions[:, joint] - positions[:, parent]) * (target[joint] / own[joint])
         else:
             above = changed[:, parent] - changed[:, PARENTS[parent]]
-            bone = above * (wanted[joint] / wanted[parent])
+            bone = above * (target[joint] / target[parent])
         changed[:, joint] = changed[:, parent] + bone
     return changed
+
+
+def features_on_mean_skeleton(
+    takes: Sequence[np.ndarray], rate: float
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """The features of each take on the mean bones of all takes.
+
+    Parameters
+    ----------
+    takes : sequence of (F, 20, 3) arrays of float
+        World positions of the twenty joints in metres.
+    rate : float
+        Frames a second.
+
+    Returns
+    -------
+    features : list of (F, 63) arrays of float64
+    lengths : (20,) array of float64
+        The mean bone lengths in metres; each take has the same weight.
+    """
+    own = [bone_lengths(take) for take in takes]
+    mean = np.mean(own, axis=0)
+    features = [
+        positions_to_features(change_lengths(take, lengths, mean), rate)[0]
+        for take, lengths in zip(takes, own, strict=True)
+    ]
+    return features, mean

@@ -1,4 +1,4 @@
-"""Windows straight from a folder of motion files, for lessons and quick experiments."""
+"""Windows from a folder of motion files, for lessons and short experiments."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ import numpy as np
 
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.load import find_motion_files
-from numpy_cae.motion.mean_skeleton import features_on_mean_skeleton
+from numpy_cae.motion.lengths import features_on_mean_skeleton
 from numpy_cae.motion.retarget.to_body import RATE, load_body
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 
 @dataclass(frozen=True)
 class FileWindows:
-    """Windows and where they come from.
+    """Windows and their sources.
 
     Parameters
     ----------
     features : (N, length, 63) array of float64
-        On the mean skeleton of the files, nothing subtracted yet.
+        On the mean skeleton of the files, not normalised.
     real : (N, length) array of bool
-        False on held frames.
+        False for frames added to a short take.
     takes : (N,) array of int
-        Which file each window comes from, counted from 0.
+        The index of each window's file.
     """
 
     features: np.ndarray
@@ -49,7 +49,7 @@ def load_windows(
     pattern : str
         Names of the files to use, such as "*walk*".
     minutes : float
-        Of motion at most; the files are taken in steps through the list, not from its beginning.
+        Maximal duration; files are chosen evenly from the list.
     length, overlap : int
         Of a window, in frames at 30 a second.
 
@@ -67,7 +67,7 @@ def load_windows(
     paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
     if not paths:
         raise MotionFileError(folder, None, f"no motion file matches {pattern!r}")
-    # A prime step walks through the whole list, so that a part of it shows something of everything.
+    # Steps of a prime number visit the whole list, so that a part of it samples every kind.
     order = [paths[i * 61 % len(paths)] for i in range(len(paths))] if len(paths) % 61 else paths
     takes, seconds = [], 0.0
     for path in order:

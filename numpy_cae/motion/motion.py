@@ -1,6 +1,6 @@
-"""A motion: a skeleton and, for every frame, how each joint is turned and where it sits.
+"""A motion: a skeleton and the rotation and translation of each joint in every frame.
 
-The positions of the joints follow by forward kinematics, down the tree from the root:
+Positions follow by forward kinematics, from the root to the leaves:
 
     global rotation  G_j = G_parent · R_j
     position         p_j = p_parent + G_parent · t_j
@@ -20,7 +20,7 @@ from numpy_cae.motion.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class Motion:
-    """Frames of a skeleton in motion.
+    """Frames of a moving skeleton.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ class Motion:
     rotations : (F, J, 4) array of float64
         Each joint's rotation relative to its parent, as unit quaternions (x, y, z, w).
     translations : (F, J, 3) array of float64
-        From the parent to the joint in the parent's frame, in metres; for the root, its place
-        in the world. Where a joint has no position channels this is its offset in every frame.
+        From the parent to the joint in the parent's frame, in metres; for the root, its position
+        in the world. A joint without position channels has its offset in every frame.
     unit : float
         Metres in one unit of length of the file that the motion came from.
     unit_note : str
@@ -45,7 +45,7 @@ class Motion:
     unit: float = 1.0
     unit_note: str = "metres"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         frames, joints = len(self.rotations), len(self.skeleton.names)
         if np.shape(self.rotations) != (frames, joints, 4):
             raise ValueError(
@@ -62,71 +62,53 @@ class Motion:
 
     @property
     def seconds(self) -> float:
-        """How long the motion lasts."""
+        """Duration of the motion."""
         return len(self) / self.rate
 
     def positions(self) -> np.ndarray:
-        """Where every joint is.
-
-        Returns
-        -------
-        (frames, joints, 3) array of float64
-            World positions in metres, Y up.
-        """
-        positions, _ = self.forward_kinematics()
-        return positions
+        """World positions of the joints, (frames, joints, 3) in metres, Y up."""
+        return self.forward_kinematics()[0]
 
     def forward_kinematics(self) -> tuple[np.ndarray, list[Rotation]]:
         """World positions (F, J, 3) in metres and, for each joint, its F global rotations."""
         positions = np.empty(self.translations.shape)
-        turned: list[Rotation] = []
+        rotations: list[Rotation] = []
         for joint, parent in enumerate(self.skeleton.parents):
             rotation = Rotation.from_quat(self.rotations[:, joint])
-            if parent < 0:
-                turned.append(rotation)
-                positions[:, joint] = self.translations[:, joint]
-            else:
-                turned.append(turned[parent] * rotation)
-                reach = turned[parent].apply(self.translations[:, joint])
-                positions[:, joint] = positions[:, parent] + reach
-        return positions, turned
+            translation = self.translations[:, joint]
+            if parent >= 0:
+                rotation = rotations[parent] * rotation
+                translation = positions[:, parent] + rotations[parent].apply(translation)
+            rotations.append(rotation)
+            positions[:, joint] = translation
+        return positions, rotations
 
     def resampled(self, rate: float) -> Motion:
-        """The same motion at another rate.
+        """The same motion at another rate, in frames a second.
 
-        Where the rate goes into the motion's own a whole number of times, frames are left out
-        and nothing is computed, as holden2015 sub-samples 120 Hz to 30 (section 4). Elsewhere
-        rotations turn along the shortest way (slerp) and translations move along a line.
-
-        Parameters
-        ----------
-        rate : float
-            Frames a second.
+        Where the motion's own rate is a multiple of the new one, frames are dropped, as holden2015
+        sub-samples 120 Hz to 30 (section 4). Otherwise rotations are interpolated by slerp and
+        translations linearly.
         """
-        now = self.source_frames(rate)
-        if now.dtype == int:
-            return replace(
-                self,
-                rate=float(rate),
-                rotations=self.rotations[now],
-                translations=self.translations[now],
-            )
-        then = np.arange(len(self))
-        return replace(
-            self,
-            rate=float(rate),
-            rotations=slerp(then, self.rotations, now),
-            translations=_along_lines(then, self.translations, now),
-        )
+        frames = self.source_frames(rate)
+        if frames.dtype == int:
+            rotations, translations = self.rotations[frames], self.translations[frames]
+        else:
+            own = np.arange(len(self))
+            rotations = slerp(own, self.rotations, frames)
+            columns = self.translations.reshape(len(self), -1).T
+            translations = np.stack([np.interp(frames, own, column) for column in columns], axis=-1)
+            translations = translations.reshape(len(frames), -1, 3)
+        return replace(self, rate=float(rate), rotations=rotations, translations=translations)
 
     def source_frames(self, rate: float) -> np.ndarray:
-        """Where among this motion's frames `resampled` takes its poses.
+        """The times at which `resampled(rate)` takes its poses, in frames of this motion.
 
         Returns
         -------
         (frames at `rate`,) array
-            Of int where frames are only left out, else of float64: 1.5 is half way from frame 1
-            to frame 2.
+            Of int if frames are only dropped, else of float64: 1.5 is midway between frames 1
+            and 2.
         """
         if rate <= 0:
             raise ValueError(f"rate is {rate}, expected frames a second above 0")
@@ -137,24 +119,18 @@ class Motion:
         return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
 
 
-def whole_step(own: float, rate: float) -> int:
-    """Every how many-th frame of a motion at its `own` rate is one at `rate`; 0 where none is."""
-    step = round(own / rate)
+def whole_step(own_rate: float, rate: float) -> int:
+    """n if every n-th frame at `own_rate` is a frame at `rate`; 0 if there is no such n."""
+    step = round(own_rate / rate)
     # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
-    return step if step >= 1 and abs(own / rate / step - 1) < 0.005 else 0
+    return step if step >= 1 and abs(own_rate / rate / step - 1) < 0.005 else 0
 
 
-def slerp(then: np.ndarray, rotations: np.ndarray, now: np.ndarray) -> np.ndarray:
-    """Rotations along the shortest way: (N, J, 4) quaternions at the times `then`, at `now`."""
-    if len(then) == 1:
-        return np.repeat(rotations, len(now), axis=0)
+def slerp(own: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Spherical interpolation of (N, J, 4) quaternions at the times `own`, evaluated at `times`."""
+    if len(own) == 1:
+        return np.repeat(rotations, len(times), axis=0)
+    times = np.clip(times, own[0], own[-1])
     joints = range(rotations.shape[1])
-    now = np.clip(now, then[0], then[-1])
-    turning = [Slerp(then, Rotation.from_quat(rotations[:, joint])) for joint in joints]
-    return np.stack([turn(now).as_quat() for turn in turning], axis=1)
-
-
-def _along_lines(then: np.ndarray, translations: np.ndarray, now: np.ndarray) -> np.ndarray:
-    columns = translations.reshape(len(then), -1).T
-    moved = np.stack([np.interp(now, then, column) for column in columns], axis=-1)
-    return moved.reshape(len(now), -1, 3)
+    interpolators = [Slerp(own, Rotation.from_quat(rotations[:, joint])) for joint in joints]
+    return np.stack([interpolate(times).as_quat() for interpolate in interpolators], axis=1)

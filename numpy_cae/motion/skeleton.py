@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Skeleton:
-    """A tree of joints. A parent always stands before its children; the first joint is the root.
+    """A tree of joints, parents before children; the first joint is the root.
 
     Parameters
     ----------
@@ -20,12 +20,12 @@ class Skeleton:
         From the parent to the joint in the rest pose, in metres, Y up.
     end_sites : dict of int to (3,) array
         The tip of a bone that ends at no joint (toes, fingers, the top of the head), as an offset
-        in metres from the joint that carries it.
+        in metres from the joint at its base.
 
     Raises
     ------
     ValueError
-        If the lengths differ, a name stands twice, or a parent does not stand before its child.
+        If the lengths differ, a name is repeated, or a parent is not before its child.
     """
 
     names: tuple[str, ...]
@@ -33,7 +33,7 @@ class Skeleton:
     offsets: np.ndarray
     end_sites: dict[int, np.ndarray] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         joints = len(self.names)
         if len(self.parents) != joints or np.shape(self.offsets) != (joints, 3):
             raise ValueError(
@@ -51,13 +51,7 @@ class Skeleton:
                 )
 
     def index(self, name: str) -> int:
-        """Where the joint stands.
-
-        Raises
-        ------
-        KeyError
-            With the names that the skeleton has.
-        """
+        """The index of a joint; KeyError, listing the names of the skeleton, if it is unknown."""
         try:
             return self.names.index(name)
         except ValueError:

@@ -1,4 +1,4 @@
-"""Windows: what a network is shown of a motion (holden2015, section 4)."""
+"""Windows of a motion, the input of a network (holden2015, section 4)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from numpy_cae.motion.features import VELOCITY
 LENGTH = 160
 """Frames in a window of the paper, 5.3 seconds at 30 frames a second."""
 OVERLAP = 80
-"""Frames that a window of the paper shares with the next."""
+"""Frames that consecutive windows of the paper share."""
 
 
 def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
-    """The features continued to `frames` frames: the last pose stands still.
+    """The features extended to `frames` frames by repeating the last pose, without movement.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
     Returns
     -------
     (frames, 63) array of float64
-        Velocity and turn are 0 from the last real frame on.
+        Velocity and turn are 0 from the last given frame.
     """
     held = np.repeat(features[-1:], frames - len(features), axis=0)
     whole = np.concatenate([features, held])
@@ -36,10 +36,10 @@ def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
 def cut_windows(
     features: np.ndarray, length: int = LENGTH, overlap: int = OVERLAP
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Overlapping windows that together show every frame.
+    """Overlapping windows that together cover every frame.
 
-    They start every `length - overlap` frames; where that leaves frames over at the end, one more
-    window ends with the last frame. A take shorter than a window holds its last pose.
+    They start every `length - overlap` frames; if frames remain at the end, one more window ends
+    with the last frame. A take shorter than a window is extended by `hold_last_pose`.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def cut_windows(
     -------
     windows : (N, length, 63) array of float64
     real : (N, length) array of bool
-        False on held frames, which count in no error.
+        False for added frames, which errors leave out.
 
     Raises
     ------

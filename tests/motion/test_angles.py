@@ -43,8 +43,8 @@ def test_a_table_names_fifty_four_numbers(table):
 
 
 def test_the_tables_have_seventeen_joints_and_twenty_one():
-    assert len(SEVENTEEN.turning) == 17 and SEVENTEEN.turning[0][0] == "hips"
-    assert len(HUMAN36M_TABLE.turning) == 21
+    assert len(SEVENTEEN.rotating) == 17 and SEVENTEEN.rotating[0][0] == "hips"
+    assert len(HUMAN36M_TABLE.rotating) == 21
 
 
 @pytest.mark.parametrize("kind", JANG2018_KINDS)
@@ -75,7 +75,7 @@ def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
     """Text in which they and no others vary comes back through the 54 numbers as it was."""
     names = [name for name, *_ in HUMAN36M.rows]
     columns = [0, 1, 2]
-    for joint, axes in HUMAN36M_TABLE.turning:
+    for joint, axes in HUMAN36M_TABLE.rotating:
         columns += [3 + 3 * names.index(joint) + "xyz".index(axis) for axis in axes]
     # The columns that MBR17's code is known to keep, counted from 0.
     assert columns == [

@@ -21,7 +21,7 @@ from numpy_cae.motion import (
     retarget,
 )
 from numpy_cae.motion.retarget.fit import body_skeleton
-from numpy_cae.motion.retarget.rotations import fan, swing
+from numpy_cae.motion.retarget.rotations import fit_fan, swing
 
 LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 
@@ -264,7 +264,7 @@ def test_a_fan_that_was_turned_is_turned_back(seed, size):
     before = np.eye(3) + rng.normal(0, 0.1, (4, 3, 3))
     turn = Rotation.from_rotvec(swing_axes(rng, 4) * size)
     after = np.stack([one.apply(bones) for one, bones in zip(turn, before, strict=True)])
-    assert (fan(before, after, 0.03) * turn.inv()).magnitude().max() < 0.02 * size
+    assert (fit_fan(before, after, 0.03) * turn.inv()).magnitude().max() < 0.02 * size
 
 
 def swing_axes(rng, count):
@@ -277,5 +277,5 @@ def test_a_fan_along_one_line_does_not_turn_about_it(seed):
     rng = np.random.default_rng(seed)
     before = np.array([0.2, 0.25, 0.3])[:, None] * swing_axes(rng, 5)[:, None]
     shaken = before + rng.normal(0, 0.005, before.shape)
-    np.testing.assert_array_less(fan(before, before, 0.03).magnitude(), 1e-7)
-    assert np.degrees(fan(shaken, before, 0.03).magnitude().max()) < 20
+    np.testing.assert_array_less(fit_fan(before, before, 0.03).magnitude(), 1e-7)
+    assert np.degrees(fit_fan(shaken, before, 0.03).magnitude().max()) < 20

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion.unwrap import nearest_turn, unwrapped
+from numpy_cae.motion.unwrap import shortest_clips, unwrapped
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -50,7 +50,7 @@ def test_an_exact_identity_on_the_way_keeps_the_turn():
 def test_what_does_not_jump_is_left_alone():
     calm = np.random.default_rng(0).normal(0, 0.2, (50, 4, 3))
     assert np.array_equal(unwrapped(calm), calm)
-    assert np.array_equal(nearest_turn(calm), calm)
+    assert np.array_equal(shortest_clips(calm), calm)
 
 
 @given(seeds, st.integers(-3, 3))
@@ -60,5 +60,5 @@ def test_a_clip_forgets_turns_made_before_it(seed, turns):
     axis /= np.linalg.norm(axis)
     clip = (rng.uniform(0.5, 2.5) + 0.2 * np.sin(np.linspace(0, 6, 50)))[:, None, None] * axis
     later = clip * (1 + 2 * np.pi * turns / np.linalg.norm(clip, axis=-1, keepdims=True))
-    assert equal_rotations(nearest_turn(later), clip)
-    assert np.allclose(nearest_turn(later), clip, atol=1e-9)
+    assert equal_rotations(shortest_clips(later), clip)
+    assert np.allclose(shortest_clips(later), clip, atol=1e-9)

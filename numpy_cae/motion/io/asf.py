@@ -54,21 +54,31 @@ class AcclaimSkeleton:
     unit: float
     degrees: bool
 
-    @property
-    def counts(self) -> dict[str, int]:
-        """The number of channels of each joint that has any."""
-        named = zip(self.skeleton.names, self.channels, strict=True)
-        return {name: len(channels) for name, channels in named if channels}
+
+_Fields = dict[str, tuple[int, list[str]]]
+"""The statements of a section or a bone: keyword -> (line number, words after the keyword)."""
 
 
 @dataclass
 class _Bone:
+    """A bone of `:bonedata`: the line of its `begin`, its statements and their meaning."""
+
     line: int
-    name: str = ""
-    direction: list[float] | None = None
-    length: float | None = None
-    axis: tuple[list[float], str] | None = None
-    channels: tuple[str, ...] = ()
+    fields: _Fields = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return " ".join(self.fields.get("name", (0, []))[1])
+
+
+@dataclass
+class _Sections:
+    """The statements of a file, sorted into its sections."""
+
+    units: _Fields = field(default_factory=dict)
+    root: _Fields = field(default_factory=dict)
+    bones: list[_Bone] = field(default_factory=list)
+    hierarchy: list[tuple[int, list[str]]] = field(default_factory=list)
 
 
 def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
@@ -94,183 +104,170 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     MotionFileError
         If the file is damaged, or a bone may stretch or slide (dof l, tx, ty, tz).
     """
-    parts = _Parts(TextFile.read(path))
-    parts.read()
-    return parts.assemble(INCH / parts.length if unit is None else require_unit(unit))
+    file = TextFile.read(path)
+    sections = _read_sections(file)
+    line, words = sections.units.get("length", (0, ["1"]))
+    length = _number(file, line, words, "length of :units, expected one number above 0")
+    if length < 1e-9:
+        raise file.error(line, "length of :units, expected one number above 0")
+    line, words = sections.units.get("angle", (0, ["deg"]))
+    angle = " ".join(words).lower()
+    if angle not in ("deg", "rad", "degrees", "radians"):
+        raise file.error(line, f"angle {quoted(angle)}, expected deg or rad")
+    unit = INCH / length if unit is None else require_unit(unit)
+    return _assemble(file, sections, unit, angle.startswith("deg"))
 
 
-@dataclass
-class _Parts:
-    """The sections of the file while it is being read, in the file's units."""
+def _read_sections(file: TextFile) -> _Sections:
+    sections, section, seen = _Sections(), "", set()
+    bone: _Bone | None = None
+    separators = str.maketrans(",()", "   ")
+    for line, words in statements(file):
+        words = " ".join(words).translate(separators).split()
+        keyword = words[0].lower() if words else ""
+        if keyword.startswith(":"):
+            section = keyword
+            seen.add(section)
+        elif words and section == ":units":
+            sections.units[keyword] = line, words[1:]
+        elif words and section == ":root":
+            sections.root[keyword] = line, words[1:]
+        elif words and section == ":hierarchy" and (len(words) > 1 or keyword[:3] not in "begend"):
+            sections.hierarchy.append((line, words))
+        elif words and section == ":bonedata":
+            if keyword == "begin" and bone is None:
+                bone = _Bone(line)
+                sections.bones.append(bone)
+            elif keyword == "begin":
+                break
+            elif bone is None:
+                raise file.error(line, f"{quoted(words[0])} stands outside begin and end")
+            elif keyword == "end":
+                bone = None
+            else:
+                bone.fields[keyword] = line, words[1:]
+    if bone is not None:
+        raise file.error(bone.line, f"bone {bone.name!r} begins here and has no end")
+    for required in (":bonedata", ":hierarchy"):
+        if required not in seen:
+            problem = f"the file ends without {required}: is it an .asf file, cut off?"
+            raise file.error(file.count, problem)
+    return sections
 
-    file: TextFile
-    length: float = 1.0
-    degrees: bool = True
-    order: tuple[str, ...] = ROOT_CHANNELS
-    root_axis: str = "xyz"
-    position: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    orientation: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    bones: dict[str, _Bone] = field(default_factory=dict)
-    open_bone: _Bone | None = None
-    children: dict[str, list[str]] = field(default_factory=dict)
-    parent_lines: dict[str, int] = field(default_factory=dict)
 
-    def read(self) -> None:
-        """Read every section."""
-        sections = {
-            ":units": self.read_units,
-            ":root": self.read_root,
-            ":bonedata": self.read_bone,
-            ":hierarchy": self.read_children,
-        }
-        seen, section = set(), ""
-        separators = str.maketrans(",()", "   ")
-        for line, words in statements(self.file):
-            words = " ".join(words).translate(separators).split()
-            if words and words[0].startswith(":"):
-                section = words[0].lower()
-                seen.add(section)
-            elif words and section in sections:
-                sections[section](line, words[0].lower(), words)
-        for required in (":bonedata", ":hierarchy"):
-            if required not in seen:
-                raise self.file.error(
-                    self.file.count,
-                    f"the file ends without {required}: is it an .asf file, cut off?",
-                )
-        self.require_finished()
+def _number(file: TextFile, line: int, words: list[str], problem: str) -> float:
+    numbers = file.numbers(line, words)
+    if len(numbers) != 1:
+        raise file.error(line, problem.format(len(numbers)))
+    return numbers[0]
 
-    def read_units(self, line: int, keyword: str, words: list[str]) -> None:
-        if keyword == "length":
-            numbers = self.file.numbers(line, words[1:])
-            if len(numbers) != 1 or numbers[0] < 1e-9:
-                raise self.file.error(line, "length of :units, expected one number above 0")
-            self.length = numbers[0]
-        elif keyword == "angle":
-            unit = " ".join(words[1:]).lower()
-            if unit not in ("deg", "rad", "degrees", "radians"):
-                raise self.file.error(line, f"angle {quoted(unit)}, expected deg or rad")
-            self.degrees = unit.startswith("deg")
 
-    def read_root(self, line: int, keyword: str, words: list[str]) -> None:
-        if keyword == "order":
-            self.order = self.channels(line, words, ROOT_CHANNELS)
-        elif keyword == "axis":
-            self.root_axis = self.axis_order(line, " ".join(words[1:]))
-        elif keyword in ("position", "orientation"):
-            setattr(self, keyword, self.file.three_numbers(line, words[1:], keyword))
+def _channels(
+    file: TextFile, fields: _Fields, keyword: str, known: tuple[str, ...]
+) -> tuple[str, ...]:
+    """The channels of an `order` or `dof` statement."""
+    line, words = fields[keyword]
+    channels = tuple(word.lower() for word in words)
+    for channel in channels:
+        if channel not in known:
+            reason = "is unknown"
+            if channel in ("l", *ROOT_CHANNELS):
+                reason = "is not supported: bones here neither stretch nor slide"
+            raise file.error(
+                line, f"{keyword} {quoted(channel)} {reason}; expected {' '.join(known)}"
+            )
+    if len(set(channels)) < len(channels):
+        raise file.error(line, f"{keyword} names a channel twice: {' '.join(words)}")
+    return channels
 
-    def read_bone(self, line: int, keyword: str, words: list[str]) -> None:
-        if keyword == "begin":
-            self.require_finished()
-            self.open_bone = _Bone(line)
-            return
-        bone = self.open_bone
-        if bone is None:
-            raise self.file.error(line, f"{quoted(words[0])} stands outside begin and end")
-        if keyword == "end":
-            self.finish_bone(bone)
-        elif keyword == "name":
-            bone.name = " ".join(words[1:])
-        elif keyword == "direction":
-            bone.direction = self.file.three_numbers(line, words[1:], keyword)
-        elif keyword == "length":
-            numbers = self.file.numbers(line, words[1:])
-            if len(numbers) != 1:
-                problem = f"length has {len(numbers)} values, expected one number"
-                raise self.file.error(line, problem)
-            bone.length = numbers[0]
-        elif keyword == "axis":
-            angles = self.file.three_numbers(line, words[1:4], keyword)
-            bone.axis = angles, self.axis_order(line, " ".join(words[4:]))
-        elif keyword == "dof":
-            bone.channels = self.channels(line, words, ROOT_CHANNELS[3:])
 
-    def finish_bone(self, bone: _Bone) -> None:
-        for required in ("name", "direction", "length", "axis"):
-            if getattr(bone, required) in (None, ""):
-                raise self.file.error(bone.line, f"bone {bone.name!r} has no {required}")
-        if bone.name in self.bones or bone.name == "root":
-            raise self.file.error(bone.line, f"bone name {bone.name!r} stands a second time")
-        self.bones[bone.name] = bone
-        self.open_bone = None
+def _rotation(
+    file: TextFile, line: int, angles: list[float], order: str, degrees: bool
+) -> Rotation:
+    """The rotation about the world's x, y and z by three angles, applied in the given order."""
+    if sorted(order.lower()) != ["x", "y", "z"]:
+        raise file.error(line, f"axis order {quoted(order)}, expected X, Y and Z, such as XYZ")
+    by_axis = dict(zip("xyz", angles, strict=True))
+    order = order.lower()
+    return Rotation.from_euler(order, [by_axis[axis] for axis in order], degrees=degrees)
 
-    def require_finished(self) -> None:
-        if self.open_bone is not None:
-            name, line = self.open_bone.name, self.open_bone.line
-            raise self.file.error(line, f"bone {name!r} begins here and has no end")
 
-    def read_children(self, line: int, keyword: str, words: list[str]) -> None:
-        if len(words) == 1 and keyword in ("begin", "end"):
-            return
-        self.require_finished()
-        parent, *children = words
+def _children(file: TextFile, sections: _Sections) -> dict[str, list[str]]:
+    """The children of each bone in `:hierarchy`."""
+    bones = {bone.name for bone in sections.bones}
+    children: dict[str, list[str]] = {}
+    lines: dict[str, int] = {}
+    for line, words in sections.hierarchy:
         for name in words:
-            if name != "root" and name not in self.bones:
+            if name != "root" and name not in bones:
                 problem = f":hierarchy names {name!r}, a bone that :bonedata lacks"
-                raise self.file.error(line, problem)
-        for child in children:
-            if child == "root" or child in self.parent_lines:
-                before = self.parent_lines.get(child)
-                first = f", first on line {before}" if before else ": it is the root"
-                raise self.file.error(line, f"{child!r} is hung a second time{first}")
-            self.parent_lines[child] = line
-        self.children.setdefault(parent, []).extend(children)
+                raise file.error(line, problem)
+        for child in words[1:]:
+            if child == "root" or child in lines:
+                first = f", first on line {lines[child]}" if child in lines else ": it is the root"
+                raise file.error(line, f"{child!r} is hung a second time{first}")
+            lines[child] = line
+        children.setdefault(words[0], []).extend(words[1:])
+    return children
 
-    def channels(self, line: int, words: list[str], known: tuple[str, ...]) -> tuple[str, ...]:
-        """The channels of an `order` or `dof` statement."""
-        keyword, *channels = (word.lower() for word in words)
-        for channel in channels:
-            if channel not in known:
-                reason = "is unknown"
-                if channel in ("l", *ROOT_CHANNELS):
-                    reason = "is not supported: bones here neither stretch nor slide"
-                raise self.file.error(
-                    line, f"{keyword} {quoted(channel)} {reason}; expected {' '.join(known)}"
-                )
-        if len(set(channels)) < len(channels):
-            problem = f"{keyword} names a channel twice: {' '.join(words[1:])}"
-            raise self.file.error(line, problem)
-        return tuple(channels)
 
-    def axis_order(self, line: int, order: str) -> str:
-        if sorted(order.lower()) != ["x", "y", "z"]:
-            problem = f"axis order {quoted(order)}, expected X, Y and Z, such as XYZ"
-            raise self.file.error(line, problem)
-        return order.lower()
+def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -> AcclaimSkeleton:
+    """The skeleton in metres, parents before children, depth first."""
+    tips, channels, axes = _bones(file, sections, unit, degrees)
+    children = _children(file, sections)
+    names: list[str] = []
+    parents: list[int] = []
+    waiting = [("root", -1)]
+    while waiting:
+        name, parent = waiting.pop()
+        waiting += [(child, len(names)) for child in reversed(children.get(name, []))]
+        names.append(name)
+        parents.append(parent)
+    connected = set(names)
+    for bone in sections.bones:
+        if bone.name not in connected:
+            raise file.error(bone.line, f"bone {bone.name!r} hangs nowhere below the root")
+    line, order = sections.root.get("axis", (0, ["xyz"]))
+    vectors = {}
+    for keyword in ("position", "orientation"):
+        at, words = sections.root.get(keyword, (0, ["0", "0", "0"]))
+        vectors[keyword] = file.three_numbers(at, words, keyword)
+    offsets = [unit * np.array(vectors["position"])]
+    offsets += [tips[names[parent]] for parent in parents[1:]]
+    leaves = sorted(set(range(len(names))) - set(parents))
+    end_sites = {leaf: tips[names[leaf]] for leaf in leaves}
+    return AcclaimSkeleton(
+        skeleton=Skeleton(tuple(names), tuple(parents), np.array(offsets), end_sites),
+        channels=tuple(channels[name] for name in names),
+        axes=tuple(axes[name] for name in names),
+        orientation=_rotation(file, line, vectors["orientation"], " ".join(order), degrees),
+        unit=unit,
+        degrees=degrees,
+    )
 
-    def assemble(self, unit: float) -> AcclaimSkeleton:
-        """The skeleton in metres, parents before children, depth first."""
-        names, parents, waiting = [], [], [("root", -1)]
-        while waiting:
-            name, parent = waiting.pop()
-            children = self.children.get(name, [])
-            waiting += [(child, len(names)) for child in reversed(children)]
-            names.append(name)
-            parents.append(parent)
-        connected = set(names)
-        for bone in self.bones.values():
-            if bone.name not in connected:
-                problem = f"bone {bone.name!r} hangs nowhere below the root"
-                raise self.file.error(bone.line, problem)
-        bones = [self.bones[name] for name in names[1:]]
-        tips = [np.zeros(3)]
-        tips += [unit * bone.length * np.array(bone.direction) for bone in bones]
-        offsets = [unit * np.array(self.position), *(tips[parent] for parent in parents[1:])]
-        leaves = sorted(set(range(len(names))) - set(parents))
-        skeleton = Skeleton(
-            tuple(names), tuple(parents), np.array(offsets), {leaf: tips[leaf] for leaf in leaves}
-        )
-        return AcclaimSkeleton(
-            skeleton=skeleton,
-            channels=(self.order, *(bone.channels for bone in bones)),
-            axes=(Rotation.identity(), *(self.rotation(*bone.axis) for bone in bones)),
-            orientation=self.rotation(self.orientation, self.root_axis),
-            unit=unit,
-            degrees=self.degrees,
-        )
 
-    def rotation(self, angles: list[float], order: str) -> Rotation:
-        """Rotation about the world's x, y and z by three angles, applied in the order given."""
-        by_axis = dict(zip("xyz", angles, strict=True))
-        return Rotation.from_euler(order, [by_axis[axis] for axis in order], degrees=self.degrees)
+def _bones(
+    file: TextFile, sections: _Sections, unit: float, degrees: bool
+) -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Rotation]]:
+    """For each bone its end relative to its base in metres, its channels and its axes C."""
+    tips = {"root": np.zeros(3)}
+    channels = {"root": ROOT_CHANNELS}
+    axes = {"root": Rotation.identity()}
+    if "order" in sections.root:
+        channels["root"] = _channels(file, sections.root, "order", ROOT_CHANNELS)
+    for bone in sections.bones:
+        for required in ("name", "direction", "length", "axis"):
+            if required not in bone.fields:
+                raise file.error(bone.line, f"bone {bone.name!r} has no {required}")
+        if bone.name in tips:
+            raise file.error(bone.line, f"bone name {bone.name!r} stands a second time")
+        direction = file.three_numbers(*bone.fields["direction"], "direction")
+        length = _number(file, *bone.fields["length"], "length has {} values, expected one number")
+        tips[bone.name] = unit * length * np.array(direction)
+        line, words = bone.fields["axis"]
+        angles = file.three_numbers(line, words[:3], "axis")
+        axes[bone.name] = _rotation(file, line, angles, " ".join(words[3:]), degrees)
+        channels[bone.name] = ()
+        if "dof" in bone.fields:
+            channels[bone.name] = _channels(file, bone.fields, "dof", ROOT_CHANNELS[3:])
+    return tips, channels, axes

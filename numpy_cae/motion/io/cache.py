@@ -1,8 +1,7 @@
-"""Many motion files as takes: in parallel, the wanted frames alone parsed, and each file once.
+"""Read many motion files: in parallel, only the frames needed, and each file once.
 
-What a file came to is kept in a cache under a name made of its content, so that a file that was
-moved, renamed or copied is known again, and one that was changed is not. Nothing of a cache need be
-kept: deleting its folder costs time and no more.
+The result of a file is cached under a hash of its content, so that a moved, renamed or copied file
+is found again and a changed one is not. The folder of the cache can be deleted at any time.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.errors import FileError
 from numpy_cae.motion.io.amc import find_skeleton
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.load import load_motion
@@ -29,23 +29,23 @@ from numpy_cae.motion.lengths import require_legs
 from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
 from numpy_cae.motion.retarget.to_body import RATE
 
-VERSION = "numpy_cae take 2"
-"""Part of every name in a cache: another way of reading must bring another version."""
+VERSION = "numpy_cae take 3"
+"""Part of every hash: a change in the readers must change the version."""
 WORTHWHILE = 20e6
-"""Bytes in all, below which reading takes less than starting processes or looking into a cache."""
+"""Total bytes below which reading takes less than starting processes or looking into a cache."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """What became of one file.
+    """The result of reading one file.
 
     Parameters
     ----------
     path : Path
     positions : (F, 20, 3) array of float64 or None
-        World positions in metres at `RATE`; None where the file cannot be used.
+        World positions in metres at `RATE`; None if the file cannot be used.
     note : str
-        What its unit was taken to be.
+        The unit that was assumed.
     problem : MotionFileError, UnknownRigError or None
     """
 
@@ -56,7 +56,7 @@ class Body:
 
 
 def default_cache() -> Path:
-    """`numpy_cae` in the folder that the system keeps for caches."""
+    """The folder `numpy_cae` in the user's cache folder."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(home) / "numpy_cae"
 
@@ -74,19 +74,19 @@ def read_bodies(
     ----------
     paths : sequence of paths
     mapping, unit
-        As `load_body` takes them.
+        See `load_body`.
     cache : path, optional
-        A folder, made if it is not there; None for none.
+        A folder, created if missing; None for no cache.
     processes : int, optional
-        By default as many as there are processors for `WORTHWHILE` bytes or more, else one.
+        By default one, or the number of processors for `WORTHWHILE` bytes or more.
     """
-    read = partial(_body, mapping=mapping, unit=unit, cache=cache)
+    read = partial(_read, mapping=mapping, unit=unit, cache=cache)
     if processes is None:
         processes = (os.cpu_count() or 1) if is_worthwhile(paths) else 1
     if processes == 1:
         yield from map(read, paths)
         return
-    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_leave_ctrl_c_to_the_parent)
+    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_ignore_interrupts)
     try:
         yield from pool.map(read, paths, chunksize=4)
     except BrokenProcessPool:
@@ -95,30 +95,25 @@ def read_bodies(
         pool.shutdown(cancel_futures=True)
 
 
-def _leave_ctrl_c_to_the_parent() -> None:
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C to the parent process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def is_worthwhile(paths: Sequence[Path]) -> bool:
-    """Whether the files are many enough for processes and a cache."""
-    total = 0
-    for path in paths:
-        total += path.stat().st_size if path.exists() else 0
-        if total >= WORTHWHILE:
-            return True
-    return False
+    """Whether the files are large enough in total for processes and a cache."""
+    return sum(path.stat().st_size for path in paths if path.exists()) >= WORTHWHILE
 
 
-def _body(
+def _read(
     path: Path, mapping: dict[str, str] | None, unit: float | None, cache: Path | None
 ) -> Body:
     try:
-        known = None if cache is None else cache / f"{_content(path, mapping, unit)}.npz"
-        if known is not None and known.exists():
-            body = _known(path, known)
-            if body is not None:
-                return body
+        cached = None if cache is None else cache / f"{_hash(path, mapping, unit)}.npz"
+        body = None if cached is None else _load(path, cached)
+        if body is not None:
+            return body
         motion = load_motion(path, unit=unit, max_rate=RATE)
         try:
             positions = body_positions(motion.resampled(RATE), mapping)
@@ -127,13 +122,13 @@ def _body(
         require_legs(path, positions)
     except (MotionFileError, UnknownRigError) as problem:
         return Body(path, None, "", problem)
-    if known is not None:
-        _keep(known, positions, motion.unit_note)
+    if cached is not None:
+        _save(cached, positions, motion.unit_note)
     return Body(path, positions, motion.unit_note)
 
 
-def _content(path: Path, mapping: dict[str, str] | None, unit: float | None) -> str:
-    """The same for two files only if they say the same and are read in the same way."""
+def _hash(path: Path, mapping: dict[str, str] | None, unit: float | None) -> str:
+    """Equal for two files only if their content and the settings of the reader are equal."""
     settings = json.dumps([VERSION, RATE, mapping, unit, path.suffix.lower()], sort_keys=True)
     digest = hashlib.blake2b(settings.encode(), digest_size=20)
     files = [path, find_skeleton(path)] if path.suffix.lower() == ".amc" else [path]
@@ -146,24 +141,24 @@ def _content(path: Path, mapping: dict[str, str] | None, unit: float | None) -> 
     return digest.hexdigest()
 
 
-def _known(path: Path, known: Path) -> Body | None:
-    """What the cache says; None where its file is damaged, to be made anew."""
+def _load(path: Path, cached: Path) -> Body | None:
+    """The cached result; None if there is none or its file is damaged."""
     try:
-        with np.load(known, allow_pickle=False) as file:
+        with np.load(cached, allow_pickle=False) as file:
             positions, note = file["positions"], str(file["note"])
-    except Exception:  # whatever np.load raises of a damaged archive
+    except Exception:  # whatever np.load raises for a missing or damaged archive
         return None
-    whole = positions.ndim == 3 and positions.shape[1:] == (20, 3) and len(positions) > 0
-    return Body(path, positions, note) if whole and np.isfinite(positions).all() else None
+    valid = positions.ndim == 3 and positions.shape[1:] == (20, 3) and len(positions) > 0
+    return Body(path, positions, note) if valid and np.isfinite(positions).all() else None
 
 
-def _keep(known: Path, positions: np.ndarray, note: str) -> None:
-    """A cache that cannot be written is none: the take has been read all the same."""
+def _save(cached: Path, positions: np.ndarray, note: str) -> None:
+    """Write to the cache; failures are ignored, as the take has been read already."""
     try:
-        known.parent.mkdir(parents=True, exist_ok=True)
-        archive = io.BytesIO()  # see Checkpoint.save
+        cached.parent.mkdir(parents=True, exist_ok=True)
+        archive = io.BytesIO()  # np.savez into a file could be interrupted halfway
         np.savez(archive, positions=positions, note=np.array(note))
-        with atomic_write(known) as beside:
+        with atomic_write(cached) as beside:
             beside.write_bytes(archive.getbuffer())
-    except (OSError, MotionFileError):
+    except (OSError, FileError):
         return

@@ -1,8 +1,7 @@
-"""The T-pose that conversions of the CMU database put before the first frame.
+"""Removal of the T-pose that conversions of the CMU database insert before the first frame.
 
-It is no motion: the person snaps out of it within a 120th of a second. So it is recognised by
-both, by what it looks like and by the snap; someone who was recorded in a T-pose leaves it slowly
-and keeps it.
+It is not part of the motion: the person leaves it within a 120th of a second. So it is recognised
+by its shape and by the jump after it; someone recorded in a T-pose leaves it slowly and keeps it.
 """
 
 from __future__ import annotations
@@ -10,19 +9,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
 
-STRAIGHT = np.cos(np.radians(20.0))
-"""Of the angle between a limb and where a T has it: less than that is no T-pose."""
-SNAP = 8.0
-"""How many times faster than the frames that follow, in radians a frame over all joints."""
+MIN_COSINE = np.cos(np.radians(20.0))
+"""Of the angle between a limb and its direction in a T-pose."""
+JUMP = 8.0
+"""The first step over the median of the following steps, in radians a frame over all joints."""
 _FOLLOWING = 25
 
-# limb, from, to, and the direction that a T-pose which faces +Z has there
+# limb, from, to, and its direction in a T-pose that faces +Z
 _LIMBS = (
     ("left_shoulder", "left_wrist", (1.0, 0.0, 0.0)),
     ("right_shoulder", "right_wrist", (-1.0, 0.0, 0.0)),
@@ -32,42 +30,41 @@ _LIMBS = (
 
 
 def without_t_pose(motion: Motion, mapping: dict[str, str] | None = None) -> Motion:
-    """The motion without its first frame if that is a T-pose that the second snaps out of.
+    """The motion without its first frame if that is a T-pose from which the second jumps.
 
     Parameters
     ----------
     motion : Motion
-        At the rate of its file: resampling would smear the T-pose into what follows.
+        At the rate of its file: resampling would blend the T-pose with the next frames.
     mapping : dict, optional
-        As `find_joints` takes it.
+        See `find_joints`.
 
     Raises
     ------
     UnknownRigError
         If joints are missing.
     """
-    if len(motion) < 3 or not _looks_like_t(_first_frame(motion), mapping) or not _snaps(motion):
+    if len(motion) < 3 or not _is_t_pose(motion, mapping) or not _jumps(motion):
         return motion
     return replace(motion, rotations=motion.rotations[1:], translations=motion.translations[1:])
 
 
-def _first_frame(motion: Motion) -> Motion:
-    return replace(motion, rotations=motion.rotations[:1], translations=motion.translations[:1])
-
-
-def _looks_like_t(motion: Motion, mapping: dict[str, str] | None) -> bool:
-    body = body_positions(motion, mapping)[0]
+def _is_t_pose(motion: Motion, mapping: dict[str, str] | None) -> bool:
+    """Whether the first frame is a T-pose."""
+    rotations, translations = motion.rotations[:1], motion.translations[:1]
+    first = replace(motion, rotations=rotations, translations=translations)
+    body = body_positions(first, mapping)[0]
     for start, end, direction in _LIMBS:
         limb = body[JOINTS.index(end)] - body[JOINTS.index(start)]
-        if limb @ np.array(direction) < STRAIGHT * np.linalg.norm(limb):
+        if limb @ np.array(direction) < MIN_COSINE * np.linalg.norm(limb):
             return False
     return True
 
 
-def _snaps(motion: Motion) -> bool:
-    turned = Rotation.from_quat(motion.rotations[: _FOLLOWING + 2].reshape(-1, 4))
-    turned = turned.as_quat().reshape(-1, *motion.rotations.shape[1:])
-    # The angle between two quaternions is twice that between them as vectors of four, either sign.
-    cosines = np.abs(np.sum(turned[1:] * turned[:-1], axis=-1))
+def _jumps(motion: Motion) -> bool:
+    quaternions = motion.rotations[: _FOLLOWING + 2]
+    quaternions = quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True)
+    # The angle between two rotations is twice that between their quaternions, of either sign.
+    cosines = np.abs(np.sum(quaternions[1:] * quaternions[:-1], axis=-1))
     steps = np.linalg.norm(2 * np.arccos(np.clip(cosines, 0.0, 1.0)), axis=-1)
-    return bool(steps[0] > SNAP * max(np.median(steps[1:]), 1e-3))
+    return bool(steps[0] > JUMP * max(float(np.median(steps[1:])), 1e-3))

@@ -1,11 +1,11 @@
-"""How long one unit of a motion file is.
+"""The unit of length of a motion file.
 
-BVH does not say. The people in motion capture are grown up, so the size of the skeleton tells:
-a person some 172 units tall is written in centimetres. How tall a skeleton stands is taken from
-the lengths of its bones alone, since a rest pose may be anything (Bandai's lays every bone along
-x) and a root may lie on the floor. The longest way along bones from one tip to another runs from
-a toe to the finger tips; it is about 1.3 times the stature in whatever pose (less where a rig
-ends at the wrists, as Bandai's, more where it has fingers, as CMU's).
+BVH does not state it. The people in motion capture are adults, so the size of the skeleton tells:
+a person some 172 units tall is in centimetres. The stature is derived from the lengths of the
+bones alone, since a rest pose may be anything (Bandai's has every bone along x) and a root may lie
+on the floor. The longest path along bones from one tip to another runs from a toe to the finger
+tips; it is about 1.3 times the stature in any pose (less in a rig that ends at the wrists, as
+Bandai's, more with fingers, as in CMU's).
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ UNITS = {
     "centimetres": 0.01,
     "millimetres": 0.001,
 }
-"""The units that a guess chooses from, in metres. Feet are left out: no one writes them."""
+"""The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
 ADULT = 1.7
 """Metres."""
 TIP_TO_TIP = 1.3
 """Toe to finger tips along the bones, in statures."""
 PLAUSIBLE = (0.9, 2.4)
-"""Statures in metres beyond which a guess is not to be trusted."""
+"""Range of statures in metres; a guess outside it is not reliable."""
 
 
 def require_unit(unit: float) -> float:
-    """Raise ValueError unless `unit` can be a number of metres."""
+    """The unit; ValueError unless it is a positive number of metres."""
     if not (np.isfinite(unit) and unit > 0):
         raise ValueError(f"unit is {unit}, expected metres per unit of the file, above 0")
     return float(unit)
 
 
 def unit_name(unit: float) -> str:
-    """A unit of so many metres, for a person."""
+    """The name of a unit of so many metres."""
     for name, metres in UNITS.items():
         if abs(unit / metres - 1) < 1e-6:
             return name
@@ -50,60 +50,51 @@ def unit_name(unit: float) -> str:
 
 
 def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float:
-    """How tall someone with such bones stands.
+    """The stature of a person with such bones.
 
     Parameters
     ----------
     skeleton : Skeleton
     bone_lengths : (J,) array, optional
-        From each joint's parent to the joint. By default the lengths of the skeleton's offsets;
-        a motion whose joints have position channels may know better.
+        From each joint's parent to the joint; by default the lengths of the skeleton's offsets.
 
     Returns
     -------
     float
-        In the unit of the lengths; 0 where there are no two tips.
+        In the unit of the lengths; 0 if there are no two tips.
     """
     if bone_lengths is None:
         bone_lengths = np.linalg.norm(skeleton.offsets, axis=-1)
-    joints = len(skeleton.names)
-    # The longest way down from each joint to a tip; a way from tip to tip turns at some joint
-    # and goes down on two sides. A root below the hips is never such a turning point.
-    down = np.zeros(joints)
     longest = 0.0
-    ways: list[list[float]] = [[] for _ in range(joints)]
-    for joint in reversed(range(joints)):
+    # Lengths of the paths from each joint down to a tip. A path from tip to tip goes up to some
+    # joint and down again; a root without branches is never such a joint.
+    paths: list[list[float]] = [[] for _ in skeleton.names]
+    for joint in reversed(range(len(skeleton.names))):
         if joint in skeleton.end_sites:
-            ways[joint].append(float(np.linalg.norm(skeleton.end_sites[joint])))
-        ways[joint].sort(reverse=True)
-        if len(ways[joint]) > 1:
-            longest = max(longest, ways[joint][0] + ways[joint][1])
-        down[joint] = ways[joint][0] if ways[joint] else 0.0
-        parent = skeleton.parents[joint]
-        if parent >= 0:
-            ways[parent].append(float(bone_lengths[joint] + down[joint]))
+            paths[joint].append(float(np.linalg.norm(skeleton.end_sites[joint])))
+        down = sorted(paths[joint], reverse=True)
+        if len(down) > 1:
+            longest = max(longest, down[0] + down[1])
+        if skeleton.parents[joint] >= 0:
+            length = float(bone_lengths[joint] + (down[0] if down else 0.0))
+            paths[skeleton.parents[joint]].append(length)
     return longest / TIP_TO_TIP
 
 
 def is_plausible(metres: float) -> bool:
-    """Whether someone may be that tall."""
+    """Whether a person may be that tall."""
     return PLAUSIBLE[0] <= metres <= PLAUSIBLE[1]
 
 
 def guess_unit(height: float) -> tuple[float, str]:
-    """The unit in which someone `height` units tall comes nearest to a grown person.
-
-    Parameters
-    ----------
-    height : float
-        As `stature` gives it, in units of the file.
+    """The unit in which a person `height` units tall is closest to an adult.
 
     Returns
     -------
     unit : float
-        Metres per unit; 1 where there is nothing to measure.
+        Metres; 1 if the height is 0.
     note : str
-        What was taken and why, for a person.
+        The guess and its reason, for a person.
     """
     if not height > 0:
         return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"

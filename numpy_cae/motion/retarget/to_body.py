@@ -1,11 +1,10 @@
-"""A take as the network wants it: twenty joints, thirty frames a second, from any motion file."""
+"""From a motion of any rig to the input of a network: twenty joints, thirty frames a second."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.motion import Motion
@@ -21,15 +20,15 @@ def body_of(motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray
 
 
 def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
-    """Positions at `RATE` brought to the frames of a motion: the way back from `body_of` in time.
+    """Positions at `RATE` resampled to the frames of a motion: the inverse of `body_of` in time.
 
-    Between the poses runs Akima's modified cubic, smooth and local: where poses rest they stay at
-    rest. Frames after the last pose, less than 1/30 s, go on as it went.
+    The interpolation is Akima's modified cubic, smooth and local: poses at rest stay at rest.
+    Frames after the last pose, less than 1/30 s, are extrapolated linearly.
 
     Parameters
     ----------
     motion : Motion
-        Its rate and length are wanted.
+        Its rate and number of frames are used.
     positions : (F', N, 3) array of float
         As many poses as `body_of(motion)` has.
 
@@ -41,21 +40,23 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
     Raises
     ------
     ValueError
-        If there are more poses or fewer.
+        If the number of poses differs.
     """
-    moments = motion.source_frames(RATE)
-    if len(positions) != len(moments):
+    from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
+
+    times = motion.source_frames(RATE)
+    if len(positions) != len(times):
         raise ValueError(
-            f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(moments)}"
+            f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
         )
     frames = np.arange(len(motion))
-    if len(moments) == 1:
+    if len(times) == 1:
         return np.repeat(positions, len(motion), axis=0)
-    if np.array_equal(moments, frames):
+    if np.array_equal(times, frames):
         return np.array(positions, dtype=np.float64)
-    moments = np.append(moments, 2 * moments[-1] - moments[-2])
+    times = np.append(times, 2 * times[-1] - times[-2])
     positions = np.concatenate([positions, 2 * positions[-1:] - positions[-2:-1]])
-    return Akima1DInterpolator(moments, positions, method="makima")(frames)
+    return Akima1DInterpolator(times, positions, method="makima")(frames)
 
 
 def load_body(

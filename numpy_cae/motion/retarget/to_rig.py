@@ -1,17 +1,16 @@
-"""Any rig, made to follow new positions of the twenty joints: how a result gets back into a file.
+"""Retargeting: change a motion of any rig so that its twenty joints reach new positions.
 
-What a network changes is positions; what a person brought is a rig with fingers, several joints
-in its neck, rotations of its own. So the rig's pose is kept and only turned: down the tree, each
-joint on the way from one of the twenty to the next adds a turn Q to the global rotation that it
-has by then,
+A network changes positions; the user's file has a rig with fingers, several joints in its neck and
+rotations of its own. So the rig's pose is kept and only rotated: from the root down, each joint on
+the path from one of the twenty to the next adds a rotation Q to its global rotation,
 
     G'_j = Q_j · G'_parent · R_j
 
-that points what hangs from it where it was asked for. One bone turns by the smallest turn, so
-that its twist stays; where several leave (hips, chest), one turn fits them all. Joints in between
-(a second spine, a neck) share: the i-th of n makes 1 / (n - i) of the turn still needed from its
-own place, the last the whole of it, so a long spine bends evenly. No bone changes its length. No
-change asked for is no change made, to the bit, and all other joints keep R_j.
+that points its bones at their targets. One bone gets the smallest rotation, which keeps its twist;
+several bones of one joint (hips, chest) get one rotation that fits all. Joints in between (a second
+spine, a neck) share: the i-th of n makes 1 / (n - i) of the rotation still needed, so a long spine
+bends evenly. No bone changes its length. Where the targets are the present positions nothing
+changes, to the bit, and all other joints keep R_j.
 """
 
 from __future__ import annotations
@@ -24,59 +23,63 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
-from numpy_cae.motion.retarget.rotations import fan, swing
+from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.skeleton import Skeleton
 
-_TURNED = 1e-9
-"""Radians, and metres at a bone's end. Less is rounding, and a rotation stays as it came."""
+_ROUNDING = 1e-9
+"""Radians, and metres at a bone's end. Smaller differences leave a rotation unchanged."""
 _MOVED = 1e-6
 """Metres. A joint further from its offset than this carries the body through the world."""
 
-_MENDED = 0.3
-"""How much a bone with joints in between counts in a fan: those can still point it right, while
-the hips sit where the pelvis has them. Alone it turns no fan."""
+_FLEXIBLE_WEIGHT = 0.3
+"""Weight in a fan of a bone with joints in between, which can still correct it, while the hips
+follow the pelvis. Such bones alone rotate no fan."""
 
-_HOLD = 0.03
-"""τ of `fan`. CMU's collars begin at one point, so all bones of its chest lie nearly along one
-line, and about it an error of a centimetre would turn the chest by a right angle. More, and turns
-that were asked for are held back (lessons/papers_to_code.md)."""
+_TAU = 0.03
+"""τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
+line, about which an error of a centimetre would rotate the chest by a right angle. A larger τ
+suppresses requested rotations (docs/lab_book.md)."""
 
 
 @dataclass(frozen=True)
 class _Bone:
-    """The way along the rig from one of the twenty joints to the next, as indices of the rig."""
+    """The path along the rig from one of the twenty joints to the next, as indices of the rig."""
 
     start: int
     between: tuple[int, ...]
     end: int
 
 
+_Bones = dict[int, list[_Bone]]
+"""For each joint of the rig that may rotate, the bones that begin at it or pass through it."""
+
+
 def retarget(
     motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None = None
 ) -> Motion:
-    """The motion, changed as little as makes its twenty joints follow new positions.
+    """The motion, changed as little as its twenty joints need to reach new positions.
 
     Parameters
     ----------
     motion : Motion
         Of any rig in which the twenty joints can be found.
     positions : (F, 20, 3) array of float
-        Asked-for world positions in metres, one for each frame of the motion at its own rate
-        (`body.at_rate_of` makes them of positions at 30 frames a second).
+        Target world positions in metres, one pose for each frame of the motion at its own rate
+        (`at_rate_of` resamples positions at 30 frames a second).
     mapping : dict of our joint names to the rig's, optional
 
     Returns
     -------
     Motion
-        Of the same skeleton, rate, unit and length. The hips are where they were asked for;
-        other joints as near as bones that keep their length allow.
+        Of the same skeleton, rate, unit and length. The hips are at their targets; other joints
+        as near as bones of constant length allow.
 
     Raises
     ------
     ValueError
         If the positions are not finite or their shape does not fit the motion.
     UnknownRigError
-        If joints are missing, or one of the twenty hangs from none of the others.
+        If joints are missing, or one of the twenty descends from none of the others.
     """
     joints = find_joints(motion.skeleton, mapping)
     if np.shape(positions) != (len(motion), len(JOINTS), 3):
@@ -86,73 +89,97 @@ def retarget(
         )
     if not np.all(np.isfinite(positions)):
         raise ValueError("positions hold values that are not finite")
-    asked = {joint: positions[:, place] for place, joint in enumerate(joints)}
-    before, turned_before = motion.forward_kinematics()
-    through = _bones_through(motion, joints)
+    targets = {joint: positions[:, index] for index, joint in enumerate(joints)}
+    before, rotations_before = motion.forward_kinematics()
+    bones = _bones_through(motion, joints)
     rotations = motion.rotations.copy()
-    translations = _moved(motion, joints[0], asked[joints[0]] - before[:, joints[0]])
+    translations = _moved(motion, joints[0], targets[joints[0]] - before[:, joints[0]])
 
-    now = np.empty(before.shape)
-    turned: list[Rotation] = []
+    after = np.empty(before.shape)
+    global_rotations: list[Rotation] = []
     for joint, parent in enumerate(motion.skeleton.parents):
-        above = turned[parent] if parent >= 0 else Rotation.identity(len(motion))
-        here = above * Rotation.from_quat(motion.rotations[:, joint])
-        now[:, joint] = above.apply(translations[:, joint])
+        above = global_rotations[parent] if parent >= 0 else Rotation.identity(len(motion))
+        rotation = above * Rotation.from_quat(motion.rotations[:, joint])
+        after[:, joint] = above.apply(translations[:, joint])
         if parent >= 0:
-            now[:, joint] += now[:, parent]
-        if joint in through:
-            bones = through[joint]
-            since = here * turned_before[joint].inv()
-            seen = np.stack([since.apply(before[:, b.end] - before[:, joint]) for b in bones], 1)
-            wanted = np.stack([asked[bone.end] - now[:, joint] for bone in bones], axis=1)
-            if len(bones) == 1:
-                turn = swing(seen[:, 0], wanted[:, 0], 1 / _turns_left(bones[0], joint, through))
-                turns = turn.magnitude() > _TURNED
-            else:
-                mended = np.array([_turns_left(bone, joint, through) > 0 for bone in bones])
-                turn = fan(seen * np.where(mended, _MENDED, 1.0)[:, None], wanted, _HOLD)
-                decides = ~mended | mended.all()
-                misses = np.linalg.norm(wanted - seen, axis=-1) > _TURNED
-                turns = misses[:, decides].any(axis=1) & (turn.magnitude() > _TURNED)
-                # Asked to stay, the fan turns back exactly, where a fit would be near.
-                were = np.stack([before[:, b.end] - before[:, joint] for b in bones], axis=1)
-                stay = np.abs(wanted - were).max(axis=(1, 2)) < _TURNED
-                turn = _either(stay, turned_before[joint] * here.inv(), turn)
-            if turns.any():
-                here = _either(turns, turn * here, here)
-                rotations[turns, joint] = (above.inv() * here).as_quat()[turns]
-        turned.append(here)
+            after[:, joint] += after[:, parent]
+        if joint in bones:
+            ends = [bone.end for bone in bones[joint]]
+            own = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
+            target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
+            corrected = _corrected(
+                rotation, rotations_before[joint], own, target, _shares(joint, bones)
+            )
+            changes = (corrected * rotation.inv()).magnitude() > _ROUNDING
+            if changes.any():
+                rotation = _choose(changes, corrected, rotation)
+                rotations[changes, joint] = (above.inv() * rotation).as_quat()[changes]
+        global_rotations.append(rotation)
     return replace(motion, rotations=rotations, translations=translations)
 
 
-def _either(chosen: np.ndarray, one: Rotation, other: Rotation) -> Rotation:
+def _corrected(
+    rotation: Rotation,
+    before: Rotation,
+    own: np.ndarray,
+    target: np.ndarray,
+    shares: list[int],
+) -> Rotation:
+    """The global rotation of a joint that points its bones at their targets.
+
+    Parameters
+    ----------
+    rotation, before : Rotation of F
+        After the changes of the joints above; in the unchanged motion.
+    own, target : (F, N, 3) arrays
+        The bones in the unchanged motion, and from the joint to the targets.
+    shares : list of N int
+        See `_shares`.
+    """
+    change = rotation * before.inv()
+    now = np.stack([change.apply(bone) for bone in own.transpose(1, 0, 2)], axis=1)
+    if len(shares) == 1:
+        return swing(now[:, 0], target[:, 0], 1 / shares[0]) * rotation
+    flexible = np.array(shares) > 0
+    weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
+    fitted = fit_fan(now * weights, target, _TAU) * rotation
+    # Where the targets are the unchanged bones, restore their rotation exactly.
+    unchanged = np.abs(target - own).max(axis=(1, 2)) < _ROUNDING
+    fitted = _choose(unchanged, before, fitted)
+    decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
+    misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
+    return _choose(misses[:, decisive].any(axis=1), fitted, rotation)
+
+
+def _choose(chosen: np.ndarray, one: Rotation, other: Rotation) -> Rotation:
     """Frame by frame, `one` where it is chosen, else `other`."""
     return Rotation.from_quat(np.where(chosen[:, None], one.as_quat(), other.as_quat()))
 
 
 def moves_alone(motion: Motion, joint: str, mapping: dict[str, str] | None = None) -> bool:
-    """Whether a joint of the twenty can move while all the others stay where they are.
+    """Whether one of the twenty joints can move while all the others keep their positions.
 
-    It can where something in the rig turns for its bone alone and no more than one bone goes on
-    from it. A collar or a hip that sits on its fan, and the hips and the chest themselves, cannot.
+    It can if some joint of the rig rotates for its bone alone and at most one bone continues from
+    it. A collar or a hip at its fan, and the hips and the chest themselves, cannot.
     """
-    through = _bones_through(motion, find_joints(motion.skeleton, mapping))
-    place = find_joints(motion.skeleton, mapping)[JOINTS.index(joint)]
-    onward = [bone for bone in through.get(place, []) if bone.start == place]
-    arriving = {bone for bones in through.values() for bone in bones if bone.end == place}
-    return len(onward) < 2 and any(_turns_left(bone, bone.start, through) for bone in arriving)
+    joints = find_joints(motion.skeleton, mapping)
+    bones = _bones_through(motion, joints)
+    index = joints[JOINTS.index(joint)]
+    outgoing = [bone for bone in bones.get(index, []) if bone.start == index]
+    incoming = [bone for group in bones.values() for bone in group if bone.end == index]
+    return len(outgoing) < 2 and any(_free_joints(bone, bone.start, bones) for bone in incoming)
 
 
-def _bones_through(motion: Motion, joints: list[int]) -> dict[int, list[_Bone]]:
-    """For each joint of the rig that is to turn, the bones that begin at it or run through it."""
-    through: dict[int, list[_Bone]] = {}
-    for place, joint in enumerate(joints[1:], start=1):
-        bone = _bone_to(motion.skeleton, joint, joints, JOINTS[place])
-        for on_it in (bone.start, *bone.between):
-            # A joint in between that never turns (CMU's lhipjoint) is part of a stiff bone.
-            if on_it == bone.start or not _is_stiff(motion, on_it):
-                through.setdefault(on_it, []).append(bone)
-    return through
+def _bones_through(motion: Motion, joints: list[int]) -> _Bones:
+    bones: _Bones = {}
+    for index, joint in enumerate(joints[1:], start=1):
+        bone = _bone_to(motion.skeleton, joint, joints, JOINTS[index])
+        for passed in (bone.start, *bone.between):
+            # A joint in between that never rotates (CMU's lhipjoint) is part of a rigid bone.
+            rotates = np.abs(motion.rotations[:, passed, :3]).max() >= _ROUNDING
+            if passed == bone.start or rotates:
+                bones.setdefault(passed, []).append(bone)
+    return bones
 
 
 def _bone_to(skeleton: Skeleton, joint: int, joints: list[int], name: str) -> _Bone:
@@ -169,33 +196,34 @@ def _bone_to(skeleton: Skeleton, joint: int, joints: list[int], name: str) -> _B
     return _Bone(above, tuple(between), joint)
 
 
-def _is_stiff(motion: Motion, joint: int) -> bool:
-    return bool(np.abs(motion.rotations[:, joint, :3]).max() < _TURNED)
+def _shares(joint: int, bones: _Bones) -> list[int]:
+    """For each bone through a joint, its number of `_free_joints` from there on."""
+    return [_free_joints(bone, joint, bones) for bone in bones[joint]]
 
 
-def _turns_left(bone: _Bone, joint: int, through: dict[int, list[_Bone]]) -> int:
-    """How many joints on a bone, from this one on, turn for it alone."""
-    way = (bone.start, *bone.between)
-    return sum(through.get(on_it) == [bone] for on_it in way[way.index(joint) :])
+def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
+    """The number of joints from `joint` to the end of the bone that rotate for it alone."""
+    path = (bone.start, *bone.between)
+    return sum(bones.get(passed) == [bone] for passed in path[path.index(joint) :])
 
 
 def _moved(motion: Motion, hips: int, step: np.ndarray) -> np.ndarray:
     """Translations that move the hips by `step` (F, 3) in the world.
 
     The joint that moves is the one that carries the body through the world in this file: the hips
-    or the nearest joint above them that leaves its offset. A root below that stays at rest.
+    or the nearest ancestor that leaves its offset. A root at rest stays at rest.
     """
+
+    def leaves_its_offset(joint: int) -> bool:
+        distance = motion.translations[:, joint] - motion.skeleton.offsets[joint]
+        return bool(np.abs(distance).max() > _MOVED)
+
     carrier = hips
-    while carrier > 0 and not _leaves_its_offset(motion, carrier):
+    while carrier > 0 and not leaves_its_offset(carrier):
         carrier = motion.skeleton.parents[carrier]
     translations = motion.translations.copy()
     if carrier > 0:
-        _, turned = motion.forward_kinematics()
-        step = turned[motion.skeleton.parents[carrier]].inv().apply(step)
+        _, rotations = motion.forward_kinematics()
+        step = rotations[motion.skeleton.parents[carrier]].inv().apply(step)
     translations[:, carrier] += step
     return translations
-
-
-def _leaves_its_offset(motion: Motion, joint: int) -> bool:
-    away = motion.translations[:, joint] - motion.skeleton.offsets[joint]
-    return bool(np.abs(away).max() > _MOVED)
