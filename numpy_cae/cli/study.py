@@ -27,45 +27,19 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "as strips and GIFs, and the models. Without --data the motions are made by data_synth.",
         epilog="example: numpy-cae study -o study; with motions of your own, one folder for each "
         "action: numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study",
-        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="FOLDER",
-        help="folder for all results; created if it does not exist",
-    )
-    add(
-        "--data",
-        type=Path,
-        nargs="+",
-        metavar="FOLDER",
-        help="folders of motion files, one for each action",
-    )
-    add(
-        "--test",
-        nargs="+",
-        default=[],
-        metavar="PATTERN",
-        help="names of the files to test on, required with --data",
-    )
-    add(
-        "--actions",
-        nargs="+",
-        choices=ACTIONS,
-        default=list(ACTIONS),
-        help="actions to synthesise without --data",
-    )
-    add(
-        "--minutes",
-        type=kinds.positive,
-        default=180.0,
-        help="minutes of each synthetic action to train on, and again as many to test on",
-    )
-    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers")
+    output_help = "folder for all results; created if it does not exist"
+    add("-o", "--output", type=Path, required=True, metavar="FOLDER", help=output_help)
+    data_help = "folders of motion files, one for each action (default: synthetic motions)"
+    add("--data", type=Path, nargs="+", metavar="FOLDER", help=data_help)
+    test_help = "names of the files to test on, required with --data"
+    add("--test", nargs="+", default=[], metavar="PATTERN", help=test_help)
+    actions_help = f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"
+    add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions_help)
+    minutes_help = "minutes of each synthetic action to train on, and to test on (default: 180)"
+    add("--minutes", type=kinds.positive, default=180.0, help=minutes_help)
+    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
     add("--quiet", action="store_true", help="show no progress")
     add_json_argument(parser)
     kinds.add_motion_arguments(parser)

@@ -50,7 +50,8 @@ def test_exponential_map_text_is_learned_from(tmp_path):
 
 
 def test_a_study_writes_its_claims_pictures_and_models(folder, tmp_path, capsys, monkeypatch):
-    for name, fewer in (("reconstruction.PCA_CLIPS", 200), ("uses.PAIRS", 10)):
+    changes = {"reconstruction.PCA_CLIPS": 200, "uses.PAIRS": 10, "regulariser.REPEATS": 1}
+    for name, fewer in changes.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     argv = ["study", "--data", folder, "--test", "*_2.bvh", "-o", tmp_path / "study", *TINY[2:]]
     assert main([*(str(word) for word in argv), "--json"]) == 0

@@ -114,7 +114,8 @@ def test_samples_are_measured_relative_to_real_clips(studies):
     assert len(result.claims) == 3
 
 
-def test_the_regulariser_with_and_without(studies):
+def test_the_regulariser_with_and_without(studies, monkeypatch):
+    monkeypatch.setattr("numpy_cae.experiments.sequences.regulariser.REPEATS", 1)
     free = train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
     result = regulariser(studies[:1], [free])
     _, error, error_without, *_ = result.tables[0].rows[0]

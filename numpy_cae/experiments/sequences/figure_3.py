@@ -31,7 +31,7 @@ def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
 
 def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray:
     """Normalised clips (count, F, 54) from FITTED or PRIOR, or REAL ones of the test motions."""
-    network, frames = study.manifold.network, study.manifold.settings["frames"]
+    network, frames = study.manifold.network, study.manifold.frames
     if source == FITTED:
         return network.decode(fitted_latents(study, count, seed), frames)
     if source == PRIOR:

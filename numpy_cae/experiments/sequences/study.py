@@ -16,7 +16,7 @@ from numpy_cae import ops
 from numpy_cae.experiments.sequences.actions import Action
 from numpy_cae.manifold import SequenceManifold, learn_sequences
 from numpy_cae.measures import angle_distance
-from numpy_cae.motion import CLIP, body_positions, cut_clips, draw_clips
+from numpy_cae.motion import body_positions, cut_clips, draw_clips
 from numpy_cae.training import SequenceSchedule, unit_directions
 
 CLIPS, DIRECTIONS = 1000, 128
@@ -45,15 +45,13 @@ class Study:
 
     def held_out(self) -> np.ndarray:
         """All normalised clips of the test motions, (N, F, 54)."""
-        frames = self.manifold.settings["frames"]
-        return self.manifold.normalise(cut_clips(self.action.testing, frames=frames))
+        return self.manifold.normalise(cut_clips(self.action.testing, frames=self.manifold.frames))
 
     def drawn(self, count: int, seed: int, training: bool = True) -> np.ndarray:
         """Normalised clips with random first frames, (count, F, 54)."""
         sequences = self.action.training if training else self.action.testing
-        rng = np.random.default_rng(seed)
-        frames = self.manifold.settings["frames"]
-        return self.manifold.normalise(draw_clips(sequences, count, rng, frames))
+        clips = draw_clips(sequences, count, np.random.default_rng(seed), self.manifold.frames)
+        return self.manifold.normalise(clips)
 
     def squared_error(self) -> float:
         """Mean squared error of held-out clips after encoding and decoding, standardised."""
@@ -66,18 +64,14 @@ class Study:
 
 
 def train_study(
-    action: Action,
-    schedule: SequenceSchedule | None = None,
-    seed: int = 0,
-    frames: int = CLIP,
-    **options,
+    action: Action, schedule: SequenceSchedule | None = None, seed: int = 0, **options
 ) -> Study:
     """Train on one action and record the curve of held-out errors.
 
     Parameters
     ----------
     action : Action
-    schedule, seed, frames, options
+    schedule, seed, options
         As for `learn_sequences`.
     """
     schedule = schedule or SequenceSchedule()
@@ -89,15 +83,13 @@ def train_study(
         if step % interval:
             return
         # Both errors use the same fresh clips: all test clips would take a third of the training.
-        x = manifold.normalise(draw_clips(action.testing, CLIPS, rng, frames))
+        x = manifold.normalise(draw_clips(action.testing, CLIPS, rng, manifold.frames))
         z = manifold.network.encode(x)
         x_hat = manifold.network.decode(z, x.shape[1])
         error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
         measured.append((step, error, discrepancy(z, rng)))
 
-    manifold = learn_sequences(
-        action.training, schedule, seed, frames=frames, watch=watch, **options
-    )
+    manifold = learn_sequences(action.training, schedule, seed, watch=watch, **options)
     return Study(action, manifold, Curve(*map(np.array, zip(*measured, strict=True))))
 
 

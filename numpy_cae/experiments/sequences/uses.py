@@ -139,7 +139,7 @@ def _interpolation(study: Study, clips: np.ndarray, seed: int) -> Part:
 
 
 def _analogy(study: Study, seed: int) -> Part:
-    frames, network = study.manifold.settings["frames"], study.manifold.network
+    frames, network = study.manifold.frames, study.manifold.network
 
     def clips(style: str, people: range) -> np.ndarray:
         seeds = [1_000_000 + 1000 * seed + person for person in people]
