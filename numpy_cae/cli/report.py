@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -19,7 +18,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import ablation
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.as_json import add_json_argument, print_json
-from numpy_cae.experiments.catalogue import EXPERIMENTS
+from numpy_cae.experiments.section import EXPERIMENTS, run_section
 
 if TYPE_CHECKING:
     from numpy_cae.experiments.material import Material
@@ -57,13 +56,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help=f"run only these experiments, of {', '.join(EXPERIMENTS)}",
     )
     add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
-    add(
-        "--processes",
-        type=kinds.positive_number,
-        default=min(2, os.cpu_count() or 1),
-        metavar="N",
-        help="number of experiments run at the same time (default: %(default)s)",
-    )
     add_json_argument(parser)
     kinds.add_motion_arguments(parser)
     ablation.add_arguments(parser)
@@ -80,7 +72,6 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.cli import one_motion
     from numpy_cae.experiments.material import read_material
     from numpy_cae.experiments.page import page, plain_text
-    from numpy_cae.experiments.run_all import run_all
     from numpy_cae.manifold import load_manifold
 
     started = time.monotonic()
@@ -95,11 +86,10 @@ def run(args: argparse.Namespace) -> int:
     takes = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
     _say(f"{takes}, read in {time.monotonic() - started:.0f} s")
     names = [name for name in EXPERIMENTS if name in args.only]
-    done = {}
-    for section in run_all(names, args.model, material, args.seed, args.processes):
-        done[section.name] = section
-        _say(f"[{len(done)}/{len(names)}] {section.summary()}")
-    sections = [done[name] for name in names]
+    sections = []
+    for name in names:
+        sections.append(run_section(name, manifold, material, args.seed))
+        _say(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
     how = provenance(manifold, material, patterns, args, time.monotonic() - started)
     pages = {"report.html": page(sections, how), "report.txt": plain_text(sections, how)}
     for name, text in pages.items():
@@ -157,8 +147,7 @@ def provenance(
         "data": f"{', '.join(folder.name for folder in args.data)}: {len(material.training)} takes "
         f"to fit baselines to, {len(material.testing)} to test",
         "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
-        "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s with "
-        f"{args.processes} experiments at a time",
+        "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s",
     }
     if settings.get("folders"):
         how["learned from"] = ", ".join(

@@ -1,33 +1,54 @@
-"""One experiment, run and drawn: a section of a report, which can be sent between processes."""
+"""The experiments of `numpy-cae report`, each run and drawn as a section of the page."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-from numpy_cae.experiments.catalogue import experiment
-from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.result import Claim, Result
-from numpy_cae.manifold import MotionManifold
+if TYPE_CHECKING:
+    from numpy_cae.experiments.material import Material
+    from numpy_cae.experiments.result import Claim, Result
+    from numpy_cae.manifold import MotionManifold
+
+EXPERIMENTS = {
+    "repair_sweep": "repair.repair_sweep",
+    "kinect": "repair.kinect",
+    "missing_marker": "repair.missing_marker",
+    "stepped_keyframes": "repair.stepped_keyframes",
+    "interpolation": "interpolation.interpolation",
+    "nearest": "comparison.nearest",
+    "comparison": "comparison.comparison",
+    "shift": "comparison.shift",
+    "sampling": "interpolation.sampling",
+    "filters": "filters.filters",
+    "top_activations": "filters.top_activations",
+    "two_unpoolings": "repair.two_unpoolings",
+    "lengths": "repair.lengths",
+    "constrained_projection": "repair.constrained_projection",
+}
+"""Name of each experiment to its module here, in the order of the report. A module has a function
+`run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
+experiment needs."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A result whose figure and animation are drawn, or the reason why there is none.
+    """A result with its figure and animation drawn, or the reason why there is none.
 
     Parameters
     ----------
     name : str
         Of the experiment.
     result : Result, optional
-        Without figure and animation.
     picture, gif : bytes
         PNG and GIF; empty where there is none.
     seconds : float
         Taken to run and draw.
     failure : str
-        Why the experiment could not be run; empty where it was.
+        Why the experiment could not be run.
     """
 
     name: str
@@ -53,15 +74,10 @@ class Section:
         return sum(bool(claim.held) for claim in self.claims)
 
     def data(self) -> dict:
-        """What `Result.data` gives, with the name, the seconds and the failure, for JSON."""
-        empty = {"title": self.title, "tables": [], "claims": [], "note": ""}
-        measured = self.result.data() if self.result else empty
-        return {
-            "name": self.name,
-            "failure": self.failure or None,
-            "seconds": self.seconds,
-            **measured,
-        }
+        """For JSON: what `Result.data` gives, with the name, the seconds and the failure."""
+        measured = self.result.data() if self.result else {"title": self.title, "claims": []}
+        own = {"name": self.name, "failure": self.failure or None, "seconds": self.seconds}
+        return own | measured
 
     def summary(self) -> str:
         """One line for a terminal."""
@@ -72,19 +88,15 @@ class Section:
 
 def drawn(name: str, result: Result, seconds: float = 0.0) -> Section:
     """The section of a result, with its figure and its animation drawn."""
-    plain = replace(result, figure=None, animation=None)
-    return Section(name, plain, result.png(), result.gif(), seconds)
+    return Section(name, result, result.png(), result.gif(), seconds)
 
 
 def run_section(name: str, manifold: MotionManifold, material: Material, seed: int = 0) -> Section:
-    """Run one of `EXPERIMENTS` and draw its result.
-
-    Where the material lacks something (no press-ups, no labels) the section says so, so that the
-    other experiments are not lost.
-    """
+    """Run one of `EXPERIMENTS` and draw its result; where it cannot be run the section says why."""
     started = time.monotonic()
+    run = import_module(f"numpy_cae.experiments.{EXPERIMENTS[name]}").run
     try:
-        section = drawn(name, experiment(name)(manifold, material, seed))
+        section = drawn(name, run(manifold, material, seed))
     except (ValueError, ArithmeticError) as error:
         section = Section(name, failure=str(error))
     return replace(section, seconds=time.monotonic() - started)

@@ -1,32 +1,42 @@
-"""A small manifold and a few labelled takes, for every experiment that needs both."""
+"""A small manifold, a few labelled takes, and the result of every experiment on them."""
 
 from __future__ import annotations
 
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.section import EXPERIMENTS
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of
 from numpy_cae.training import Schedule, Stage
 
-CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired")}
+CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups": (None,)}
+SMALL = {
+    "nearest": {"QUERIES": 2, "TAKES": 1, "SECONDS": 1.2},
+    "sampling": {"DRAWN": 4},
+    "constrained_projection": {"TAKES": 1, "PINNED_TAKES": 1, "MAX_FRAMES": 32},
+}
+"""Constants of experiments that would take long."""
 
 
 @pytest.fixture(scope="session")
 def labelled():
-    """Two contents in two styles each: two training takes and a testing take of every pair."""
+    """Five pairs of content and style: two training takes and a testing take of each."""
 
     def takes(seeds):
         made = []
         for kind, styles in CONTENTS.items():
             for style in styles:
                 for seed in seeds:
-                    motion = make_take(kind, seed, 3.0, 30.0, style).motion
+                    take = make_take(kind, seed, 3.0, 30.0, style)
                     path = Path(f"{kind}_{style}_{seed}.bvh")
-                    made.append(LabelledTake(path, body_of(motion), "bandai", kind, style))
+                    body = body_of(take.motion)
+                    made.append(LabelledTake(path, body, "bandai", kind, style or ""))
         return made
 
     return Material(takes([1, 2]), takes([3]))
@@ -45,3 +55,18 @@ def small_manifold(labelled):
         taps=5,
         show_progress=False,
     )
+
+
+@pytest.fixture(scope="session")
+def result_of(small_manifold, labelled):
+    """The result of an experiment by name, run once."""
+
+    @cache
+    def run(name):
+        module = import_module(f"numpy_cae.experiments.{EXPERIMENTS[name]}")
+        with pytest.MonkeyPatch.context() as patch:
+            for constant, value in SMALL.get(name, {}).items():
+                patch.setattr(module, constant, value)
+            return module.run(small_manifold, labelled, 0)
+
+    return run

@@ -1,4 +1,4 @@
-"""Windows, their truth and their split: what counts, and what is chosen on what."""
+"""Windows, the errors measured against them, and their split."""
 
 import numpy as np
 import pytest
@@ -30,24 +30,24 @@ def test_error_and_jitter_are_those_of_the_measures(small_manifold, clips):
     assert clips.jitter(clips.x) == pytest.approx(np.mean([jitter(each, 30.0) for each in world]))
 
 
-def test_held_frames_count_in_neither(clips):
+def test_padded_frames_do_not_count(clips):
     real = clips.real.copy()
     real[:, 20:] = False
     cut = clips.where(np.ones(len(clips), dtype=bool), real)
-    spoilt = cut.x.copy()
-    spoilt[:, 20:] += 5
-    assert cut.error(spoilt) == 0
-    assert cut.jitter(spoilt) == cut.jitter(cut.x)
+    changed = cut.x.copy()
+    changed[:, 20:] += 5
+    assert cut.error(changed) == 0
+    assert cut.jitter(changed) == cut.jitter(cut.x)
 
 
-def test_windows_know_their_take(small_manifold, clips, labelled):
+def test_windows_have_the_number_of_their_take(small_manifold, clips, labelled):
     assert len(np.unique(clips.take)) == len(labelled.testing)
     alone = clips_of(small_manifold, [labelled.testing[2].positions])
     np.testing.assert_array_equal(clips.where(clips.take == 2, clips.real).x, alone.x)
     assert clips.evenly(3).take.tolist() == [0, clips.take[len(clips) // 2], clips.take[-1]]
 
 
-def test_later_is_the_same_motion_after_a_wait(clips):
+def test_later_is_the_same_motion_delayed(clips):
     late = clips.later(7)
     delayed = np.roll(clips.x, 7, axis=1)
     delayed[:, :7] = 99.0
@@ -55,13 +55,11 @@ def test_later_is_the_same_motion_after_a_wait(clips):
     assert late.error(clips.x) > 0
 
 
-def test_ends_held_is_what_the_manifold_does_with_a_clip(small_manifold, clips):
+def test_ends_held_equals_the_manifold_projection(small_manifold, clips):
     whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
     ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]
     np.testing.assert_allclose(ours, whole, atol=1e-5)
-    shifted = small_manifold.project(
-        small_manifold.denormalise(clips.x[0]), small_manifold.shifts
-    )
+    shifted = small_manifold.project(small_manifold.denormalise(clips.x[0]), small_manifold.shifts)
     ours = small_manifold.denormalise(
         project_ends_held(small_manifold, clips.x[:1], small_manifold.shifts)
     )[0]
@@ -72,7 +70,7 @@ def test_ends_held_is_what_the_manifold_does_with_a_clip(small_manifold, clips):
     assert not np.allclose(project(small_manifold, clips.x[:1]), ours)
 
 
-def test_settings_are_chosen_on_takes_that_the_first_fit_has_not_seen(labelled):
+def test_settings_are_chosen_on_takes_outside_the_first_fit(labelled):
     for count in (2, 4, 5, 8):
         fitting, choosing = split_takes(labelled.training[:count])
         assert fitting and choosing
@@ -83,7 +81,7 @@ def test_settings_are_chosen_on_takes_that_the_first_fit_has_not_seen(labelled):
         split_takes(labelled.training[:1])
 
 
-def test_a_split_says_what_it_was_measured_on(small_manifold, labelled):
+def test_a_split_describes_its_windows(small_manifold, labelled):
     split = split_of(small_manifold, labelled)
     assert f"{len(split.testing)} windows of {len(labelled.testing)} takes" in split.text()
     assert len(split.training) > len(split.fitting)

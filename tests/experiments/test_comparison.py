@@ -1,70 +1,131 @@
-"""The table of comparisons: what counts as alike, and what the numbers can be."""
+"""Distances between motions and what they find."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy_cae.experiments.geodesics import CURVED, FREE, LATENT, SHORTEST, geodesics
 
-from numpy_cae.experiments.comparison.comparison import comparison
-from numpy_cae.experiments.comparison.distances import EQUATION_4, EUCLIDEAN
+from numpy_cae.experiments.comparison import comparison, nearest, shift
+from numpy_cae.experiments.comparison.distances import (
+    EQUATION_4,
+    EUCLIDEAN,
+    all_distances,
+    equation_4,
+    euclidean,
+)
+from numpy_cae.experiments.comparison.shift import SHIFTS
 from numpy_cae.experiments.material import Material
+from numpy_cae.manifold import G, hidden_units
 
 
 @pytest.fixture(scope="module")
-def measured(small_manifold, labelled):
-    return comparison(small_manifold, labelled, seed=1)
+def clips(small_manifold, labelled):
+    return [small_manifold.features(take.positions)[0] for take in labelled.testing]
 
 
-def test_a_label_is_asked_for_only_where_there_is_something_to_find(measured):
-    # "neutral" is the one style that both contents have: the takes of the others are not asked.
-    assert {label: len(each[EQUATION_4]) for label, each in measured.average.items()} == {
-        "content": 4,
-        "style": 4,
-        "both": 4,
+def test_every_distance_is_symmetric_and_zero_on_the_diagonal(small_manifold, clips):
+    distances = all_distances(small_manifold, clips)
+    assert len({each.name for each in distances}) == len(distances)
+    for each in distances:
+        own = each.between(clips)
+        assert own.shape == (5, 5)
+        np.testing.assert_allclose(own, own.T, atol=1e-6)
+        np.testing.assert_allclose(np.diag(own), 0, atol=1e-5)
+        assert np.all(own[~np.eye(5, dtype=bool)] > 0)
+        np.testing.assert_allclose(each.between(clips, clips[:3]), own[:, :3], atol=1e-6)
+
+
+def test_equation_4_is_the_root_of_g(small_manifold, clips):
+    units = [hidden_units(small_manifold, clip) for clip in clips]
+    between = equation_4(small_manifold).between(clips)
+    assert between[0, 1] ** 2 == pytest.approx(G(units[0], units[1]), rel=1e-5)
+
+
+def test_the_nearest_pair_of_windows_counts(small_manifold, clips):
+    whole, shifted = clips[0][:64], clips[0][16:48]
+    x = small_manifold.normalise(clips[0])
+    distance = euclidean(small_manifold)
+    # Windows of 32 start every 16 frames, so one of the whole clip's is the shifted one.
+    assert distance.between([whole], [shifted])[0, 0] == 0
+    other = distance.between([clips[0][:32]], [clips[0][8:40]])[0, 0]
+    assert other == pytest.approx(np.linalg.norm(x[:32] - x[8:40]), rel=1e-5)
+
+
+@pytest.fixture(scope="module")
+def scores(small_manifold, labelled, clips):
+    training = [small_manifold.features(take.positions)[0] for take in labelled.training]
+    between = {d.name: d.between(clips, training) for d in all_distances(small_manifold, training)}
+    between[comparison.RANDOM] = np.random.default_rng(0).random((5, 10))
+    return comparison.retrieved(between, labelled.testing, labelled.training)
+
+
+def test_only_takes_with_something_to_find_are_queries(scores):
+    # "neutral" is the one style that two contents share.
+    assert {label: len(each[EQUATION_4]) for label, each in scores[1].items()} == {
+        "content": 5,
+        "style": 5,
+        "both": 5,
         "content, other style": 4,
         "style, other content": 2,
     }
-    for scores in (measured.precision, measured.average):
-        for each in scores.values():
-            assert all(np.all((one >= 0) & (one <= 1)) for one in each.values())
+    for each in [*scores[0].values(), *scores[1].values()]:
+        assert all(np.all((one >= 0) & (one <= 1)) for one in each.values())
 
 
-def test_walking_and_waving_are_told_apart_and_chance_does_not(measured):
+def test_contents_are_told_apart_except_by_chance(scores):
     for name in (EQUATION_4, EUCLIDEAN):
-        assert measured.average["content"][name].mean() > 0.9
-    assert measured.average["content"]["drawn at random"].mean() < 0.9
+        assert scores[1]["content"][name].mean() > 0.9
+    assert scores[1]["content"][comparison.RANDOM].mean() < 0.9
 
 
-def test_the_text_has_a_row_for_every_distance_and_findings_follow_the_numbers(measured, tmp_path):
-    text = measured.text()
-    for name in measured.average["content"]:
-        assert f"| {name} " in text
-    for label, finding in zip(measured.average, measured.findings(), strict=False):
-        gap = measured.difference(EUCLIDEAN, label)
-        assert finding.held == (gap.low > 0)
-        assert gap.text() in finding.measured
-    measured.save_picture(tmp_path / "a.png")
-    assert (tmp_path / "a.png").stat().st_size > 10_000
+def test_claims_follow_the_differences(result_of):
+    result = result_of("comparison")
+    gaps = result.tables[1]
+    for claim, label in zip(result.claims, gaps.header[1:], strict=False):
+        gap = gaps.value(EUCLIDEAN, label)
+        assert gap in claim.figures
+        assert claim.held == (float(gap.split("(")[1].split()[0]) > 0)
 
 
-def test_nothing_held_out_nothing_compared(small_manifold, labelled):
+def test_comparison_needs_labelled_test_takes(small_manifold, labelled):
     with pytest.raises(ValueError, match="labelled takes"):
-        comparison(small_manifold, Material(labelled.training, []))
+        comparison.run(small_manifold, Material(labelled.training, []))
 
 
-def test_geodesics_beside_lines(small_manifold, labelled, tmp_path, monkeypatch):
-    monkeypatch.setattr("numpy_cae.experiments.geodesics.FRAMES", 32)
-    result = geodesics(small_manifold, labelled)
-    assert np.all(result.lengths[SHORTEST] > 1 - 1e-6)
-    assert np.median(result.lengths[SHORTEST]) < np.median(result.lengths[LATENT])
-    errors = [result.halfway[k][FREE] for k in (4, 8, 16)]
-    assert 0 < errors[0] < errors[1] < errors[2]
-    for label, each in result.average.items():
-        assert set(each) == set(result.precision[label])
-        assert all(np.all((0 <= one) & (one <= 1)) for one in each.values())
-    curved, halfway, *finds = result.findings()
-    assert curved.held == bool(np.median(result.lengths[SHORTEST]) >= CURVED)
-    nearest = [min(e, key=e.get) == SHORTEST for e in result.halfway.values()]
-    assert halfway.held == all(nearest)
-    assert len(finds) == 3 and "| geodesic" in result.text()
-    result.save_picture(tmp_path / "a.png")
-    assert (tmp_path / "a.png").stat().st_size > 10_000
+def test_a_still_clip_does_not_change_when_shifted(small_manifold, clips):
+    still = np.repeat(clips[0][:1], 90, axis=0)
+    moved, is_nearest = shift.shifted(small_manifold, [*clips, still], 32)
+    for name, each in moved.items():
+        assert each.shape == (6, len(SHIFTS))
+        np.testing.assert_allclose(each[-1], 0, atol=1e-5)
+        assert np.all(is_nearest[name][-1]) and np.all(each[:-1] > 0)
+
+
+def test_a_shift_is_relative_to_the_distance_to_others(small_manifold, clips):
+    x = [small_manifold.normalise(clip) for clip in clips]
+    itself = np.linalg.norm(x[1][:32] - x[1][5:37])
+    others = [np.linalg.norm(x[1][:32] - x[n][:32]) for n in (0, 2, 3, 4)]
+    moved, _ = shift.shifted(small_manifold, clips, 32)
+    assert moved[EUCLIDEAN][1, SHIFTS.index(5)] == pytest.approx(itself / np.median(others))
+
+
+def test_takes_too_short_to_shift_are_refused(small_manifold, labelled):
+    short = [replace(take, positions=take.positions[:60]) for take in labelled.testing]
+    with pytest.raises(ValueError, match="two held-out takes of 72 frames, there are 0"):
+        shift.run(small_manifold, Material([], short))
+
+
+def test_claims_of_the_nearest_motions_follow_the_lists(monkeypatch):
+    monkeypatch.setattr(nearest, "QUERIES", 2)
+    alike, odd = list(nearest.ALIKE), nearest.ODD[0]
+    good = [alike + alike[:2]] * 2
+    bad = [[odd, *alike, "run"]] * 2
+
+    def held(by_g, by_euclid):
+        found = {nearest.G: by_g, nearest.EUCLIDEAN: by_euclid}
+        claims = nearest._claims(found, {nearest.G: 9.0, nearest.EUCLIDEAN: 1.0})
+        return [claim.held for claim in claims]
+
+    assert held(good, bad) == [True, True]
+    assert held(bad, good) == [False, False]
+    assert held(good, [bad[0], good[0]]) == [True, False]

@@ -1,4 +1,4 @@
-"""Repair and filling in: each table's rows are what they say, and findings follow from them."""
+"""Repair and filling in: the values of the tables are right, and claims follow from them."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -13,140 +13,181 @@ from numpy_cae.experiments.clips import (
     clips_of,
     project_ends_held,
 )
-from numpy_cae.experiments.repair.kinect import SEEN, kinect
-from numpy_cae.experiments.repair.kinect import TRUE as KINECT_TRUTH
-from numpy_cae.experiments.repair.missing_marker import MEAN_POSE, TOLD, missing_marker
-from numpy_cae.experiments.repair.repair_sweep import (
-    CORRUPTED_ROW,
-    INTERPOLATED,
-    LINEAR,
-    PS,
-    RESCALED,
-    RepairSweep,
+from numpy_cae.experiments.material import LabelledTake, Material, unlabelled
+from numpy_cae.experiments.repair import (
+    figure_1,
+    half_zeroed,
+    kinect,
+    lengths,
+    missing_marker,
     repair_sweep,
+    stepped_keyframes,
+    two_unpoolings,
 )
-from numpy_cae.experiments.repair.stepped_keyframes import CUBIC, HELD, TRUE, stepped_keyframes
-from numpy_cae.experiments.repair.stepped_keyframes import LINEAR as LINEAR_KEYS
-from numpy_cae.experiments.repair.two_unpoolings import EVEN, RANDOM, two_unpoolings
-from numpy_cae.motion import JOINTS
+from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, PS, RESCALED
+from numpy_cae.motion import JOINTS, PARENTS
+
+HALF = "p = 0.5"
 
 
 @pytest.fixture(scope="module")
-def sweep(small_manifold, labelled):
-    return repair_sweep(small_manifold, labelled)
+def sweep(result_of):
+    return result_of("repair_sweep").tables
 
 
-def drawn(file: Path) -> bool:
-    return file.read_bytes()[:4] in (b"\x89PNG", b"GIF8") and file.stat().st_size > 5000
+def test_the_corrupted_error_grows_with_the_root_of_p(sweep):
+    errors = np.array(sweep[0].rows[0][1:])
+    assert sweep[0].rows[0][0] == CORRUPTED_ROW
+    np.testing.assert_allclose(errors / np.sqrt(PS), errors[4] / np.sqrt(0.5), rtol=0.1)
 
 
-def test_the_corrupted_row_grows_as_the_root_of_p(sweep):
-    corrupted = sweep.blind[CORRUPTED_ROW]
-    np.testing.assert_allclose(corrupted / np.sqrt(PS), corrupted[4] / np.sqrt(0.5), rtol=0.1)
+def test_interpolation_of_few_known_holes_is_best(sweep):
+    blind, known, _ = sweep
+    assert known.rows[0][1] < min(row[1] for row in blind.rows)
 
 
-def test_who_is_told_of_few_holes_is_nearly_right_and_beats_everyone(sweep):
-    assert sweep.told[INTERPOLATED][0] < min(errors[0] for errors in sweep.blind.values())
-    assert all(len(errors) == len(PS) for errors in [*sweep.blind.values(), *sweep.told.values()])
+def test_the_linear_denoiser_beats_other_linear_filters(sweep):
+    for row in sweep[0].rows:
+        if row[0].startswith("Savitzky"):
+            assert sweep[0].value(LINEAR, HALF) < row[PS.index(0.5) + 1]
 
 
-def test_a_single_source_has_the_column_of_the_whole(sweep):
-    for name, errors in sweep.blind.items():
-        assert sweep.half["bandai"][name] == pytest.approx(errors[PS.index(0.5)])
-    assert "by source" not in sweep.text()
-    two = replace(sweep, half={"one": sweep.half["bandai"], "other": sweep.half["bandai"]})
-    assert "by source" in two.text() and "| one | other |" in " ".join(two.text().split())
+def test_takes_of_two_sources_have_a_table_of_their_own(small_manifold, labelled, monkeypatch):
+    monkeypatch.setattr(repair_sweep, "PS", (0.5,))
+    other = [replace(take, source="synthetic") for take in labelled.testing]
+    material = Material(labelled.training, labelled.testing + other)
+    blind, by_source, *_ = repair_sweep.run(small_manifold, material).tables
+    for row in by_source.rows:
+        assert len(row) == 3
+        overall = blind.value(row[0], HALF)
+        assert np.sqrt(np.mean(np.square(row[1:]))) == pytest.approx(overall, rel=0.02)
 
 
-def test_the_linear_denoiser_beats_filters_which_are_linear_too(sweep):
-    for name, errors in sweep.blind.items():
-        if name.startswith("Savitzky"):
-            assert np.all(np.array(sweep.blind[LINEAR]) < errors)
+def test_the_best_methods_are_named_and_claims_follow():
+    networks = [name + suffix for name in (NETWORK, ENDS_HELD, ALL_SHIFTS)
+                for suffix in ("", RESCALED)]  # fmt: skip
+    errors = {name: [5.0] * 9 for name in networks}
+    errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9, LINEAR: [2.0] * 9}
+    errors[NETWORK] = [1.0] * 3 + [4.0] * 6
+    assert repair_sweep.best_methods(errors) == (
+        f"{NETWORK} at p = 0.1 to 0.3; {LINEAR} at p = 0.4 to 0.9"
+    )
+
+    def held(suffix=""):
+        return [claim.held for claim in repair_sweep._claims(errors, 1.5, suffix)]
+
+    assert held() == [True, False, False]
+    errors[NETWORK][4] = 1.9
+    assert held() == [True, True, True]
+    errors[NETWORK][4] = 4.6
+    assert not held()[0]
+    errors[NETWORK + RESCALED][4] = 4.4
+    assert not held()[0] and held(RESCALED)[0]
 
 
-def test_the_winner_of_the_sweep_is_named_and_findings_follow():
-    rows = {
-        CORRUPTED_ROW: [9.0] * 9,
-        "PCA on frames": [3.0] * 9,
-        NETWORK: [1.0] * 3 + [4.0] * 6,
-        NETWORK + RESCALED: [5.0] * 9,
-        ENDS_HELD: [5.0] * 9,
-        ENDS_HELD + RESCALED: [5.0] * 9,
-        ALL_SHIFTS: [5.0] * 9,
-        ALL_SHIFTS + RESCALED: [5.0] * 9,
-        LINEAR: [2.0] * 9,
-    }
-    table = RepairSweep(rows, {INTERPOLATED: [1.0] * 9}, {}, 1.5, "", {})
-    assert f"{NETWORK} at p = 0.1 to 0.3; {LINEAR} at p = 0.4 to 0.9." in table.text()
-    assert [finding.held for finding in table.findings()] == [True, False, False]
-    rows[NETWORK][4] = 1.9
-    assert [finding.held for finding in table.findings()] == [True, True, True]
-    rows[NETWORK][4] = 4.6
-    assert not table.findings()[0].held
-    rows[NETWORK + RESCALED][4] = 4.4
-    assert not table.findings()[0].held
-    assert replace(table, taught_rescaled=True).findings()[0].held
+def test_a_kinect_is_noisier_than_the_truth_and_filters_smooth_it(result_of):
+    (table,) = result_of("kinect").tables
+    error, jitter = "error, cm", "jitter, m/s²"
+    assert table.value(kinect.TRUE, error) == 0
+    assert table.value(kinect.SEEN, jitter) > 3 * table.value(kinect.TRUE, jitter)
+    assert table.value("median filter", jitter) < table.value(kinect.SEEN, jitter)
+    assert 1 < table.value(kinect.SEEN, error) < 20
+    held = table.value(ALL_SHIFTS, error) < table.value(kinect.SEEN, error) * 2 / 3
+    assert result_of("kinect").claims[0].held == held
 
 
-def test_the_sweep_draws_its_picture(sweep, tmp_path):
-    sweep.save_picture(tmp_path / "a.png")
-    assert drawn(tmp_path / "a.png")
-
-
-def test_a_kinect_is_noisier_than_the_truth_and_filters_calm_it(small_manifold, labelled, tmp_path):
-    result = kinect(small_manifold, labelled)
-    table = result.tables["bandai"]
-    assert table[KINECT_TRUTH][0] == 0
-    assert table[SEEN][1] > 3 * table[KINECT_TRUTH][1]
-    assert table["median filter"][1] < table[SEEN][1]
-    assert 1 < table[SEEN][0] < 20
-    first = result.findings()[0]
-    assert first.held == (table[ALL_SHIFTS][0] < table[SEEN][0] * 2 / 3)
-    result.save_picture(tmp_path / "a.png")
-    assert drawn(tmp_path / "a.png")
-
-
-def test_a_missing_marker_is_looked_for_at_its_joint(small_manifold, labelled, tmp_path):
-    result = missing_marker(small_manifold, labelled)
-    assert list(result.errors) == list(JOINTS)
-    # Bones are of fixed length, so what is told which joint is missing knows the spine.
-    assert result.errors["spine"][TOLD] < 0.2 * result.errors["spine"][MEAN_POSE]
-    assert result.over(("spine",), TOLD) == pytest.approx(result.errors["spine"][TOLD])
-    assert result.text().count("\n| ") == 1 + len(JOINTS) + 1  # header, joints, all
-    wrist = result.findings()[0]
-    assert result.errors["left_wrist"][NETWORK] == pytest.approx(_wrist(small_manifold, labelled))
-    assert f"{result.over(('left_wrist', 'right_wrist'), MEAN_POSE):.2f}" in wrist.measured
-    result.save_picture(tmp_path / "a.png")
-    assert drawn(tmp_path / "a.png")
-
-
-def _wrist(manifold, labelled):
-    """By hand: the wrist zeroed, the whole window projected, looked up."""
-    clips = clips_of(manifold, [take.positions for take in labelled.testing])
+def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
+    (table,) = result_of("missing_marker").tables
+    assert [row[0] for row in table.rows] == [*JOINTS, "all"]
+    # Bones have fixed lengths, so a method that knows which joint is missing infers the spine.
+    mean = table.value("spine", missing_marker.MEAN_POSE)
+    assert table.value("spine", missing_marker.LINEAR) < 0.2 * mean
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
     lost = clips.x.copy()
     lost[..., 21:24] = 0
-    return clips.error(project_ends_held(manifold, lost), "left_wrist")
+    expected = clips.error(project_ends_held(small_manifold, lost), "left_wrist")
+    assert table.value("left_wrist", NETWORK) == pytest.approx(expected)
+    mean_pose = [row[1] for row in table.rows[:-1]]
+    assert table.value("all", missing_marker.MEAN_POSE) == pytest.approx(
+        np.sqrt(np.mean(np.square(mean_pose)))
+    )
 
 
-def test_stepped_keyframes_are_late_and_rough(small_manifold, labelled, tmp_path):
-    result = stepped_keyframes(small_manifold, labelled)
-    held, truth, cubic = (result.rows[name] for name in (HELD, TRUE, CUBIC))
-    assert truth.error == 0
-    assert held.late < held.error
-    assert truth.late > 0
-    assert held.jitter > 1.5 * truth.jitter
-    assert cubic.jitter < held.jitter
-    told = [line for line in result.text().splitlines() if " yes |" in line]
-    assert len(told) == 4 and LINEAR_KEYS in told[0]
-    result.save_picture(tmp_path / "a.png")
-    result.save_gif(tmp_path / "a.gif")
-    assert drawn(tmp_path / "a.png") and drawn(tmp_path / "a.gif")
+def test_stepped_keyframes_are_delayed_and_rough(result_of):
+    (table,) = result_of("stepped_keyframes").tables
+    held, truth, cubic = (
+        {column: table.value(name, column) for column in table.header}
+        for name in (stepped_keyframes.HELD, stepped_keyframes.TRUE, stepped_keyframes.CUBIC)
+    )
+    assert truth["error, cm"] == 0 < truth["delayed, cm"]
+    assert held["delayed, cm"] < held["error, cm"]
+    assert held["jitter, m/s²"] > 1.5 * truth["jitter, m/s²"]
+    assert cubic["jitter, m/s²"] < held["jitter, m/s²"]
+    assert [row[1] for row in table.rows].count("yes") == 4
 
 
-def test_random_unpooling_is_the_noisier(small_manifold, labelled, tmp_path):
-    result = two_unpoolings(small_manifold, labelled)
-    assert result.rows[RANDOM][1] > 2 * result.rows[EVEN][1]
-    assert result.rows[RANDOM] == two_unpoolings(small_manifold, labelled).rows[RANDOM]
-    assert result.rows[RANDOM] != two_unpoolings(small_manifold, labelled, seed=1).rows[RANDOM]
-    result.save_picture(tmp_path / "a.png")
-    assert drawn(tmp_path / "a.png")
+def test_random_unpooling_is_noisier(result_of, small_manifold, labelled):
+    jitter, random = "jitter, m/s²", two_unpoolings.RANDOM
+    (table,) = result_of("two_unpoolings").tables
+    assert table.value(random, jitter) > 2 * table.value(two_unpoolings.EVEN, jitter)
+    again, other = (
+        two_unpoolings.run(small_manifold, labelled, seed).tables[0].value(random, jitter)
+        for seed in (0, 1)
+    )
+    assert again == table.value(random, jitter) != other
+
+
+def test_a_take_in_one_piece_is_the_whole_take(result_of):
+    (table,) = result_of("lengths").tables
+    # The takes have 90 frames: 160 and 320 do not cut them.
+    for pieces in ("160 frames", "320 frames"):
+        assert table.value(pieces, lengths.ERROR) == pytest.approx(
+            table.value(lengths.WHOLE, lengths.ERROR)
+        )
+        assert table.value(pieces, lengths.JUMP) is None
+    assert table.value("40 frames", lengths.JUMP) > 0
+    assert result_of("lengths").claims[0].held
+
+
+def test_a_constrained_projection_keeps_the_bones(result_of):
+    *tables, pins = result_of("constrained_projection").tables
+    for table in tables:
+        kept = table.value("constrained projection", "bone length, cm")
+        assert kept < 0.1 * table.value("plain projection", "bone length, cm")
+    (_, *plain), (_, *kept) = pins.rows
+    assert kept[0] < plain[0] and kept[2] < 0.1 * plain[2]
+
+
+@pytest.fixture(scope="module")
+def half(small_manifold, labelled):
+    return half_zeroed.run(small_manifold, labelled).tables[0]
+
+
+def test_half_zeroed_rows_that_need_no_network(half):
+    whole, lost = half.header[1:3]
+    assert half.value("doing nothing", whole) == 0
+    assert half.value("the mean pose", whole) == half.value("the mean pose", lost)
+    # Half of all values lost at random: half of the mean pose's squared error remains.
+    mean = half.value("the mean pose", lost)
+    assert half.value("doing nothing", lost) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
+
+
+def test_pca_is_never_worse_than_the_mean_pose_and_reconstructs_frames_exactly(half):
+    whole, lost = half.header[1:3]
+    assert half.value("PCA on frames", whole) == pytest.approx(0, abs=1e-4)
+    for name in ("PCA on frames", "PCA on windows"):
+        assert half.value(name, lost) < half.value("the mean pose", lost)
+
+
+def test_figure_1_has_one_clip_three_times(small_manifold, labelled):
+    take = labelled.testing[0].positions
+    material = unlabelled([], [take])
+    assert material.testing[0] == LabelledTake(Path("take 1"), take)
+    result = figure_1.run(small_manifold, material)
+    (table,) = result.tables
+    assert table.value("truth", "error, cm") == 0 < table.value("corrupted", "error, cm")
+    truth = figure_1.half_lost_positions(small_manifold, take)["truth"]
+    bones = truth[:, 1:] - truth[:, list(PARENTS[1:])]
+    expected = small_manifold.lengths[1:]
+    np.testing.assert_allclose(np.linalg.norm(bones, axis=-1).mean(axis=0), expected, atol=1e-9)
+    assert len(result.animation.actors) == 3 and result.png()

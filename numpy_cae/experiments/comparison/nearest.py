@@ -80,7 +80,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 ".0%",
             ),
         ],
-        _claims(found, counts, {name: _first_odd(scenes, each) for name, each in ranked.items()}),
+        _claims(found, {name: _first_odd(scenes, each) for name, each in ranked.items()}),
         lambda: strip_figure(actors(4, ": "), manifold.rate),
         Animation(actors(2, ":\n"), manifold.rate, seconds=5.0),
     )
@@ -99,10 +99,8 @@ def _first_odd(scenes: list[str], ranked: np.ndarray) -> float:
     return float(np.median(np.argmax(odd, axis=1) + 1))
 
 
-def _claims(
-    found: dict[str, list[list[str]]], counts: dict[str, Counter], first_odd: dict[str, float]
-) -> list[Claim]:
-    alike = sum(counts[G][scene] for scene in ALIKE) / (QUERIES * NEAREST)
+def _claims(found: dict[str, list[list[str]]], first_odd: dict[str, float]) -> list[Claim]:
+    alike = np.mean([scene in ALIKE for each in found[G] for scene in each])
     odd = {name: sum(bool(set(ODD) & set(each)) for each in lists) for name, lists in found.items()}
     return [
         Claim(

@@ -21,7 +21,6 @@ TOP = 5
 UNITS, ROWS, FRAMES = 3, 3, 54
 """Units drawn, takes of each, frames around the largest value: half of what a unit sees."""
 _COLOURS = (PROJECTED, CORRUPTED, TRUTH)
-TRAINED, UNTRAINED, RANDOM = "trained", "untrained", "drawn at random"
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -37,54 +36,39 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     largest, moment = _largest(manifold, clips)
     before, _ = _largest(untrained(manifold, seed), clips)
     drawn = np.random.default_rng(seed).random(largest.shape)
-    values = {TRAINED: largest, UNTRAINED: before, RANDOM: drawn}
-    agreement = {
-        label: {
-            name: label_agreement(each, [getattr(take, label) for take in takes])
-            for name, each in values.items()
-        }
-        for label in ("content", "style")
-    }
-    top = np.argsort(-largest, axis=0, kind="stable")[:TOP].T
-    chosen = _distinct_units(largest, top)
-    unit_rows = [
-        [f"unit {unit + 1}", *(
-            f"{_name(takes[take])} ({largest[take, unit]:.2f})" for take in top[unit, :ROWS]
-        )]
-        for unit in chosen
-    ]  # fmt: skip
-    shares = [[name, *(each[name].mean() for each in agreement.values())] for name in values]
+    values = {"trained": largest, "untrained": before, "drawn at random": drawn}
+    rows, claims = [[name] for name in values], []
+    for label in ("content", "style"):
+        labels = [getattr(take, label) for take in takes]
+        shares = [label_agreement(each, labels) for each in values.values()]
+        for row, share in zip(rows, shares, strict=True):
+            row.append(share.mean())
+        claims.append(_claim(label, *shares, seed))
+    top = np.argsort(-largest, axis=0, kind="stable")[:ROWS].T
+    chosen = np.argsort(-largest.std(axis=0), kind="stable")[:UNITS]  # those that vary most
     motions = {
-        f"unit {unit + 1}: {_name(takes[take])} ({rank})": (
+        f"unit {unit + 1}: {_name(takes[take])} ({largest[take, unit]:.2f})": (
             _around(clips[take], moment[take, unit]),
             colour,
         )
         for unit, colour in zip(chosen, _COLOURS, strict=False)
-        for rank, take in enumerate(top[unit, :ROWS], 1)
+        for take in top[unit]
     }
-    ranks = [str(rank) for rank in range(1, ROWS + 1)]
+    caption = (
+        f"Of the {TOP} takes, of {len(takes)} test takes, in which a unit is largest, the share "
+        f"with their commonest label, mean over {largest.shape[1]} units:"
+    )
     return Result(
         "Motions with the largest activations",
-        [
-            Table(
-                f"Takes, of {len(takes)} test takes, in which a unit is largest:",
-                ["unit", *ranks],
-                unit_rows,
-            ),
-            Table(
-                f"Of the {TOP} takes in which a unit is largest, the share with their commonest "
-                f"label, mean over {largest.shape[1]} units:",
-                ["takes", *agreement],
-                shares,
-            ),
-        ],
-        [_claim(label, each, seed) for label, each in agreement.items()],
+        [Table(caption, ["takes", "content", "style"], rows)],
+        claims,
         strips(motions, manifold.rate),
     )
 
 
-def _claim(label: str, agreement: dict[str, np.ndarray], seed: int) -> Claim:
-    trained, before, drawn = (agreement[name] for name in (TRAINED, UNTRAINED, RANDOM))
+def _claim(
+    label: str, trained: np.ndarray, before: np.ndarray, drawn: np.ndarray, seed: int
+) -> Claim:
     gap = bootstrapped_difference(trained, before, seed)
     return Claim(
         "Each filter corresponds to a natural component of motion (holden2015, section 6): the "
@@ -111,20 +95,6 @@ def label_agreement(largest: np.ndarray, labels: Sequence[str]) -> np.ndarray:
     tops = np.argsort(-largest, axis=0, kind="stable")[:TOP].T
     common = [Counter(labels[take] for take in top).most_common(1)[0][1] for top in tops]
     return np.array(common) / TOP
-
-
-def _distinct_units(largest: np.ndarray, top: np.ndarray) -> list[int]:
-    """The units whose values vary most, without a top take in common."""
-    chosen: list[int] = []
-    seen: set[int] = set()
-    for unit in np.argsort(-largest.std(axis=0), kind="stable"):
-        takes = set(top[unit, :ROWS].tolist())
-        if not takes & seen:
-            chosen.append(int(unit))
-            seen |= takes
-        if len(chosen) == UNITS:
-            break
-    return chosen
 
 
 def _around(clip: np.ndarray, moment: int) -> np.ndarray:

@@ -1,0 +1,30 @@
+"""Every experiment runs and returns a result of which text, JSON and pictures can be made."""
+
+import json
+
+import pytest
+
+from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.section import EXPERIMENTS, drawn
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_the_result_is_well_formed(result_of, name):
+    result = result_of(name)
+    assert result.tables and result.claims
+    for table in result.tables:
+        assert table.rows
+        assert {len(cells) for cells in table.cells()} == {len(table.header)}
+        assert all(isinstance(row[0], str) for row in table.rows)
+    for claim in result.claims:
+        assert claim.sentence.endswith(".") and claim.figures.endswith(".")
+        assert "nan" not in claim.figures
+    data = json.loads(json.dumps(result.data(), allow_nan=False))
+    assert [claim["held"] for claim in data["claims"]] == [bool(c.held) for c in result.claims]
+    section = drawn(name, result)
+    assert section.picture.startswith(b"\x89PNG") and len(section.picture) > 5000
+    assert section.gif[:4] == (b"GIF8" if result.animation else b"")
+    text, html = plain_text([section], {}), page([section], {})
+    assert result.title in text and result.tables[0].header[-1] in text
+    assert html.count("<img ") == 1 + bool(section.gif)
+    assert html.count("<table>") == len(result.tables)

@@ -1,0 +1,119 @@
+"""What one unit adds to a motion, and the takes in which a unit is largest."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.experiments.comparison.distances import untrained
+from numpy_cae.experiments.filters import filters, top_activations
+from numpy_cae.experiments.filters.responses import LIMBS, Responses, decoded, encoded, responses_of
+from numpy_cae.experiments.material import Material
+from numpy_cae.manifold import hidden_units
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import joint_slice
+
+
+def test_a_first_layer_unit_adds_its_transposed_filter_on_both_frames():
+    layer = ConvAutoencoder(filters=(3,), taps=5, dtype=np.float64).layers[0]
+    units = np.repeat([[0.1, -0.2, 0.0], [0.5, 0.3, 0.4]], [95, 5], axis=0)
+    added = responses_of([layer], units).added
+    frames = 2 * 3
+    assert added.shape == (3, frames, 63)
+    # Equation 2 on a raised unit: half of the increase of tanh⁻¹, on both frames, through W̃.
+    gained = np.arctanh(0.5) - np.arctanh(units[:, 0].mean())
+    w = layer.w[:, :, 0]
+    expected = np.zeros((frames, 63))
+    for frame in range(frames):
+        for unpooled in (2, 3):
+            tap = frame - unpooled + 2
+            if 0 <= tap < 5:
+                expected[frame] += gained / 2 * w[tap]
+    np.testing.assert_allclose(added[0], expected, atol=1e-12)
+
+
+def test_encoded_and_decoded_equal_the_network():
+    network = ConvAutoencoder(filters=(6, 8), taps=5)
+    x = np.random.default_rng(0).normal(0, 0.2, size=(2, 16, 63)).astype(np.float32)
+    every = encoded(network.layers, x)
+    np.testing.assert_allclose(every[-1], network.encode(x), atol=1e-5)
+    np.testing.assert_allclose(decoded(network.layers, every[-1]), network.project(x), atol=1e-5)
+
+
+def one_filter(*movements):
+    """A filter that moves features by so much in so many frames, and one that is silent."""
+    added = np.zeros((2, 10, 63))
+    for features, frames, size in movements:
+        added[0, frames, features] = size
+    return Responses(added)
+
+
+def test_joints_and_frames_are_counted_by_energy():
+    wrist, knee = joint_slice("left_wrist"), joint_slice("right_knee")
+    alike = one_filter((wrist, slice(2, 6), 1.0), (knee, slice(2, 6), 1.0))
+    assert alike.active.tolist() == [True, False]
+    assert alike.joints() == pytest.approx([2.0])
+    assert alike.frames() == pytest.approx([4.0])
+    limbs = dict(zip(LIMBS, alike.by_limb()[0], strict=True))
+    assert limbs["left arm"] == limbs["right leg"] == pytest.approx(0.5)
+    uneven = one_filter((wrist, 1, 3.0), (knee, 1, 1.0), (slice(60, 63), 1, 1.0))
+    assert uneven.by_limb()[0, LIMBS.index("path")] == pytest.approx(1 / 11)
+    assert one_filter((slice(60, 63), 1, 1.0)).joints() == [0]
+    # Energies 9 and 1 of ten: 1 / (0.81 + 0.01).
+    assert uneven.joints() == pytest.approx([1 / 0.82])
+
+
+def test_correlation_in_time_and_with_the_parent_joint():
+    added = np.random.default_rng(1).normal(size=(40, 30, 63))
+    random = Responses(added.copy())
+    assert abs(np.mean(random.temporal())) < 0.05
+    assert np.mean(random.between_joints()) < 0.15
+    added[:, :, :60] = np.tile(added[:, :, :3], 20)
+    added[:] = added[:, :1]
+    whole = Responses(added)
+    np.testing.assert_allclose(whole.temporal(), 1)
+    np.testing.assert_allclose(whole.between_joints(), 1)
+
+
+def test_the_untrained_network_is_the_one_before_training(small_manifold, result_of):
+    before = untrained(small_manifold, small_manifold.settings["seed"]).network
+    w, old = small_manifold.network.layers[0].w, before.layers[0].w
+    assert 0.5 < np.corrcoef(w.ravel(), old.ravel())[0, 1] < 1  # a few epochs change it little
+    result = result_of("filters")
+    assert [row[1] for row in result.tables[0].rows] == [12, 16]
+    limbs = np.array([row[1:] for row in result.tables[1].rows])
+    np.testing.assert_allclose(limbs.sum(axis=1), 1)
+    assert "layer 2" in result.note and len(result.claims) == 4
+
+
+def test_top_activations_are_where_the_unit_is_largest(small_manifold, labelled):
+    clips = [small_manifold.features(take.positions)[0] for take in labelled.training[:5]]
+    largest, moment = top_activations._largest(small_manifold, clips)
+    units = hidden_units(small_manifold, clips[3])
+    assert largest[3, 7] == units[:, 7].max() == units[moment[3, 7] // 4, 7]
+
+
+def test_the_commonest_label_of_the_top_takes():
+    largest = np.array([[9.0, 1], [8, 2], [7, 3], [6, 4], [5, 5], [4, 6], [3, 7]])
+    # Unit 1: takes 0 to 4; unit 2: takes 6 to 2.
+    agreement = top_activations.label_agreement(largest, ["a", "a", "b", "a", "a", "c", "c"])
+    np.testing.assert_allclose(agreement, [4 / 5, 2 / 5])
+
+
+def test_drawn_frames_are_around_the_moment(small_manifold, labelled):
+    clip, frames = small_manifold.features(labelled.testing[0].positions)[0], top_activations.FRAMES
+    for moment in (0, 40, 89):
+        assert top_activations._around(clip, moment).shape == (frames, 63)
+    np.testing.assert_array_equal(top_activations._around(clip, 89)[-1], clip[-1])
+    np.testing.assert_array_equal(top_activations._around(clip, 40)[frames // 2], clip[40])
+
+
+def test_too_few_takes(small_manifold, labelled):
+    with pytest.raises(ValueError, match="needs 5 held-out takes, there are 4"):
+        top_activations.run(small_manifold, Material([], labelled.testing[:4]))
+
+
+def test_filters_count_changed_weights():
+    w = np.ones((3, 2, 4))
+    old = w.copy()
+    old[..., 0] *= -1
+    now, before = (filters.Measured([each], [], 0.0) for each in (w, old))
+    assert "layer 1 1.00, 1 of 4" in filters._change(now, before)

@@ -1,0 +1,125 @@
+"""Results as text, JSON, pictures and a page: well formed, self-contained, escaped."""
+
+from __future__ import annotations
+
+import sys
+from html.parser import HTMLParser
+from subprocess import run
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from numpy_cae.experiments import section as sections
+from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.section import Section, run_section
+
+HELD = Claim("Motion is <recovered> & well.", True, "3 against 4 cm.")
+NOT_HELD = Claim("It remains valid.", False, "5 cm.")
+TABLE = Table("Before <it>:", ["a", "error, cm", "share"], [["x < y", 1.0, 0.5], ["z", 10.25, 2]])
+RESULT = Result("First & foremost", [TABLE], [HELD, NOT_HELD], note="Measured on 2 takes.")
+SECTIONS = [
+    Section("one", RESULT, b"PNG", b"GIF"),
+    Section("two", failure="no press-ups among the takes"),
+]
+
+
+def test_columns_are_aligned_and_numbers_formatted():
+    assert TABLE.text().splitlines() == [
+        "Before <it>:",
+        "",
+        "| a     | error, cm | share |",
+        "|-------|----------:|------:|",
+        "| x < y |      1.00 |  0.50 |",
+        "| z     |     10.25 |     2 |",
+    ]
+    assert TABLE.value("z", "error, cm") == 10.25
+
+
+def test_formats_by_column_and_empty_cells():
+    row = ["z", 0.25, None, np.float32("nan"), np.float64(2), "7, 2"]
+    table = Table("", list("abcdef"), [row], ("", ".0%", ".1f", ".1f", ".3f", ""))
+    assert table.cells() == [["z", "25%", "", "", "2.000", "7, 2"]]
+    assert Result("t", [table]).data()["tables"][0]["rows"] == [
+        ["z", 0.25, None, None, 2.0, "7, 2"]
+    ]
+
+
+def test_text_needs_no_matplotlib():
+    code = (
+        "import sys; from numpy_cae.experiments.repair import missing_marker, repair_sweep;"
+        "print('matplotlib' in sys.modules)"
+    )
+    done = run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
+class Checked(HTMLParser):
+    """Every tag that is opened is closed, in order; collects tags, words and links."""
+
+    VOID = ("meta", "img", "br", "link", "input")
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.open, self.tags, self.words, self.sources = [], [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.sources += [value for key, value in attrs if key in ("src", "href")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def html() -> str:
+    return page(SECTIONS, {"model": "m.npz <1>", "seed": "0"})
+
+
+def test_the_page_is_self_contained(html):
+    read = Checked(html)
+    pictures = [source for source in read.sources if not source.startswith("#")]
+    assert pictures == ["data:image/png;base64,UE5H", "data:image/gif;base64,R0lG"]
+    assert "script" not in read.tags and "link" not in read.tags
+
+
+def test_claims_failures_and_tables_are_on_the_page(html):
+    text = "".join(Checked(html).words)
+    for words in (HELD.sentence, HELD.figures, NOT_HELD.sentence, "m.npz <1>", RESULT.title):
+        assert words in text
+    assert "1 of 2 claims held" in text and RESULT.note in text
+    assert "Could not be run: no press-ups among the takes" in text
+    assert text.count("not held") == 2  # in the contents and at the claim
+    assert "<th>a</th><th class=number>error, cm</th>" in html
+    assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
+
+
+def test_the_text_report_has_the_same():
+    text = plain_text(SECTIONS, {"model": "m.npz"})
+    for words in ("model: m.npz", TABLE.text(), HELD.text(), NOT_HELD.text(), "no press-ups"):
+        assert words in text
+
+
+def test_an_experiment_that_cannot_be_run_says_why(monkeypatch):
+    def fails(manifold, material, seed):
+        raise ValueError("there are no labels")
+
+    modules = {
+        "good": SimpleNamespace(run=lambda manifold, material, seed: RESULT),
+        "bad": SimpleNamespace(run=fails),
+    }
+    monkeypatch.setattr(sections, "EXPERIMENTS", {name: name for name in modules})
+    monkeypatch.setattr(sections, "import_module", lambda path: modules[path.split(".")[-1]])
+    good, bad = (run_section(name, None, None) for name in modules)
+    assert (good.picture, good.gif, good.held) == (b"", b"", 1)
+    assert good.summary().startswith("good: 1 of 2 claims held")
+    assert bad.summary() == "bad: could not be run: there are no labels"
+    assert bad.data()["failure"] == "there are no labels"
