@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from numpy_cae.experiments.reported import REPORTED
 
 from data_synth import plan_takes, write_series
 from numpy_cae.cli import main
