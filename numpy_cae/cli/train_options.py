@@ -10,6 +10,8 @@ import argparse
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
 from numpy_cae.motion import CLIP
@@ -159,7 +161,7 @@ def _changed(stage: Any, args: argparse.Namespace, prefix: str) -> Any:
     if "zeroed" in given:
         given["zeroed"] = _zeroed(prefix, given["zeroed"])
     changed = replace(stage, **given)
-    if isinstance(stage, Stage) and changed.rescaled and changed.zeroed in (1, (1, 1)):
+    if isinstance(stage, Stage) and changed.rescaled and np.max(changed.zeroed) == 1:
         raise ValueError("rescaling divides by 1 - the zeroed share, which must stay below 1")
     return changed
 

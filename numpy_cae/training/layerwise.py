@@ -105,11 +105,13 @@ def _task(
         return denoising_step(model, inputs[chosen], stage, rate, rng, optimiser, layer)
 
     def culprit(chosen: np.ndarray) -> str:
-        listed = ", ".join(str(number + 1) for number in chosen[:8])
+        windows = ", ".join(str(number + 1) for number in chosen[:8]) + ", …" * (len(chosen) > 8)
+        part = f"the output of {name}"
         if not np.isfinite(inputs[chosen]).all():
-            return f"one of windows {listed}{', …' * (len(chosen) > 8)}"
-        names = nonfinite(weights)
-        return f"the weights {names[0]}" if names else f"the output of {name}"
+            part = "the input"
+        elif nonfinite(weights):
+            part = f"the weights {nonfinite(weights)[0]}"
+        return f"{part}, window{'s' * (len(chosen) > 1)} {windows}"
 
     return Task(name, stage, len(inputs), True, optimiser, step, culprit)
 

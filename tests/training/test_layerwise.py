@@ -8,13 +8,10 @@ from numpy_cae.training import (
     DivergedError,
     Schedule,
     Stage,
-    decayed_rate,
-    descend,
-    descend_with_momentum,
     layerwise,
     train_autoencoder,
-    zero_values,
 )
+from numpy_cae.training.step import make_optimiser
 
 
 def waves(windows=12, frames=16, features=5, seed=0):
@@ -101,7 +98,9 @@ def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
 
 def test_an_epoch_shows_every_window_once_in_a_new_order(monkeypatch):
     shown = []
-    monkeypatch.setattr(layerwise, "_step", lambda _, x, *more: shown.append(x[:, 0, 0]) or 1.0)
+    monkeypatch.setattr(
+        layerwise, "denoising_step", lambda _, x, *more: shown.append(x[:, 0, 0]) or 1.0
+    )
     windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 3), np.float32)
     schedule = Schedule(Stage(epochs=2, batch=3), Stage(epochs=0))
     train_autoencoder(ConvAutoencoder(3, (4,), taps=3), windows, schedule, show_progress=False)
@@ -119,7 +118,9 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         model = small_model()
         before = model.layers[0].w.copy()
         rng = np.random.default_rng(0)
-        layerwise._step(model, windows[chosen], Stage(alpha=0.0, zeroed=0.0), rate, rng, None, {})
+        stage = Stage(alpha=0.0, zeroed=0.0)
+        optimiser = make_optimiser(stage, layerwise._weights(dict(enumerate(model.layers))))
+        layerwise.denoising_step(model, windows[chosen], stage, rate, rng, optimiser)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
@@ -130,54 +131,37 @@ def test_a_loss_that_is_not_finite_stops_with_the_stage_and_the_epoch():
         train_autoencoder(small_model(), waves(), schedule, show_progress=False)
 
 
-def test_descent_moves_against_the_gradient_in_place():
-    w, b = np.array([1.0, 2.0]), np.array([3.0])
-    descend((w, b), (np.array([0.5, -1.0]), np.array([2.0])), rate=0.1)
-    np.testing.assert_allclose(w, [0.95, 2.1])
-    np.testing.assert_allclose(b, [2.8])
-
-
-def test_momentum_goes_on_where_the_gradient_keeps_its_sign_and_rests_where_it_does_not():
-    w, velocity = np.zeros(2), np.zeros(2)
-    for step in range(200):
-        gradient = np.array([1.0, (-1.0) ** step])
-        descend_with_momentum((w,), (velocity,), (gradient,), rate=0.01, momentum=0.9)
-    np.testing.assert_allclose(velocity[0], -0.01 / (1 - 0.9), rtol=1e-6)
-    np.testing.assert_allclose(abs(velocity[1]), 0.01 / (1 + 0.9), rtol=1e-6)
-    assert w[0] < -15 and abs(w[1]) < 0.1
-
-
 def test_a_stage_begins_at_rest_and_without_momentum_is_plain_descent():
     def trained(**momentum):
         model = small_model()
         stage = Stage(epochs=2, rate=0.1, **momentum)
         schedule = Schedule(Stage(epochs=1, rate=0.1), stage)
-        train_autoencoder(
-            model, waves(), schedule, np.random.default_rng(3), show_progress=False
-        )
+        train_autoencoder(model, waves(), schedule, np.random.default_rng(3), show_progress=False)
         return model.layers[0].w
 
     np.testing.assert_array_equal(trained(), trained(momentum=0.0))
     assert np.abs(trained() - trained(momentum=0.5)).max() > 1e-4
 
 
-def test_the_rate_decays_from_the_first_epoch_on():
-    assert decayed_rate(0.5, 0.9, 0) == 0.5
-    assert decayed_rate(0.5, 0.9, 2) == pytest.approx(0.405)
+def test_without_a_generator_the_seed_is_0():
+    one, other = small_model(), small_model()
+    schedule = Schedule(Stage(epochs=1), Stage(epochs=1))
+    train_autoencoder(one, waves(), schedule, show_progress=False)
+    train_autoencoder(other, waves(), schedule, np.random.default_rng(0), show_progress=False)
+    for a, b in zip(one.layers, other.layers, strict=True):
+        np.testing.assert_array_equal(a.w, b.w)
 
 
-@pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 1.0])
-def test_corruption_zeroes_a_share_p_and_touches_nothing_else(p):
-    x = np.random.default_rng(1).normal(size=(50, 160, 3)).astype(np.float32)
-    before = x.copy()
-    corrupted = zero_values(x, p, np.random.default_rng(0))
-    lost = corrupted == 0
-    assert lost.mean() == pytest.approx(p, abs=0.01)
-    np.testing.assert_array_equal(corrupted[~lost], x[~lost])
-    np.testing.assert_array_equal(x, before)
-    assert corrupted.dtype == np.float32
+def test_encoding_a_part_at_a_time_is_encoding():
+    model, windows = small_model(), waves()
+    whole = layerwise._encode(model.layers[0], windows)
+    np.testing.assert_array_equal(layerwise._encode(model.layers[0], windows, at_once=5), whole)
 
 
-def test_a_probability_beyond_one_is_refused():
-    with pytest.raises(ValueError, match=r"p is 1\.5"):
-        zero_values(np.zeros(3), 1.5, np.random.default_rng(0))
+def test_end_to_end_training_skips_the_layers_and_lowers_the_loss():
+    adam = Stage(20, 0.01, alpha=0.0, batch=4, optimiser="adam", rate_schedule="one-cycle")
+    model = small_model()
+    schedule = Schedule(Stage(epochs=0), adam)
+    history = train_autoencoder(model, waves(), schedule, show_progress=False)
+    assert history.losses["layer 1"] == history.losses["layer 2"] == []
+    assert history.losses["fine tuning"][-1] < history.losses["fine tuning"][0] / 2

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.training import DivergedError, SequenceSchedule, train_sequential
-from numpy_cae.training import sequential as module
+from numpy_cae.training import DivergedError, SequenceSchedule, sgd, train_sequential
 
 
 def waves(rng, batch):
@@ -101,17 +100,15 @@ def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
         for parameter, gradient in zip(parameters, gradients, strict=True):
             parameter -= rate * gradient
 
-    monkeypatch.setattr(module, "descend_with_momentum", recorded)
-    _, history = trained(norm=0.05, epochs=1)
+    monkeypatch.setattr(sgd, "descend_with_momentum", recorded)
+    _, history = trained(norm=0.05, epochs=1, momentum=0.5)
     assert max(history.norm) > 0.05  # or there was nothing to clip
     np.testing.assert_allclose(lengths, np.minimum(history.norm, 0.05), rtol=1e-4)
 
 
 def test_the_rate_decays_by_the_epoch(monkeypatch):
     rates = []
-    monkeypatch.setattr(
-        module, "descend_with_momentum", lambda w, v, gradients, rate, momentum: rates.append(rate)
-    )
+    monkeypatch.setattr(sgd.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
     trained(epochs=3, steps=2, rate=0.4, decay=0.5)
     assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
 

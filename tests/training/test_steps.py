@@ -1,0 +1,200 @@
+"""The parts of a step: what is drawn, and how the weights descend."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.training import (
+    Adam,
+    Stage,
+    clip_norm,
+    decayed_rate,
+    descend,
+    descend_with_momentum,
+    one_cycle,
+    unit_directions,
+    zero_values,
+)
+from numpy_cae.training import step as module
+from numpy_cae.training.corruption import corrupt
+from numpy_cae.training.schedule import rate_at
+from numpy_cae.training.sgd import Sgd
+
+X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
+
+
+class Constant:
+    """A generator whose every draw is the same number."""
+
+    def __init__(self, number):
+        self.number = number
+
+    def random(self, shape, dtype):
+        assert dtype == np.float32
+        return np.full(shape, self.number, dtype)
+
+
+@pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 1.0])
+def test_corruption_zeroes_a_share_p_and_changes_nothing_else(p):
+    before = X.copy()
+    corrupted = zero_values(X, p, np.random.default_rng(0))
+    lost = corrupted == 0
+    assert lost.mean() == pytest.approx(p, abs=0.01)
+    np.testing.assert_array_equal(corrupted[~lost], X[~lost])
+    np.testing.assert_array_equal(X, before)
+    assert corrupted.dtype == np.float32
+
+
+def test_a_draw_of_exactly_p_zeroes_nothing():
+    """Draws are in [0, 1): "below p" has the probability p, and p = 0 zeroes nothing."""
+    ones = np.ones((2, 4, 3))
+    assert zero_values(ones, 0.0, Constant(0.0)).all()
+    assert zero_values(ones, 0.5, Constant(0.5)).all()
+    assert not zero_values(ones, 0.5, Constant(0.4999)).any()
+
+
+def test_each_window_draws_its_own_p_between_the_two():
+    lost = (corrupt(X, (0.2, 0.8), False, np.random.default_rng(0)) == 0).mean(axis=(1, 2))
+    assert 0.15 < lost.min() < 0.3
+    assert 0.7 < lost.max() < 0.85
+    assert lost.mean() == pytest.approx(0.5, abs=0.1)
+
+
+def test_one_p_draws_nothing_but_the_mask():
+    expected = zero_values(X, 0.1, np.random.default_rng(0))
+    np.testing.assert_array_equal(corrupt(X, 0.1, False, np.random.default_rng(0)), expected)
+
+
+@pytest.mark.parametrize("zeroed", [0.5, (0.1, 0.9)])
+def test_rescaled_input_has_the_mean_of_the_clean_input(zeroed):
+    ones = np.ones((60, 160, 9), np.float32)
+    corrupted = corrupt(ones, zeroed, True, np.random.default_rng(0))
+    assert corrupted.dtype == np.float32
+    # 1440 values a window, at p = 0.9 of which a tenth is kept, ten times as large.
+    np.testing.assert_allclose(corrupted.mean(axis=(1, 2)), 1, atol=5 * 3 / np.sqrt(1440))
+    plain = corrupt(ones, zeroed, False, np.random.default_rng(0))
+    np.testing.assert_array_equal(corrupted == 0, plain == 0)
+
+
+@pytest.mark.parametrize("p", [1.5, (1.2, 1.5)])
+def test_a_probability_above_one_is_an_error(p):
+    with pytest.raises(ValueError, match="expected a probability"):
+        corrupt(X, p, False, np.random.default_rng(0))
+
+
+def test_a_step_uses_the_corruption_of_its_stage():
+    class Network:
+        layers = ()
+
+        def loss_and_gradients(self, x, corrupted, *_):
+            self.seen = x, corrupted
+            return 0.0, []
+
+    network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
+    module.denoising_step(network, X, stage, 0.1, np.random.default_rng(5), Sgd({}))
+    x, corrupted = network.seen
+    assert x is X
+    expected = corrupt(X, (0.3, 0.6), True, np.random.default_rng(5))
+    np.testing.assert_array_equal(corrupted, expected)
+
+
+def test_an_unpooling_mask_is_true_with_probability_one_half():
+    x = np.ones((2, 4, 3))
+    assert module._unpooling_mask(x, 5, Constant(0.4999)).all()
+    assert not module._unpooling_mask(x, 5, Constant(0.5)).any()
+    assert module._unpooling_mask(x, 5, Constant(0)).shape == (2, 2, 5)
+    drawn = module._unpooling_mask(np.ones((10, 100, 1)), 20, np.random.default_rng(0))
+    assert drawn.dtype == bool
+    assert drawn.mean() == pytest.approx(0.5, abs=0.02)
+
+
+def test_directions_have_length_one_and_no_preferred_direction():
+    drawn = unit_directions(2000, 3, np.random.default_rng(0))
+    assert drawn.dtype == np.float32
+    np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1, atol=1e-6)
+    np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.05)
+    np.testing.assert_allclose(drawn.T @ drawn / 2000, np.eye(3) / 3, atol=0.03)
+
+
+def test_descent_changes_parameters_in_place_against_the_gradient():
+    w, b = np.array([1.0, 2.0]), np.array([3.0])
+    descend((w, b), (np.array([0.5, -1.0]), np.array([2.0])), rate=0.1)
+    np.testing.assert_allclose(w, [0.95, 2.1])
+    np.testing.assert_allclose(b, [2.8])
+    with pytest.raises(ValueError, match="shorter"):
+        descend((w, b), (np.ones(2),), rate=0.1)
+
+
+def test_momentum_adds_up_where_the_gradient_keeps_its_sign_and_cancels_where_it_does_not():
+    w, velocity = np.zeros(2), np.zeros(2)
+    for step in range(200):
+        gradient = np.array([1.0, (-1.0) ** step])
+        descend_with_momentum((w,), (velocity,), (gradient,), rate=0.01, momentum=0.9)
+    np.testing.assert_allclose(velocity[0], -0.01 / (1 - 0.9), rtol=1e-6)
+    np.testing.assert_allclose(abs(velocity[1]), 0.01 / (1 + 0.9), rtol=1e-6)
+    assert w[0] < -15 and abs(w[1]) < 0.1
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_adam_steps_are_as_long_as_the_rate_whatever_the_size_of_the_gradient(size):
+    """For a constant gradient the corrected m and √v are |g| at every step, the first too."""
+    w = np.array([1.0, -2.0])
+    adam = Adam({"w": w})
+    for step in range(1, 6):
+        adam.update([size * np.array([3.0, -0.5])], rate=0.01)
+        np.testing.assert_allclose(w, [1 - 0.01 * step, -2 + 0.01 * step], rtol=1e-6)
+
+
+def test_adam_is_pytorchs():
+    torch = pytest.importorskip("torch")
+    rng = np.random.default_rng(0)
+    ours = rng.normal(size=(3, 4))
+    theirs = torch.tensor(ours.copy(), requires_grad=True)
+    adam, reference = Adam({"w": ours}), torch.optim.Adam([theirs], lr=0.02)
+    for _ in range(20):
+        gradient = rng.normal(size=ours.shape)
+        theirs.grad = torch.tensor(gradient.copy())
+        adam.update([gradient], rate=0.02)
+        reference.step()
+    np.testing.assert_allclose(ours, theirs.detach().numpy(), rtol=1e-10)
+
+
+def test_adam_keeps_float32():
+    w = np.ones(3, np.float32)
+    adam = Adam({"w": w})
+    adam.update([np.ones(3, np.float32)], rate=0.1)
+    assert {array.dtype for array in (*adam.means.values(), *adam.squares.values())} == {w.dtype}
+
+
+def test_a_long_gradient_keeps_its_direction_and_a_short_one_its_values():
+    one, two = np.array([3.0, 0.0]), np.array([[0.0, 4.0]])
+    assert clip_norm([one, two], 1.0) == pytest.approx(5)
+    np.testing.assert_allclose(one, [0.6, 0])
+    np.testing.assert_allclose(two, [[0, 0.8]])
+    assert clip_norm([one, two], 2.0) == pytest.approx(1)
+    np.testing.assert_allclose(two, [[0, 0.8]])
+    gradient = np.full(5, 100, np.float32)
+    clip_norm([gradient], 2.0)
+    assert gradient.dtype == np.float32
+    assert np.linalg.norm(gradient) == pytest.approx(2, rel=1e-6)
+
+
+@pytest.mark.parametrize("bound", [0.0, -1.0, float("nan")])
+def test_a_bound_on_the_norm_must_be_above_zero(bound):
+    with pytest.raises(ValueError, match="above 0"):
+        clip_norm([np.ones(2)], bound)
+
+
+def test_the_rate_decays_from_the_first_epoch_on():
+    assert decayed_rate(0.5, 0.9, 0) == 0.5
+    assert decayed_rate(0.5, 0.9, 2) == pytest.approx(0.405)
+    assert rate_at(Stage(), 2, step=7, steps=10) == decayed_rate(0.5, 0.9, 2)
+
+
+def test_a_one_cycle_rate_rises_to_its_peak_and_falls_to_nearly_zero():
+    stage = Stage(epochs=10, rate=0.2, rate_schedule="one-cycle")
+    rates = [rate_at(stage, epoch, step, 10) for epoch in range(10) for step in range(10)]
+    assert np.argmax(rates) == 30
+    assert rates[30] == one_cycle(0.2, 0.3) == pytest.approx(0.2)
+    assert rates[0] == pytest.approx(0.2 / 25)
+    assert all(np.diff(rates[:31]) > 0) and all(np.diff(rates[30:]) < 0)
+    assert one_cycle(0.2, 1.0) == pytest.approx(0.2e-5)
