@@ -1,7 +1,7 @@
 """The commands as a person types them: what they write, and what they say when they cannot."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import numpy as np
 import pytest

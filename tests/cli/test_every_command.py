@@ -28,7 +28,7 @@ COMMANDS = {
     "study": "study --data FOLDER --test walk_1.bvh -o OUT --quiet",
     "lessons": "lessons OUT --from FOLDER",
     "verify": "verify SCRIPT",
-    "bench": "bench --growth OUT.png",
+    "bench": "bench --rounds 1",
 }
 
 
