@@ -148,3 +148,11 @@ def positive(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -
     if np.any(array <= 0):
         raise ValueError(f"{name} holds values that are not above 0")
     return array
+
+
+def whole(arrays: dict[str, np.ndarray], name: str, least: int, most: int) -> int:
+    """The whole number of that name if it is from `least` to `most`; else ValueError."""
+    array = arrays[name]
+    if array.shape != () or array.dtype.kind != "i" or not least <= array <= most:
+        raise ValueError(f"{name} is not a whole number from {least} to {most}")
+    return int(array)

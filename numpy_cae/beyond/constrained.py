@@ -29,8 +29,7 @@ from numpy_cae.motion.motion import Motion
 
 CLOSENESS_WEIGHT, BONES_WEIGHT, FEET_WEIGHT, GROUND_WEIGHT, PINS_WEIGHT = 1.0, 0.1, 10.0, 1.0, 1.0
 """Weights of the squared distance to the plain projection and of the error of each constraint."""
-BETA = 0.1
-"""β of `optimise_latent`."""
+BETA = 0.1  # of `optimise_latent`
 GROUND_MARGIN = 0.01
 """Metres that a joint may be below the floor on which the feet of the plain projection stand."""
 MAX_STEPS = 200
@@ -59,11 +58,6 @@ def repair_constrained(
     -------
     Motion
         Of the same skeleton, rate, unit and length.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
     """
     body = manifold.body(motion, mapping)
     targets = pins_on_mean_skeleton(pins, body) if pins else None

@@ -17,8 +17,7 @@ from numpy_cae.beyond.optimise_latent import optimise_latent
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import joint_slice
 
-BETA = 0.1
-"""β of `optimise_latent`, beside squared centimetres."""
+BETA = 0.1  # of `optimise_latent`, beside squared centimetres
 MAX_STEPS = 100
 PCA_WEIGHT = 0.02
 """Weight of a value estimated by PCA, that of an observed value being 1. Chosen on held-out takes:

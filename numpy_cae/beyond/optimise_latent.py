@@ -36,7 +36,7 @@ def optimise_latent(
     start : (units, 256) array of float
         Y_0, as `manifold.encode` returns it for a clip of `frames` frames.
     frames : int
-    objective : function, features (frames, 63) -> (loss, gradient)
+    objective : Objective
     beta : float
         β.
     steps : int

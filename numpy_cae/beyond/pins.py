@@ -90,13 +90,7 @@ class Pin:
 
 
 def pins_on_mean_skeleton(pins: Sequence[Pin], body: Body) -> Pins:
-    """Pins of a motion's rig as targets for its features.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
-    """
+    """Pins of a motion's rig as targets for its features."""
     frames = np.asarray(body.motion.source_frames(RATE), dtype=np.float64)
     targets = np.full((len(frames), len(JOINTS), 3), np.nan)
     for pin in pins:

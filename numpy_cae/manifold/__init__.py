@@ -1,5 +1,4 @@
-"""Applications of a trained network: projection, repair, filling in, interpolation, comparison and
-sampling of motions. `learn_manifold` and `load_manifold` make the manifold that they take."""
+"""Applications of a trained network: repair, fill, interpolate, compare and sample motions."""
 
 from numpy_cae.array_file import ModelFileError
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature

@@ -10,8 +10,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 
-WINDOWS_AT_ONCE = 64
-"""Windows that are projected together, to limit memory."""
+WINDOWS_AT_ONCE = 64  # projected together, to limit memory
 
 
 def zeroed_fraction(x: np.ndarray) -> np.ndarray:
@@ -21,15 +20,7 @@ def zeroed_fraction(x: np.ndarray) -> np.ndarray:
     in every frame are not counted: two always are (the hips' x and z in the body's frame), and a
     marker that is missing throughout a clip is another kind of damage.
 
-    Parameters
-    ----------
-    x : (B, T, C) array of float
-        Normalised windows, in which zero is the mean pose.
-
-    Returns
-    -------
-    (B, 1, 1) array in the dtype of x
-        In [0, 1).
+    Normalised windows (B, T, C), in which zero is the mean pose, give an array (B, 1, 1) in [0, 1).
     """
     zero = x == 0
     counted = ~zero.all(axis=1, keepdims=True)
@@ -45,17 +36,8 @@ def project_shifted(network: ConvAutoencoder, x: np.ndarray, shifts: int = 1) ->
     Pooling pairs frames (0, 1), (2, 3), …, so the projection of a motion shifted by one frame
     differs a little. The errors of the different positions partly cancel in their mean.
 
-    Parameters
-    ----------
-    network : ConvAutoencoder
-    x : (B, T, C) array of float
-        Normalised windows.
-    shifts : int
-        1 is plain projection; `network.frames_per_unit` covers all positions.
-
-    Returns
-    -------
-    (B, T, C) array
+    Normalised windows (B, T, C) give an array of that shape. One shift is plain projection;
+    `network.frames_per_unit` shifts are all positions of the grid.
     """
     parts = [x[start : start + WINDOWS_AT_ONCE] for start in range(0, len(x), WINDOWS_AT_ONCE)]
     return np.concatenate([_mean_projection(network, part, shifts) for part in parts])

@@ -17,25 +17,10 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 
 
 def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """Φ(X) of a clip of any length, without units that see only padding.
+    """Φ(X) of a clip of one frame or more, (F, 63) to (⌈F/8⌉, k), without units of the padding.
 
     As in `MotionManifold.encode` the first and last frame are held, but here the pooling grid
     begins with the clip and the units before and after it are removed.
-
-    Parameters
-    ----------
-    manifold : MotionManifold
-    features : (F, 63) array of float
-        At least one frame.
-
-    Returns
-    -------
-    (⌈F/8⌉, k) array of float, within [-1, 1]
-
-    Raises
-    ------
-    ValueError
-        If there are no frames.
     """
     if len(features) == 0:
         raise ValueError("features have no frames to encode")

@@ -38,8 +38,8 @@ def fill_joint(manifold: MotionManifold, features: np.ndarray, joint: str) -> np
     ----------
     manifold : MotionManifold
     features : (F, 63) array of float
-        On the mean skeleton, not normalised. The joint is unknown in the frames where one of its
-        three values is NaN, or in all frames if there is none.
+        On the mean skeleton. The joint is unknown in the frames where one of its three values is
+        NaN, or in all frames if there is none.
     joint : str
         One of `numpy_cae.motion.JOINTS`, such as "left_wrist".
 
@@ -47,11 +47,6 @@ def fill_joint(manifold: MotionManifold, features: np.ndarray, joint: str) -> np
     -------
     (F, 63) array of float64
         Only the unknown values of the joint differ from `features`.
-
-    Raises
-    ------
-    ValueError
-        If there is no such joint.
     """
     place = joint_slice(_require_joint(joint))
     filled = np.array(features, dtype=np.float64)
@@ -68,17 +63,16 @@ def fill_keyframes(
 ) -> np.ndarray:
     """Fill in the poses between keyframes, which are every n-th frame from the first on.
 
-    The pose and the root transform of a keyframe are known. The root moves linearly from keyframe
-    to keyframe. The poses are projected once; the difference between projection and keyframes is
-    interpolated smoothly and subtracted, so that keyframes are met exactly without a jump. The
-    pose of the last keyframe is held.
+    The root moves linearly from keyframe to keyframe. The poses are projected once; the difference
+    between projection and keyframes is interpolated smoothly and subtracted, so that keyframes are
+    met exactly and without a jump. The pose of the last keyframe is held.
 
     Parameters
     ----------
     manifold : MotionManifold
     features : (F, 63) array of float
-        On the mean skeleton, not normalised. Poses between keyframes are ignored; of the velocity
-        and the turn only the sums from keyframe to keyframe are used.
+        On the mean skeleton. Poses between keyframes are ignored; of the velocity and the turn only
+        the sums from keyframe to keyframe are used.
     every : int
         Frames from one keyframe to the next.
     start : {"line", "held"}
@@ -88,11 +82,6 @@ def fill_keyframes(
     Returns
     -------
     (F, 63) array of float64
-
-    Raises
-    ------
-    ValueError
-        If `every` is below 1 or `start` is invalid.
     """
     if start not in ("line", "held"):
         raise ValueError(f"start is {start!r}, expected 'line' or 'held'")
@@ -109,11 +98,10 @@ def fill_motion_joint(
 ) -> Motion:
     """Fill in one joint of a motion, ignoring where the file has it.
 
-    The other nineteen joints and all bone lengths are kept. A joint at the end of a limb is moved
-    along its bone's new direction. One within a limb, such as an elbow, can only be on a circle
-    about the line between its neighbours and is moved to the point of it nearest to the filled
-    position. Only the rotations of joints whose bones change direction differ; what hangs from them
-    is carried along.
+    The other nineteen joints and all bone lengths are kept. A joint within a limb, such as an
+    elbow, can only be on a circle about the line between its neighbours and is moved to the point
+    of it nearest to the filled position. Only rotations of joints whose bones change direction
+    differ.
 
     Parameters
     ----------
@@ -121,7 +109,6 @@ def fill_motion_joint(
         Of any rig in which the twenty joints can be found, at any rate.
     manifold : MotionManifold
     joint : str
-        One of `numpy_cae.motion.JOINTS`, such as "left_wrist".
     mapping : dict of joint name to the rig's joint name, optional
     frames : (first, last), optional
         Frames of the file in which the joint is missing, from 0, both included; all where None.
@@ -135,10 +122,8 @@ def fill_motion_joint(
 
     Raises
     ------
-    UnknownRigError
-        If joints are missing.
-    ValueError
-        If there are no such frames, no such joint, or the rig cannot move it alone.
+    UnknownRigError, ValueError
+        If joints are missing; if there are no such frames or the rig cannot move the joint alone.
     """
     place = JOINTS.index(_require_joint(joint))
     body = manifold.body(motion, mapping)
@@ -176,26 +161,7 @@ def fill_motion_keyframes(
     (about a bone's axis, of fingers) are interpolated by slerp from keyframe to keyframe. The pose
     of the last keyframe is held.
 
-    Parameters
-    ----------
-    motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
-    manifold : MotionManifold
-    every : int
-        Frames of the file from one keyframe to the next.
-    mapping : dict of joint name to the rig's joint name, optional
-
-    Returns
-    -------
-    Motion
-        Of the same skeleton, rate, unit and length.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
-    ValueError
-        If `every` is below 1.
+    Arguments, result and errors are as in `fill_motion_joint`; `every` is in frames of the file.
     """
     keys = _keyframes(len(motion), every)
     body = manifold.body(_interpolated(motion, keys), mapping)
@@ -204,7 +170,7 @@ def fill_motion_keyframes(
     filled = body.positions_of(_fill_between(manifold, body.features, nearest, "line"))
     positions = body.in_file_frames(filled)
     known = body.positions_in_file[keys]
-    positions += _interpolate_smoothly(known - positions[keys], keys, len(motion))
+    positions += _interpolate(known - positions[keys], keys, len(motion), True)
     positions[keys] = known
     return body.retarget(positions)
 
@@ -230,42 +196,35 @@ def _fill_between(
     frames = len(features)
     filled = np.empty(features.shape)
     filled[:, VELOCITY.start :] = velocities_along(
-        _interpolate_linearly(floor[keys], keys, frames),
-        _interpolate_linearly(theta[keys], keys, frames),
+        _interpolate(floor[keys], keys, frames), _interpolate(theta[keys], keys, frames)
     )
     poses = features[keys, POSITIONS]
     if start == "line":
-        filled[:, POSITIONS] = _interpolate_linearly(poses, keys, frames)
+        filled[:, POSITIONS] = _interpolate(poses, keys, frames)
     else:
         filled[:, POSITIONS] = poses[np.searchsorted(keys, np.arange(frames), side="right") - 1]
     filled[:, POSITIONS] = manifold.project(filled)[:, POSITIONS]
-    filled[:, POSITIONS] += _interpolate_smoothly(poses - filled[keys, POSITIONS], keys, frames)
+    filled[:, POSITIONS] += _interpolate(poses - filled[keys, POSITIONS], keys, frames, True)
     filled[keys, POSITIONS] = poses
     return filled
 
 
-def _interpolate_linearly(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
-    """Values (K, …) at the frames `keys`, interpolated linearly; the last is held."""
+def _interpolate(
+    values: np.ndarray, keys: np.ndarray, frames: int, smooth: bool = False
+) -> np.ndarray:
+    """Values (K, …) at the frames `keys`, interpolated linearly or by a monotone cubic, which does
+    not overshoot; the last is held."""
     if len(keys) == 1:
         return np.repeat(values, frames, axis=0)
-    return make_interp_spline(keys, values, k=1)(np.minimum(np.arange(frames), keys[-1]))
-
-
-def _interpolate_smoothly(values: np.ndarray, keys: np.ndarray, frames: int) -> np.ndarray:
-    """The same by a monotone cubic, which does not overshoot."""
-    if len(keys) == 1:
-        return np.repeat(values, frames, axis=0)
-    return PchipInterpolator(keys, values)(np.minimum(np.arange(frames), keys[-1]))
+    curve = PchipInterpolator(keys, values) if smooth else make_interp_spline(keys, values, k=1)
+    return curve(np.minimum(np.arange(frames), keys[-1]))
 
 
 def _nearest_on_circle(
     target: np.ndarray, own: np.ndarray, parent: np.ndarray, child: np.ndarray
 ) -> np.ndarray:
-    """The point nearest to `target` at the distances that `own` has from its neighbours.
-
-    These points are a circle about the line from parent to child; its centre is the projection of
-    `own` on that line. All arrays are (F, 3).
-    """
+    """The point nearest to `target` on the circle through `own` about the line from parent to
+    child, where the distances from both are kept. All arrays are (F, 3)."""
     line = child - parent
     line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-12)
 
@@ -284,6 +243,6 @@ def _interpolated(motion: Motion, keys: np.ndarray) -> Motion:
     """Keyframes with rotations interpolated by slerp between them, and translations linearly."""
     rotations = slerp(keys, motion.rotations[keys], np.arange(len(motion)))
     rotations[keys] = motion.rotations[keys]
-    translations = _interpolate_linearly(motion.translations[keys], keys, len(motion))
+    translations = _interpolate(motion.translations[keys], keys, len(motion))
     translations[keys] = motion.translations[keys]
     return replace(motion, rotations=rotations, translations=translations)

@@ -11,18 +11,11 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
-TRANSITION = "transition"
-"""A share that grows from 0 at the first frame to 1 at the last."""
+TRANSITION = "transition"  # a share that grows from 0 at the first frame to 1 at the last
 
 
 def shares(share: float | str, steps: int) -> np.ndarray:
-    """s at each of `steps` steps, (steps, 1): a constant, or 0 to 1 for `TRANSITION`.
-
-    Raises
-    ------
-    ValueError
-        If the share is neither `TRANSITION` nor a number from 0 to 1.
-    """
+    """s at each of `steps` steps, (steps, 1): a constant, or 0 to 1 for `TRANSITION`."""
     if share == TRANSITION:
         return np.linspace(0.0, 1.0, steps)[:, None]
     if isinstance(share, str) or not 0 <= share <= 1:
@@ -49,11 +42,6 @@ def interpolate(
     Returns
     -------
     (min(F, G), 63) array of float64
-
-    Raises
-    ------
-    ValueError
-        If a motion has no frames or the share is invalid.
     """
     frames = min(len(first), len(second))
     if frames == 0:

@@ -7,12 +7,11 @@ from dataclasses import asdict
 
 import numpy as np
 
-from numpy_cae.manifold.engine import with_engine
-from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones, standardisation
+from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
+from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.clips import CLIP, cut_clips
+from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
 from numpy_cae.motion.lengths import features_on_mean_skeleton
 from numpy_cae.motion.retarget.to_body import RATE
@@ -26,19 +25,16 @@ from numpy_cae.training import (
 )
 
 RMS = 0.25
-"""Root mean square to which each kind of features is scaled. The paper does not state it; at much
-smaller values a rate of 0.5 hardly learns, at much larger ones it diverges (docs/lab_book.md)."""
+"""Root mean square of each kind of scaled features, not stated in the paper; much smaller values
+hardly learn at a rate of 0.5, much larger ones diverge (docs/lab_book.md)."""
 MAX_WINDOW_RMS = 2.0
-"""Largest root mean square of a window, as a multiple of `RMS`: with steps of one window, a person
-lying down among people standing makes training diverge."""
+"""Largest root mean square of a window, as a multiple of `RMS`: a person lying down among people
+standing would make training diverge."""
 MIN_SPREAD = 1e-3
-"""Spread (metres, radians) below which a kind of features is scaled no further: where nobody turned
-in training, the first turn must not become a value of a thousand."""
-
+"""Spread (metres, radians) below which features count as constant and are scaled no further."""
 HIDDEN, LATENT = 128, 8
 """Units of each GRU and size of z. jang2018 states neither."""
-CLIP_STEP = 5
-"""Frames between the clips of which the mean and deviation are taken."""
+CLIP_STEP = 5  # frames between the clips of which the mean and deviation are computed
 
 
 def learn_manifold(
@@ -64,23 +60,14 @@ def learn_manifold(
     schedule : Schedule, optional
         The paper's where None.
     seed : int
-        Of all random numbers: initial weights, order, corruption, unpooling.
     window, overlap : int
         In frames; `window` is a multiple of 8 with three layers.
     filters, taps, bound
         Of `ConvAutoencoder`.
     rms : float
         Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
-    show_progress : bool
-    checkpoint : Checkpoint, optional
-        Of `train_autoencoder`.
-    engine : {"fast", "ops"}
-        Whether the network computes with `numpy_cae.fast` or with the definitions.
-
-    Raises
-    ------
-    ValueError
-        If there are no takes or the window does not suit the network.
+    show_progress, checkpoint, engine
+        Of `train_autoencoder` and `with_engine`.
     """
     if not takes:
         raise ValueError("there are no takes to learn from")
@@ -132,9 +119,8 @@ def learn_sequences(
     ----------
     sequences : sequence of AngleSequence
         Motions shorter than a clip are skipped.
-    schedule : SequenceSchedule, optional
-    seed : int
-        Of all random numbers: initial weights, clips, prior, directions.
+    schedule, seed, show_progress, checkpoint, engine
+        As in `learn_manifold`.
     hidden, latent : int
         Of `SequentialAutoencoder`.
     frames : int
@@ -142,31 +128,24 @@ def learn_sequences(
     watch : function (manifold, step), optional
         Called before the first step, with 0, and after every step.
     network : type
-        A subclass with another loss, for comparison; it computes with the definitions.
-    show_progress : bool
-    checkpoint : Checkpoint, optional
-        Of `train_sequential`.
-    engine : {"fast", "ops"}
-        As in `learn_manifold`.
-
-    Raises
-    ------
-    ValueError
-        If there are no motions, all are too short, or their rigs differ.
+        `SequentialAutoencoder` or a subclass with another loss, which is not accelerated.
     """
     if not sequences:
         raise ValueError("there are no motions to learn from")
     schedule = schedule or SequenceSchedule()
     table, bones = common_bones(sequences)
-    mean, deviation = standardisation(cut_clips(sequences, CLIP_STEP, frames))
+    clips = cut_clips(sequences, CLIP_STEP, frames)
+    deviation = clips.std(axis=(0, 1))
+    deviation[deviation < MIN_SPREAD] = 1.0
     rng = np.random.default_rng(seed)
     model = with_engine(network(len(table.columns), hidden, latent, rng), engine)
-    manifold = SequenceManifold(model, mean, deviation, table, bones, frames=frames)
+    manifold = SequenceManifold(model, clips.mean(axis=(0, 1)), deviation, table, bones)
+    manifold.frames = frames
     if watch is not None:
         watch(manifold, 0)
     history = train_sequential(
         model,
-        manifold.drawing_from(sequences, frames),
+        lambda rng, batch: manifold.normalise(draw_clips(sequences, batch, rng, frames)),
         schedule,
         rng,
         show_progress,
@@ -198,11 +177,8 @@ def _windows(manifold: MotionManifold, features: Sequence[np.ndarray], overlap: 
 def _mean_and_scale(
     frames: np.ndarray, features: Sequence[np.ndarray], window: int, overlap: int, rms: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The mean pose and the factor of each feature, (63,) both.
-
-    One factor each for positions, velocity and turn: the turn of a frame is a hundredth of a
-    radian where positions are a tenth of a metre, and would not be learned.
-    """
+    """The mean pose and the factor of each feature, (63,): one for positions, velocity and turn,
+    since a turn of a frame is a tenth as large as a position and would not be learned."""
     mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
     for kind in (POSITIONS, VELOCITY, TURN):

@@ -35,24 +35,9 @@ CANDIDATES = 32
 def repair_sequence(
     motion: Motion, manifold: SequenceManifold, mapping: dict[str, str] | None = None
 ) -> Motion:
-    """The motion projected onto the manifold of clips, in its own rig.
+    """As `manifold.repair.repair`, for the action that a sequential manifold was learned from.
 
-    Parameters
-    ----------
-    motion : Motion
-        Of the action that the manifold was learned from, at any rate and of any length.
-    manifold : SequenceManifold
-    mapping : dict of joint name to the rig's joint name, optional
-
-    Returns
-    -------
-    Motion
-        Of the same skeleton, rate, unit and length, but without a T-pose at its beginning.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
+    A T-pose in the first frame of the motion is removed.
     """
     motion = without_t_pose(motion, mapping)
     projected = body_of(project_sequence(manifold, angles_of(motion, mapping)))
@@ -68,24 +53,7 @@ def repair_sequence(
 
 
 def project_sequence(manifold: SequenceManifold, sequence: AngleSequence) -> Motion:
-    """The projection of a motion of any length.
-
-    Parameters
-    ----------
-    manifold : SequenceManifold
-    sequence : AngleSequence
-        With the manifold's table of columns.
-
-    Returns
-    -------
-    Motion
-        As many frames at 25 a second, on the manifold's bones.
-
-    Raises
-    ------
-    ValueError
-        If the motion has another table, or no frames.
-    """
+    """The projection of a motion of any length, at 25 frames a second on the manifold's bones."""
     if sequence.table is not manifold.table:
         raise ValueError("the motion and the model have different numbers a frame")
     if len(sequence) == 0:
@@ -102,23 +70,11 @@ def project_sequence(manifold: SequenceManifold, sequence: AngleSequence) -> Mot
 
 
 def sample_sequence(manifold: SequenceManifold, frames: int, rng: np.random.Generator) -> Motion:
-    """A new motion of any length, from draws of the prior.
+    """A new motion of so many frames at 25 a second, from draws of the prior.
 
     Each clip begins in the middle of the one before: of `CANDIDATES` draws the one whose first half
     is nearest, in the body's frame, to the second half of the one before, rotated and moved to
     continue it.
-
-    Parameters
-    ----------
-    manifold : SequenceManifold
-    frames : int
-        At 25 a second.
-    rng : numpy.random.Generator
-
-    Raises
-    ------
-    ValueError
-        If there are no frames.
     """
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
@@ -176,8 +132,8 @@ def _blended(clips: list[Motion], starts: np.ndarray, rate: float) -> Motion:
 
 
 def _moved_to_continue(before: Motion, clip: Motion, half: int) -> Motion:
-    """The clip rotated about Y and moved on the floor so that its first half is nearest to the
-    second half of `before`."""
+    """The clip rotated about Y and moved so that its first half is nearest to the second half of
+    `before`."""
     ending = body_positions(before)[half : 2 * half]
     beginning = body_positions(clip)[:half]
     centre, own_centre = ending.mean(axis=(0, 1)), beginning.mean(axis=(0, 1))

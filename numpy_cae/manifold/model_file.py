@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import checked, load_arrays, positive, save_arrays, text
-from numpy_cae.manifold.engine import with_engine
-from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.array_file import checked, load_arrays, positive, save_arrays, text, whole
+from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion.angle_table import TABLES
 from numpy_cae.motion.features import FEATURES
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.joints import JOINTS
 
+Manifold = MotionManifold | SequenceManifold
 CONVOLUTIONAL = "numpy_cae convolutional manifold 2"
 SEQUENTIAL = "numpy_cae sequential manifold 2"
 MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
 
 
-def save_manifold(manifold: MotionManifold | SequenceManifold, path: str | Path) -> None:
+def save_manifold(manifold: Manifold, path: str | Path) -> None:
     """Write a manifold of either kind, atomically."""
     if isinstance(manifold, SequenceManifold):
         arrays = _arrays_of_sequences(manifold)
@@ -32,23 +33,19 @@ def save_manifold(manifold: MotionManifold | SequenceManifold, path: str | Path)
     save_arrays(arrays | {"settings": np.array(json.dumps(manifold.settings))}, path)
 
 
-def load_manifold(path: str | Path, engine: str = "fast") -> MotionManifold | SequenceManifold:
-    """Read a manifold of either kind, as `save_manifold` wrote it.
-
-    Parameters
-    ----------
-    path : path
-    engine : {"fast", "ops"}
-        Whether the network computes with `numpy_cae.fast` or with the definitions.
+def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
+    """Read a manifold of either kind; its network computes by `engine`, "fast" or "ops".
 
     Raises
     ------
     ModelFileError
         If the file is missing, is not a model of this version, or its arrays do not fit together.
     """
-    manifold: MotionManifold | SequenceManifold = load_arrays(
-        path, {CONVOLUTIONAL: _motions_of, SEQUENTIAL: _sequences_of}
-    )
+    readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
+        CONVOLUTIONAL: _motions_of,
+        SEQUENTIAL: _sequences_of,
+    }
+    manifold = load_arrays(path, readers)
     manifold.network = with_engine(manifold.network, engine)
     return manifold
 
@@ -61,10 +58,9 @@ def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
         "scale": manifold.scale,
         "rate": np.array(manifold.rate),
         "joints": np.array(JOINTS),
-        "parents": np.array(PARENTS),
         "lengths": manifold.lengths,
         "bound": np.array(layers[0].bound),
-        "rescales": np.array(manifold.rescales),
+        "rescales": np.array(int(manifold.rescales)),
         "window": np.array(manifold.window),
     }
     for number, layer in enumerate(layers, start=1):
@@ -78,7 +74,7 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     count = max(1, sum(f"w{number}" in arrays for number in range(1, len(arrays))))
     taps = len(arrays["w1"])
     filters = [arrays[f"b{number}"].size for number in range(1, count + 1)]
-    # All sizes are checked before a network of these sizes is made.
+    # Before a network of these sizes is made:
     for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
         checked(arrays, f"w{number}", (taps, below, above))
         checked(arrays, f"b{number}", (above,))
@@ -92,8 +88,8 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
         checked(arrays, "lengths", (len(JOINTS),)),
         float(positive(arrays, "rate", ())),
         text(arrays, "settings"),
-        bool(_scalar(arrays, "rescales", "b")),
-        _frames(arrays, "window"),
+        bool(whole(arrays, "rescales", 0, 1)),
+        whole(arrays, "window", 1, MAX_FRAMES),
     )
 
 
@@ -132,20 +128,5 @@ def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
         checked(arrays, "offsets", (len(table.joints), 3)),
         text(arrays, "settings"),
         float(positive(arrays, "rate", ())),
-        _frames(arrays, "frames"),
+        whole(arrays, "frames", 1, MAX_FRAMES),
     )
-
-
-def _scalar(arrays: dict[str, np.ndarray], name: str, kind: str) -> np.ndarray:
-    """The array of that name if it is one value of that kind of dtype; else ValueError."""
-    array = arrays[name]
-    if array.shape != () or array.dtype.kind != kind:
-        raise ValueError(f"{name} has shape {array.shape} and dtype {array.dtype}")
-    return array
-
-
-def _frames(arrays: dict[str, np.ndarray], name: str) -> int:
-    frames = int(_scalar(arrays, name, "i"))
-    if not 1 <= frames <= MAX_FRAMES:
-        raise ValueError(f"{name} is {frames}, expected 1 to {MAX_FRAMES}")
-    return frames

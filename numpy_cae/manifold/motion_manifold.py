@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
+from numpy_cae.fast import accelerate
 from numpy_cae.manifold.blind import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.body import Body
@@ -13,6 +15,15 @@ from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.windows import LENGTH
+
+Network = TypeVar("Network")
+
+
+def with_engine(network: Network, engine: str) -> Network:
+    """The network: accelerated by `numpy_cae.fast` if `engine` is "fast", plain if it is "ops"."""
+    if engine not in ("fast", "ops"):
+        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
+    return accelerate(network) if engine == "fast" else network
 
 
 @dataclass
@@ -32,7 +43,7 @@ class MotionManifold:
     rate : float
         Frames a second.
     settings : dict
-        Provenance (data, schedule, seed, losses) as JSON values; nothing is computed from it.
+        Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.corruption`.
     window : int
@@ -53,8 +64,8 @@ class MotionManifold:
         return Body(motion, self.lengths, mapping)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
-        """Features (F, 63) on the mean skeleton and the root transform of the first frame, of
-        world positions (F, 20, 3) in metres on bones of any lengths, at `rate`."""
+        """Features (F, 63) on the mean skeleton, and the root transform of the first frame, of
+        world positions (F, 20, 3) in metres at `rate`, on bones of any lengths."""
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)
 
@@ -77,18 +88,10 @@ class MotionManifold:
         return self.network.frames_per_unit
 
     def encode(self, features: np.ndarray) -> np.ndarray:
-        """Y = Φ(X) of a clip of any length.
+        """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · reach) / 8⌉, 256) in [-1, 1].
 
         The zeros with which a convolution pads a clip are the mean pose and would distort its ends.
         So the first and last frame are held for `reach` frames; `decode` removes these again.
-
-        Parameters
-        ----------
-        features : (F, 63) array of float
-
-        Returns
-        -------
-        (⌈(F + 2 · reach) / 8⌉, 256) array within [-1, 1], in the dtype of the network
         """
         return self.network.encode(self._padded(features))[0]
 
@@ -97,28 +100,13 @@ class MotionManifold:
         return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
 
     def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64.
-
-        `shifts` is the number of positions of the pooling grid to average over: see
-        `manifold.blind.project_shifted`.
-        """
+        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64, the mean over so many
+        positions of the pooling grid (`manifold.blind.project_shifted`)."""
         projected = project_shifted(self.network, self._padded(features), shifts)[0]
         return self.denormalise(projected)[self.reach : self.reach + len(features)]
 
     def project_windows(self, x: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of normalised windows as in training, with zeros around them.
-
-        Parameters
-        ----------
-        x : (N, T, 63) array of float32
-            Normalised; T is a multiple of `network.frames_per_unit`.
-        shifts : int
-            As in `project`.
-
-        Returns
-        -------
-        (N, T, 63) array of float32
-        """
+        """Φ†(Φ(X)) of normalised windows (N, T, 63) as in training, with zeros around them."""
         return project_shifted(self.network, self._rescaled(x), shifts)
 
     def _padded(self, features: np.ndarray) -> np.ndarray:

@@ -7,10 +7,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
+from numpy_cae.motion.heading import SMOOTHING_SECONDS
 from numpy_cae.motion.motion import Motion
-
-SMOOTHING_SECONDS = 1 / 3
-"""Standard deviation of the Gaussian that separates slow from fast changes of the root."""
 
 
 def repair(
@@ -19,9 +17,8 @@ def repair(
     """The motion projected onto the manifold, in its own rig.
 
     The projection is the mean over all positions of the pooling grid. Frames between two poses at
-    the manifold's rate are as damaged as the poses, so they are replaced by a smooth curve through
-    the projected poses. Joints beyond the twenty (fingers, toe tips) and the rotation of bones
-    about their own axis, which positions do not determine, stay as they were.
+    the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
+    (fingers) and rotations of bones about their own axis stay as they were.
 
     Parameters
     ----------
@@ -52,24 +49,12 @@ def keep_trajectory(
 
     The projected velocity and turn are summed to a trajectory, and so are their errors: after a few
     seconds the body would be far off. So only the fast part of the trajectory is taken from the
-    projection; the slow part, filtered by a Gaussian g, is the file's:
+    projection; the slow part, filtered by the Gaussian g of the heading, is the file's:
 
         h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
 
-    Parameters
-    ----------
-    features, projected : (F, 63) arrays of float
-        Of the motion and of its projection.
-    root : RootTransform
-        Root transform of the motion's first frame.
-    rate : float
-        Frames a second.
-
-    Returns
-    -------
-    features : (F, 63) array of float64
-        `projected` except for velocity and turn.
-    root : RootTransform
+    `features` and `projected` are (F, 63), `root` is of the first frame, and `rate` in frames a
+    second. Returns `projected` with another velocity and turn, and the root of its first frame.
     """
     (own_floor, own_theta), (floor, theta) = (
         trajectory_of(features, root),

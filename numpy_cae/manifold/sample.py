@@ -19,8 +19,7 @@ from numpy_cae.motion.windows import cut_windows
 
 NEIGHBOURS = 8
 """Windows that are mixed with the one drawn."""
-_OVERLAP = 0.25
-"""Share of a window over which it is blended into the next one."""
+_OVERLAP = 0.25  # share of a window over which it is blended into the next
 
 
 def draw_uniform(units: int, channels: int, rng: np.random.Generator) -> np.ndarray:
@@ -29,15 +28,8 @@ def draw_uniform(units: int, channels: int, rng: np.random.Generator) -> np.ndar
 
 
 def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
-    """Φ of every whole window of takes' features (F, 63), (windows, window / 8, 256).
-
-    Windows overlap by half; their ends are padded as in `compare.hidden_units`.
-
-    Raises
-    ------
-    ValueError
-        If no take is as long as a window.
-    """
+    """Φ, by `hidden_units`, of every whole window of takes' features (F, 63), overlapping by half:
+    (windows, window / 8, 256). ValueError if no take is as long as a window."""
     length = manifold.window
     cut = [cut_windows(take, length, length // 2)[0] for take in takes if len(take) >= length]
     if not cut:
@@ -52,12 +44,7 @@ class NeighbourPrior:
         Y = Σ_i a_i Y_i,   a ~ Dirichlet(1, …, 1) over a window Y_0 and its nearest Y_1 … Y_n
 
     A mixture of small simplexes. Unlike a single Gaussian over all windows it puts no weight
-    between unlike motions, and it needs no clipping to [-1, 1].
-
-    Parameters
-    ----------
-    encoded : (windows, units, channels) array of float
-        As returned by `encode_windows`.
+    between unlike motions. `encoded` is what `encode_windows` returns.
     """
 
     encoded: np.ndarray
@@ -90,13 +77,7 @@ def sample(
     rng: np.random.Generator,
     prior: NeighbourPrior | None = None,
 ) -> np.ndarray:
-    """Features (frames, 63) of a new motion, from `prior` or, where None, the uniform prior.
-
-    Raises
-    ------
-    ValueError
-        If there are no frames.
-    """
+    """Features (frames, 63) of a new motion, from `prior` or, where None, the uniform prior."""
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
     network = manifold.network
@@ -109,10 +90,8 @@ def sample(
 
 
 def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
-    """Φ†(Y), features (8 · units, 63), of the hidden units of a clip's own frames.
-
-    The first and last unit are held as padding, the counterpart of `compare.hidden_units`.
-    """
+    """Φ†(Y), features (8 · units, 63), the inverse of `hidden_units`: the first and last unit are
+    held as padding."""
     unit = manifold.network.frames_per_unit
     more = -(-manifold.reach // unit)
     padded = np.pad(y, ((more, more), (0, 0)), mode="edge")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,15 +10,11 @@ import numpy as np
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.motion.angle_table import AngleTable
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
-from numpy_cae.motion.clips import CLIP, draw_clips
+from numpy_cae.motion.clips import CLIP
 from numpy_cae.motion.motion import Motion
 
-CONSTANT = 1e-3
-"""Columns with a smaller deviation (metres, radians) are only centred. MBR17 drops them; here they
-stay, as zeros, so that one table serves every rig."""
 MIN_LENGTH, MAX_ANGLE = 0.15, 30.0
-"""Rigs are different if a bone at least this long (metres) points more than this angle (degrees)
-away from the mean. Shorter bones point anywhere in an arm at rest."""
+"""Rigs differ if a bone of this length (metres) points this angle (degrees) away from the mean."""
 
 
 @dataclass
@@ -30,7 +26,8 @@ class SequenceManifold:
     network : SequentialAutoencoder
         Plain or accelerated; everything is computed with it.
     mean, deviation : (54,) arrays of float64
-        Of each column over all frames of all clips.
+        Of each column over all frames of all clips. The deviation of a constant column is 1: MBR17
+        drops such columns, but with them one table serves every rig.
     table : AngleTable
     offsets : (J, 3) array of float64
         Bones for drawing, metres; see `AngleSequence`.
@@ -60,35 +57,14 @@ class SequenceManifold:
         """The clips of which `normalise` makes x, float64."""
         return x.astype(np.float64) * self.deviation + self.mean
 
-    def drawing_from(
-        self, sequences: Sequence[AngleSequence], frames: int
-    ) -> Callable[[np.random.Generator, int], np.ndarray]:
-        """A function (rng, batch) that draws normalised clips (batch, frames, 54)."""
-
-        def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
-            return self.normalise(draw_clips(sequences, batch, rng, frames))
-
-        return draw
-
     def motion(self, clip: np.ndarray) -> Motion:
         """A normalised clip (F, 54) as a motion that stands on the floor."""
         return on_floor(motion_of(self.denormalise(clip), self.table, self.offsets))
 
 
-def standardisation(clips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and deviation (54,) of clips (N, F, 54); the deviation of constant columns is 1."""
-    deviation = clips.std(axis=(0, 1))
-    return clips.mean(axis=(0, 1)), np.where(deviation < CONSTANT, 1.0, deviation)
-
-
 def common_bones(sequences: Sequence[AngleSequence]) -> tuple[AngleTable, np.ndarray]:
-    """The table and the mean bones of motions that are learned together.
-
-    Raises
-    ------
-    ValueError
-        If their rigs differ: the same angles would be other poses.
-    """
+    """The table and the mean bones of motions that are learned together; ValueError if their rigs
+    differ, since the same angles would be other poses."""
     table = sequences[0].table
     if any(sequence.table is not table for sequence in sequences):
         raise ValueError("Human3.6M's own text and other motions have different columns: not both")
