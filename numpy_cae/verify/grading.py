@@ -1,4 +1,4 @@
-"""A student's file held to the properties of every operation in it."""
+"""Grading of a student's file: every function in it is tested for its properties."""
 
 from __future__ import annotations
 
@@ -6,19 +6,23 @@ import ast
 import tempfile
 import textwrap
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.catalogue import Catalogue, find_task, load_catalogue
 from numpy_cae.verify.notebook import exercise_source
-from numpy_cae.verify.reporting import WIDTH, Report, report_on
+from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_reply, visible
+from numpy_cae.verify.sandbox.process import ProcessEnded, StudentProcess
 from numpy_cae.verify.sandbox.refusal import refused_imports
-from numpy_cae.verify.sandbox.student import Fault, Student
 
 TIME_LIMIT = 120.0
 MEMORY_LIMIT = 2048
+
+
+class Fault(Exception):
+    """What is wrong with a file as a whole."""
 
 
 @dataclass
@@ -69,133 +73,142 @@ def grade(
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
 ) -> FileReport:
-    """Run a student's file in a process of its own and hold its functions to their properties.
+    """Run a student's file in a process of its own and test its functions.
 
     Parameters
     ----------
     path : Path
-        A Python file: functions that bear an operation's name are tried as that operation. Or a
-        lesson's notebook: the functions in its exercise cells are tried as those exercises.
+        A Python file, whose functions with the name of an operation are tested; or a lesson's
+        notebook, whose exercise cells are tested.
     catalogue : str
-        The module whose `CATALOGUE` says what is tested.
+        The module whose `CATALOGUE` lists what is tested.
     named : mapping of operation to function name, optional
         Functions with other names.
     seconds, megabytes : number
-        The limits of the whole file. The memory limit holds where the platform knows one (POSIX).
+        Limits of the whole file. The memory limit is enforced on Linux.
 
     Returns
     -------
     FileReport
-        Whatever the file does, it ends in a report.
+        Whatever the file does.
 
     Raises
     ------
     OSError
         If there is no such file.
     ValueError
-        If `named` names an operation that does not exist.
+        If `named` has a name that the catalogue lacks.
     """
-    named = dict(named or {})
     known = load_catalogue(catalogue)
+    named = dict(named or {})
     for operation in named:
         find_task(known, operation)
     graded = FileReport(path)
-    text = path.read_bytes()
-    if path.suffix == ".ipynb":
-        return _grade_notebook(graded, text, known, named, seconds, megabytes)
-    _grade_program(graded, path, text, known, list(OPERATIONS), named, seconds, megabytes)
+    content = path.read_bytes()
+    request = {"catalogue": catalogue, "megabytes": megabytes}
+    deadline = time.monotonic() + seconds
+    try:
+        if path.suffix != ".ipynb":
+            _require_allowed(content)
+            request |= {"path": str(path.resolve()), "given": []}
+            _grade_program(graded, known, OPERATIONS, named, request, deadline)
+            return graded
+        program = _notebook_program(content)
+        _require_allowed(program.encode())
+        with tempfile.TemporaryDirectory() as folder:
+            cells = Path(folder, "notebook.py")
+            cells.write_text(program, encoding="utf-8")
+            request |= {"path": str(cells), "given": _given(program, known)}
+            _grade_program(graded, known, known, named, request, deadline)
+    except Fault as fault:
+        graded.faults.append(str(fault))
     return graded
 
 
-def _grade_notebook(graded: FileReport, text: bytes, catalogue: Catalogue, *options) -> FileReport:
-    """The exercise cells alone, as a program."""
+def _notebook_program(content: bytes) -> str:
+    """The exercise cells of a notebook as one program."""
     try:
-        program = exercise_source(text.decode())
+        return exercise_source(content.decode())
     except ValueError as error:
-        graded.faults.append(str(error))
-        return graded
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "notebook.py")
-        path.write_text(program, encoding="utf-8")
-        given = _given(program, catalogue)
-        known = list(catalogue)
-        _grade_program(graded, path, program.encode(), catalogue, known, *options, given=given)
-    return graded
+        raise Fault(str(error)) from None
 
 
-def _given(program: str, catalogue: Catalogue) -> dict[str, Callable]:
-    """What the exercises that a program solves may call of earlier lessons, as a lesson imports it.
-
-    Never what the program is to define itself.
-    """
-    try:
-        defined = {node.name for node in ast.parse(program).body if hasattr(node, "name")}
-    except (SyntaxError, ValueError, RecursionError):  # which grading reports
-        return {}
+def _given(program: str, catalogue: Catalogue) -> list[str]:
+    """What the exercises in a program may call of earlier lessons, without its own definitions."""
+    defined = {node.name for node in ast.parse(program).body if hasattr(node, "name")}
     wanted = {name for own in defined & set(catalogue) for name in catalogue[own].given}
-    return {name: catalogue[name].solution for name in wanted - defined}
+    return sorted(wanted - defined)
+
+
+def _require_allowed(content: bytes) -> None:
+    """Raise a Fault if a file is not Python or imports what is refused."""
+    try:
+        refused = refused_imports(content.decode())
+    except (SyntaxError, ValueError, RecursionError) as error:
+        raise Fault(f"it is not Python: {error}") from None
+    if refused:
+        raise Fault(
+            "refused: the operations are to be written by hand in NumPy, and it imports "
+            f'{"; ".join(refused)} (self-tests may, under if __name__ == "__main__":)'
+        )
 
 
 def _grade_program(
     graded: FileReport,
-    path: Path,
-    text: bytes,
     catalogue: Catalogue,
-    known: list[str],
+    known: Iterable[str],
     named: dict[str, str],
-    seconds: float,
-    megabytes: int,
-    given: Mapping[str, Callable] | None = None,
+    request: dict,
+    deadline: float,
 ) -> None:
-    """Run a program and try those of its functions whose names are known."""
-    try:
-        refused = refused_imports(text.decode())
-    except (SyntaxError, ValueError, RecursionError) as error:
-        graded.faults.append(f"it is not Python: {error}")
-        return
-    if refused:
-        graded.faults.append(
-            "refused: the operations are to be written by hand in NumPy, and it imports "
-            f'{"; ".join(refused)} (self-tests may, under if __name__ == "__main__":)'
-        )
-        return
-    deadline = time.monotonic() + seconds
-    try:
-        todo = None
-        while todo is None or todo:  # a process that had to be ended is followed by another
-            with Student(path, deadline, megabytes) as student:
-                student.load(given)
-                todo = _functions(set(student.functions), known, named) if todo is None else todo
-                while todo and not student.ended:
-                    _grade_function(graded, student, catalogue, *todo.pop(0))
-    except Fault as fault:
-        graded.faults.append(str(fault))
+    """Test a program's functions; a process that has to be ended is followed by another."""
+    wanted = {name: name for name in known} | named
+    todo = _test(graded, catalogue, list(wanted.items()), named, request, deadline)
+    while todo:
+        todo = _test(graded, catalogue, todo, {}, request, deadline)
 
 
-def _functions(there: set[str], known: list[str], named: dict[str, str]) -> list[tuple[str, str]]:
-    """Operations and the functions to try as them, of those that the file has."""
-    for operation, function in named.items():
-        if function not in there:
-            raise Fault(f"it has no function {function} to try as {operation}")
-    wanted = {name: name for name in known if name in there} | named
-    if not wanted:
-        raise Fault(
-            f"no function bears an operation's name ({', '.join(OPERATIONS)}); "
-            "name one with --as conv1d=my_conv"
-        )
-    return list(wanted.items())
-
-
-def _grade_function(
-    graded: FileReport, student: Student, catalogue: Catalogue, operation: str, function: str
-) -> None:
-    tried = student.function(function, numbers_only=operation in OPERATIONS)
-    graded.reports.append(report_on(catalogue[operation], tried, function, student.forget))
-    if student.printed():
-        raise Fault(
-            f"{function} prints {student.printed()!r}: an operation returns, it does not print"
-        )
-    if student.patched:
-        raise Fault(f"{function} alters NumPy itself: {', '.join(student.patched[:5])}")
-    if student.refused:
-        raise Fault(f"refused: {function} imports {student.refused[0]}")
+def _test(
+    graded: FileReport,
+    catalogue: Catalogue,
+    tasks: list[tuple[str, str]],
+    named: dict[str, str],
+    request: dict,
+    deadline: float,
+) -> list[tuple[str, str]]:
+    """Test functions in one process until it ends; return those that are left."""
+    again = bool(graded.reports)
+    with StudentProcess({**request, "tasks": tasks}, deadline) as process:
+        try:
+            loaded = process.reply()
+        except ProcessEnded as end:
+            if not again:
+                raise Fault(f"at import: {end}") from None
+            graded.reports += [
+                failed_report(catalogue[t], f, f"not tested: {end}") for t, f in tasks
+            ]
+            return []
+        if "fault" in loaded:
+            raise Fault(visible(str(loaded["fault"])))
+        found = [tuple(pair) for pair in loaded.get("found", [])]
+        todo = [pair for pair in tasks if pair in found]
+        for operation, function in named.items():
+            if (operation, function) not in todo:
+                raise Fault(f"it has no function {function} to try as {operation}")
+        if not todo:
+            raise Fault(
+                f"no function bears an operation's name ({', '.join(OPERATIONS)}); "
+                "name one with --as conv1d=my_conv"
+            )
+        while todo:
+            task, function = todo.pop(0)
+            try:
+                reply = process.reply()["report"]
+                if "ended" in reply:
+                    raise ProcessEnded(visible(str(reply["ended"])))
+                report = report_from_reply(catalogue[task], function, reply)
+            except (ProcessEnded, ValueError, KeyError, TypeError) as end:
+                graded.reports.append(failed_report(catalogue[task], function, str(end)))
+                return todo
+            graded.reports.append(report)
+    return []

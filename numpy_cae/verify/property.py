@@ -1,7 +1,8 @@
-"""A property: a sentence about an operation, and the check that holds an implementation to it.
+"""A property: a sentence about an operation, and the check that tests an implementation for it.
 
 The properties that every operation shares are stated here; those of a single one are in
-`operation_properties`. A check takes an implementation and a case, and raises where the sentence is untrue.
+`operation_properties`. A check takes an implementation and a case, and raises where the sentence
+is false.
 """
 
 from __future__ import annotations

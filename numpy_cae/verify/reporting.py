@@ -1,4 +1,4 @@
-"""A report on one implementation: every property of its operation, held or not, with points."""
+"""A report on one implementation: whether each property of its operation holds, with points."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from dataclasses import dataclass
 
 from numpy_cae.verify.catalogue import Task, properties_of
 from numpy_cae.verify.convention import PYTORCH, Convention, other_conventions
-from numpy_cae.verify.property import Outcome
+from numpy_cae.verify.property import Outcome, Property
 from numpy_cae.verify.trial import try_property
 
 WIDTH = 98
 INDENT = 10
 EXAMPLES_OF_A_CONVENTION = 8
+LONGEST_TEXT = 2000
 UNSOLVED = NotImplementedError.__name__
 
 
 @dataclass(frozen=True)
 class Report:
-    """What came of it. Prints as a table; in a notebook it shows as the same."""
+    """The outcome of every property. Prints, and is shown in a notebook, as a table."""
 
     operation: str
     called: str
@@ -72,6 +73,14 @@ class Report:
                 for outcome in self.outcomes
             ],
         }
+
+    def as_reply(self) -> dict:
+        """What `report_from_reply` needs to make the same report in another process."""
+        outcomes = [
+            [o.held, visible(o.problem), visible(o.counterexample), o.mistake]
+            for o in self.outcomes
+        ]
+        return {"convention": str(self.convention), "outcomes": outcomes}
 
     def _lines(self) -> Iterator[str]:
         title = (
@@ -131,26 +140,55 @@ def _why(outcome: Outcome) -> Iterator[str]:
             )
 
 
-def report_on(
-    task: Task,
-    implementation: Callable,
-    called: str | None = None,
-    between: Callable[[], None] = lambda: None,
-) -> Report:
-    """Test an implementation for every property of a task; `between` is called after each."""
+def report_on(task: Task, implementation: Callable, called: str | None = None) -> Report:
+    """Test an implementation for every property of a task."""
     called = called or getattr(implementation, "__name__", task.name)
     convention = _convention_of(task, implementation)
-    stated = task.properties
-    if convention != PYTORCH:
-        stated = properties_of(task.name, convention)
     outcomes: list[Outcome] = []
-    for tried in stated:
+    for stated in _stated(task, convention):
         if outcomes and outcomes[0].problem.startswith(UNSOLVED):
-            outcomes.append(Outcome(tried, held=False, problem=UNSOLVED))
-            continue
-        outcomes.append(try_property(tried, implementation))
-        between()
+            outcomes.append(Outcome(stated, held=False, problem=UNSOLVED))
+        else:
+            outcomes.append(try_property(stated, implementation))
     return Report(task.name, called, tuple(outcomes), convention, task.hint)
+
+
+def report_from_reply(task: Task, called: str, reply: dict) -> Report:
+    """The report that another process made. The properties and their points are those here.
+
+    Raises
+    ------
+    ValueError
+        If the reply is not what `Report.as_reply` makes.
+    """
+    try:
+        conventions = {str(each): each for each in (PYTORCH, *other_conventions())}
+        convention = conventions[reply["convention"]]
+        outcomes = tuple(
+            Outcome(stated, held is True, visible(problem), visible(example), visible(mistake))
+            for stated, (held, problem, example, mistake) in zip(
+                _stated(task, convention), reply["outcomes"], strict=True
+            )
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"not the reply of a report: {error}") from None
+    return Report(task.name, called, outcomes, convention, task.hint)
+
+
+def failed_report(task: Task, called: str, problem: str) -> Report:
+    """The report on a function whose test came to no end: no property held."""
+    outcomes = tuple(Outcome(stated, held=False, problem=problem) for stated in task.properties)
+    return Report(task.name, called, outcomes, PYTORCH, task.hint)
+
+
+def _stated(task: Task, convention: Convention) -> tuple[Property, ...]:
+    return task.properties if convention == PYTORCH else properties_of(task.name, convention)
+
+
+def visible(text: str) -> str:
+    """The text of a student's process, cut to a readable length, control characters escaped."""
+    shown = (c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text[:LONGEST_TEXT])
+    return "".join(shown)
 
 
 def holds(task: Task, implementation: Callable) -> bool:

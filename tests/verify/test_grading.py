@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import sys
 import textwrap
-import time
 
 import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.verify import grading
-from numpy_cae.verify.sandbox import student
+from numpy_cae.verify.sandbox import process
 
 RIGHT = """
 import numpy as np
@@ -19,6 +18,19 @@ import numpy as np
 def tanh(x):
     y = np.tanh(x)
     return y, lambda dy: dy * (1 - y * y)
+"""
+
+ENDLESS = """
+def sigmoid(x):
+    raise KeyboardInterrupt
+
+def max_pool(x):
+    while True:
+        pass
+
+def linear(x, w, b):
+    import os
+    os._exit(0)
 """
 
 
@@ -50,12 +62,10 @@ def test_a_function_is_tried_under_another_name(graded):
     assert report.held and "mine as tanh" in str(report)
 
 
-def test_a_name_that_is_not_there_fails_the_file(graded):
-    report = graded(RIGHT, named={"conv1d": "mine"})
-    assert report.faults == ["it has no function mine to try as conv1d"]
-
-
-def test_a_file_without_operations_fails(graded):
+def test_without_the_functions_to_be_tested_the_file_fails(graded):
+    assert graded(RIGHT, named={"conv1d": "mine"}).faults == [
+        "it has no function mine to try as conv1d"
+    ]
     assert "no function bears an operation's name" in graded("x = 1").faults[0]
 
 
@@ -63,25 +73,18 @@ def test_a_file_without_operations_fails(graded):
     ("line", "fault"),
     [
         ("import torch", "line 2: torch"),
-        ("from jax import vjp", "line 2: jax"),
-        ("import numpy_cae.ops as ops", "line 2: numpy_cae.ops"),
         ("from numpy_cae import ops", "line 2: numpy_cae"),
-        ("import importlib; t = importlib.import_module('torch.nn')", "line 2: torch.nn"),
-        ("t = __import__('autograd')", "line 2: autograd"),
-        ("m = __import__('numpy' + '_cae')", "refused: it imports numpy_cae"),
+        ("m = __import__('numpy' + '_cae.ops')", "ImportError: numpy_cae may not be imported here"),
         ("import sys; sys.exit(0)", "at import it calls sys.exit"),
-        ("raise SystemExit", "at import it calls sys.exit"),
         ("import os; os._exit(0)", "its process ended"),
         ("1 / 0", "at import: ZeroDivisionError: division by zero (line 2)"),
         ("raise KeyboardInterrupt", "at import: KeyboardInterrupt"),
-        ("print('hello')", "at import it prints 'hello'"),
-        ("import os; os.write(1, b'hello')", "at import it prints 'hello'"),
-        ("import numpy as np; np.tanh = np.sin", "it alters NumPy itself: numpy.tanh"),
-        ("import numpy as np; np.testing.assert_allclose = print", "it alters NumPy itself"),
+        ("import os; os.closerange(3, 1000); import time; time.sleep(60)", "closed the channel"),
+        ("import os; [os.write(i, b'{}\\n') for i in range(3, 6)]", "something that is no reply"),
         ("def broken(:", "it is not Python"),
     ],
 )
-def test_what_a_file_may_not_do_fails_it_alone(graded, line, fault):
+def test_what_a_file_may_not_do_is_a_fault(graded, line, fault):
     report = graded(f"\n{line}\n{RIGHT}")
     assert not report.held and report.points == 0
     assert fault in report.faults[0]
@@ -94,26 +97,45 @@ def test_self_tests_may_import_anything(graded):
 def test_a_patched_numpy_cannot_reach_the_grader(graded):
     report = graded("""
         import numpy as np
+        import numpy.testing
+
+        np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True
+        np.abs = np.max = np.asarray = lambda *a, **k: 0.0
+        np.seterr(all="raise")
 
         def tanh(x):
-            np.allclose = lambda *a, **k: True
-            np.array_equal = np.allclose
+            np.core = np.random = np.linalg = None
             return x, lambda dy: dy
     """)
-    assert not report.held
-    assert report.points < report.possible
-    assert "alters NumPy itself: numpy.allclose" in report.faults[0]
+    (tanh,) = report.reports
+    held = [outcome.stated.name for outcome in tanh.outcomes if outcome.held]
+    assert not report.faults
+    assert held == [
+        "gradient for x",
+        "linearity",
+        "dtype",
+        "purity",
+        "independence",
+        "strides",
+    ]
+
+
+def test_a_right_file_that_alters_numpy_is_right(graded):
+    spoilt = RIGHT + "\nnp.abs = np.sum = np.sqrt = np.zeros = None\nnp.seterr(all='raise')\n"
+    assert graded(spoilt).held
 
 
 def test_endless_loops_end(graded, monkeypatch):
-    monkeypatch.setattr(student, "CALL_SECONDS", 1.0)
-    begun = time.monotonic()
+    monkeypatch.setattr(process, "EXERCISE_SECONDS", 1.0)
+    monkeypatch.setattr(process, "STARTUP_SECONDS", 30.0)
     assert "endless loop" in graded("while True: pass").faults[0]
-    report = graded(RIGHT + "\ndef sigmoid(x):\n    while True: pass\n")
-    assert [r.held for r in report.reports] == [True, False]
-    assert "endless loop" in report.reports[1].outcomes[0].problem
-    assert "not tried" in report.reports[1].outcomes[1].problem
-    assert time.monotonic() - begun < 20
+    report = graded(RIGHT + ENDLESS)
+    by_name = {r.operation: r for r in report.reports}
+    assert by_name["tanh"].held and not by_name["max_pool"].held and not by_name["linear"].held
+    assert "endless loop" in by_name["max_pool"].outcomes[0].problem
+    assert "its process ended" in by_name["linear"].outcomes[0].problem
+    assert "KeyboardInterrupt" in by_name["sigmoid"].outcomes[0].problem
+    assert report.points == 10 and not report.faults
 
 
 def test_the_time_limit_is_for_the_whole_file(graded):
@@ -127,50 +149,26 @@ def test_memory_is_limited(graded):
     assert "at import: MemoryError" in report.faults[0] or "its process ended" in report.faults[0]
 
 
-def test_sys_exit_in_a_call_fails_that_property(graded):
-    report = graded("import sys\ndef tanh(x):\n    sys.exit()\n")
-    assert "it calls sys.exit" in str(report) and not report.held
+def test_output_and_warnings_are_no_fault(graded):
+    noise = """
+        import os, sys, warnings
+        os.write(1, b"hello"); os.write(2, b"hello")
+        print("x is", x.shape, "x" * 10**6, flush=True)
+        warnings.warn("careful"); np.log(np.zeros(1))
+        sys.stdin.read()
+        sys.stdout = None
+        print("lost")
+        y = """
+    assert graded(
+        "print('hello', flush=True)\n"
+        + RIGHT.replace("    y = ", noise.replace("        ", "    "))
+    ).held
 
 
-def test_printing_in_a_call_is_a_fault(graded):
-    report = graded(RIGHT.replace("y = np", "print('x is', x.shape); y = np"))
-    assert "tanh prints 'x is" in report.faults[0]
-
-
-def test_alterations_are_seen_across_processes(graded):
-    report = graded(RIGHT.replace("y = np.tanh(x)", "y = np.tanh(x); x[...] = 0"))
-    purity = next(o for o in report.reports[0].outcomes if o.property.name == "purity")
-    assert "the call alters x" in purity.problem
-
-
-@pytest.mark.parametrize(
-    ("body", "complaint"),
-    [
-        ("return np.tanh(x)", "a tuple of an array and a function"),
-        ("return 'y', lambda dy: dy", "it returns str, expected an array of floats"),
-        ("return np.tanh(x), lambda dy: None", "is None, expected shape"),
-        ("return np.tanh(x), lambda dy: (dy, dy)", "returns 2 gradient(s), expected 1"),
-        ("return np.array([None]), lambda dy: dy", "expected an array of floats"),
-        ("return np.sign(x).astype(int), lambda dy: dy", "array of int64, expected floats"),
-        ("return UnknownName", "NameError: name 'UnknownName' is not defined (line 3)"),
-    ],
-)
-def test_what_does_not_return_an_operation_is_told_so(graded, body, complaint):
-    report = graded(f"import numpy as np\ndef tanh(x):\n    {body}\n")
-    assert not report.held
-    assert complaint in " ".join(str(report).split())
-
-
-def test_a_garbled_answer_fails_the_file_only(graded):
-    report = graded("""
-        import os
-        for descriptor in range(3, 20):
-            try:
-                os.write(descriptor, b"x" * 4096)
-            except OSError:
-                pass
-    """)
-    assert not report.held
+def test_control_characters_in_a_message_are_escaped(graded):
+    report = graded("def tanh(x):\n    raise ValueError('\\x1b[2J' + 'x' * 10**6)\n")
+    assert "\\x1b[2J" in str(report) and "\x1b" not in str(report)
+    assert len(str(report)) < 5000
 
 
 def test_another_convention_is_reported_as_that(graded):

@@ -125,6 +125,6 @@ def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name
 
 @cache
 def _compiled(bug: PlantedBug) -> Callable:
-    namespace = dict(inspect.getmodule(right_operation(bug.operation)).__dict__)
+    namespace = dict(right_operation(bug.operation).__globals__)
     exec(compile(bug.source(bug.name), f"<{bug.name}>", "exec"), namespace)
     return namespace[bug.name]
