@@ -1,4 +1,4 @@
-"""What a lesson imports of earlier lessons is there when its notebook is graded, and only that."""
+"""Grading of notebooks: the exercise cells, with the functions of earlier lessons given."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from numpy_cae.course import find_lessons, read_notebook
-from numpy_cae.course.exercises import LESSONS
+from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.verify.grading import grade
 
 COURSE = "numpy_cae.course.catalogue"
@@ -90,6 +90,35 @@ def test_a_program_that_is_no_notebook_is_given_nothing(tmp_path):
     path = tmp_path / "student.py"
     path.write_text("import numpy as np\n" + TANH.replace("np.tanh(x)", "conv1d(x)"))
     assert "name 'conv1d' is not defined" in str(grade(path, COURSE))
+
+
+def test_only_exercise_cells_are_run(tmp_path):
+    source = (
+        "def speeds(positions, rate):\n"
+        "    return rate * np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=-1))"
+    )
+    path = notebook(tmp_path, source)
+    cells = json.loads(path.read_text())["cells"]
+    cells.append({"cell_type": "code", "metadata": {}, "source": "import numpy_cae; 1/0"})
+    path.write_text(json.dumps({"cells": cells}))
+    report = grade(path, COURSE)
+    assert report.held and report.points == EXERCISES["speeds"].points, str(report)
+    path.write_text(json.dumps({"cells": cells}).replace("rate * np", "np"))
+    assert 0 < len(grade(path, COURSE).reports) and not grade(path, COURSE).held
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("[]", "not a Jupyter notebook"),
+        ("{", "not a Jupyter notebook"),
+        ('{"cells": []}', "no exercise cell"),
+    ],
+)
+def test_a_file_that_is_no_lesson_is_a_fault(text, fault, tmp_path):
+    path = tmp_path / "somebody.ipynb"
+    path.write_text(text)
+    assert fault in grade(path, COURSE).faults[0]
 
 
 @pytest.mark.parametrize("broken", ["def encode_layer(", "\0"])

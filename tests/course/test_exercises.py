@@ -1,0 +1,209 @@
+"""The exercises: their solutions, wrong solutions, and the checks that they share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from numpy_cae import course, ops
+from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.exercises.checks import (
+    PULLBACK,
+    Differentiated,
+    claim,
+    drawn,
+    require_same,
+    size,
+)
+from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
+from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.trial import try_property
+
+OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
+SIZES = {"rows": (1, 2)}
+
+
+def unsolved(*arguments):
+    raise NotImplementedError
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_the_solution_has_every_property_and_trivial_functions_fail(name):
+    report = course.report(name, EXERCISES[name].solution)
+    assert report.held and report.points == EXERCISES[name].points, str(report)
+    for trivial in (lambda *arguments: arguments[0], lambda *arguments: None):
+        outcomes = [try_property(p, trivial, shrink=False) for p in EXERCISES[name].properties]
+        assert sum(outcome.points for outcome in outcomes) < EXERCISES[name].points / 2
+
+
+def test_an_unsolved_exercise_gets_its_hint_and_no_points():
+    report = course.report("speeds", unsolved)
+    assert report.unsolved and report.points == 0
+    assert "not solved yet" in str(report) and "hint: the distance to the next" in str(report)
+
+
+def test_names_are_unique():
+    assert len(EXERCISES) == sum(map(len, LESSONS.values()))
+
+
+def test_a_wrong_solution_gets_a_counterexample_and_a_hint():
+    def speeds(positions, rate):
+        return np.linalg.norm(np.diff(positions, axis=0), axis=-1) / rate
+
+    text = str(course.report("speeds", speeds))
+    assert "FAILED  value" in text and "smallest: frames 2, joints 1" in text
+    assert "hint: the distance to the next frame" in text
+
+
+def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
+    assert course.solved("conv1d", ops.tanh) is not ops.tanh
+    assert "the package's own" in capsys.readouterr().out
+    stand_in = course.solved("conv1d", unsolved)
+    capsys.readouterr()
+    x, w, b = np.ones((1, 4, 2)), np.ones((3, 2, 1)), np.zeros(1)
+    np.testing.assert_array_equal(stand_in(x, w, b)[0], ops.conv1d(x, w, b)[0])
+
+    def mine(x, w, b):
+        return ops.conv1d(x, w, b)
+
+    assert course.solved("conv1d", mine) is mine
+    assert capsys.readouterr().out == "conv1d: from here on, yours\n"
+
+
+def test_a_stand_in_is_never_taken_for_the_students(capsys):
+    stand_in = course.solved("conv1d", unsolved)
+    report = course.report("conv1d", stand_in)
+    assert report.unsolved and report.points == 0
+    assert "run the cell with yours again first" in capsys.readouterr().out
+
+
+def test_no_such_exercise_is_an_error_with_the_names():
+    with pytest.raises(ValueError, match="no exercise is called 'conv'; there are chain_to_root"):
+        course.solved("conv", ops.tanh)
+
+
+def test_to_nbgrader_a_check_that_fails_raises(monkeypatch):
+    monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
+    with pytest.raises(AssertionError, match="0 of 16 points"):
+        course.report("conv1d", unsolved)
+    assert course.report("conv1d", ops.conv1d).held
+
+
+def doubled(x):
+    return 2 * x
+
+
+def doubled_in_place(x):
+    x *= 2
+    return x
+
+
+def test_purity_finds_a_changed_argument():
+    doubling = exercise(doubled, "", drawn(x="rows 3"), SIZES, value="it is doubled")
+    value, purity = doubling.properties
+    assert try_property(value, doubled_in_place).held
+    outcome = try_property(purity, doubled_in_place)
+    assert not outcome.held and outcome.problem == "the call changes x"
+    assert try_property(purity, doubled).held
+
+
+def half_of_gradients(weights, x):
+    """x · w + b with a pullback that returns half of dw."""
+    y, back = ops.linear(x, weights["w"], weights["b"])
+    return y, lambda dy: {"w": 0.5 * back(dy)[1], "b": back(dy)[2]}
+
+
+def in_float64(weights, x):
+    y, back = ops.linear(x.astype(float), weights["w"], weights["b"])
+    return y, lambda dy: dict(zip("wb", back(dy)[1:], strict=True))
+
+
+def without_bias(weights, x):
+    y, back = ops.linear(x, weights["w"], weights["b"])
+    return y, lambda dy: {"w": back(dy)[1]}
+
+
+@pytest.mark.parametrize(
+    ("function", "failing", "problem"),
+    [
+        (half_of_gradients, {"of w", "of both"}, "w"),
+        (in_float64, {"dtype"}, "given float32, the value is float64"),
+        (without_bias, {"of w", "of both", "dtype"}, "no gradient for b"),
+        (lambda weights, x: x, {"value", "of w", "of both", "dtype"}, "does not return 2 things"),
+    ],
+)
+def test_gradients_by_name_are_compared_with_differences(function, failing, problem):
+    def weights(case, rng):
+        return {"w": rng.uniform(-1, 1, (3, 2)), "b": rng.uniform(-1, 1, 2)}
+
+    linear = Differentiated(
+        drawn(weights=weights, x="rows 3"),
+        lambda weights, x: x @ weights["w"] + weights["b"],
+        ("weights",),
+        ("y", PULLBACK),
+    )
+    gradients = {"of w": (2, ("w",)), "of both": (2,)}
+    tried = differentiated_exercise(
+        function, "", linear, SIZES, value="", gradients=gradients, float32=True
+    )
+    outcomes = {p.name: try_property(p, function) for p in tried.properties}
+    assert {name for name, outcome in outcomes.items() if not outcome.held} == failing
+    assert any(problem in outcome.problem for outcome in outcomes.values())
+
+
+@pytest.mark.parametrize(
+    ("found", "expected", "message"),
+    [
+        (None, np.ones(2), "is None: is a return missing"),
+        ("two", np.ones(2), "is str, expected numbers"),
+        (np.ones(3), np.ones(2), r"shape \(3,\), expected \(2,\)"),
+        (np.ones(2), (1.0, 2.0), "it returns ndarray, expected a, b"),
+        ((1.0, 3.0), (1.0, 2.0), "b is 3, expected 2"),
+    ],
+)
+def test_a_difference_is_described(found, expected, message):
+    with pytest.raises(AssertionError, match=message):
+        require_same(found, expected, ("a", "b"))
+
+
+def test_a_counterexample_too_long_to_print_is_returned_by_example():
+    def locally(parents, rotations, translations):
+        positions = translations.copy()
+        for joint, parent in enumerate(parents):
+            if parent != -1:
+                bone = rotations[:, parent] @ translations[:, joint, :, None]
+                positions[:, joint] = positions[:, parent] + bone[..., 0]
+        return positions
+
+    text = str(course.report("forward_kinematics", locally))
+    assert 'example("forward_kinematics", frames=1, joints=3, seed=0)' in text
+    example = course.example("forward_kinematics", frames=1, joints=3, seed=0)
+    assert list(example) == ["parents", "rotations", "translations"]
+    right = EXERCISES["forward_kinematics"].solution(**example)
+    assert np.abs(locally(**example) - right).max() > 0.1
+    with pytest.raises(ValueError, match="forward_kinematics has the sizes frames, joints, got fr"):
+        course.example("forward_kinematics", frames=1, seed=0)
+
+
+def test_hints_belong_to_properties():
+    @claim("rows", "it is the number of rows")
+    def right(function, case):
+        assert function(case["rows"]) == case["rows"]
+
+    def rows(n):
+        return n
+
+    arguments = drawn(n=size("rows"))
+    made = exercise(rows, "", arguments, SIZES, right, pure=False, hints={"rows": "think"})
+    assert made.properties[0].hint == "think" and made.name == "rows"
+    with pytest.raises(ValueError, match="hints for unknown properties: columns"):
+        exercise(rows, "", arguments, SIZES, right, hints={"columns": "?"})
+
+
+def test_the_instructors_table_has_every_exercise_with_its_properties():
+    text = Path(__file__).parents[2].joinpath("lessons", "README.md").read_text(encoding="utf-8")
+    for number, exercises in LESSONS.items():
+        for each in exercises:
+            assert f"| {number} | `{each.name}` | {each.points} | {each.properties[0].name}" in text

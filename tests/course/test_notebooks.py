@@ -1,0 +1,120 @@
+"""Notebooks: students' copies, the hash of the source, the command `numpy-cae lessons`."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from numpy_cae import viz
+from numpy_cae.cli import main
+from numpy_cae.course import read_notebook, source_hash, student_copy, write_notebook
+from numpy_cae.motion import PARENTS
+
+
+def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTION", marked=True):
+    marks = {"nbgrader": {"solution": True, "grade_id": "double"}} if marked else {}
+    cell = {
+        "cell_type": "code",
+        "id": "double",
+        "metadata": marks,
+        "source": f'def double(x):\n    """Twice x."""\n    {solution}',
+        "outputs": [{"output_type": "stream", "name": "stdout", "text": "hello"}],
+        "execution_count": 3,
+    }
+    title = {"cell_type": "markdown", "id": "title", "metadata": {}, "source": "# Title\n\nText"}
+    metadata = {"numpy_cae": {"source_hash": "x"}}
+    return {"cells": [title, cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
+
+
+def test_the_student_copy_has_a_stub_and_no_outputs():
+    lesson = a_lesson()
+    copy = student_copy(lesson)
+    (cell,) = [c for c in copy["cells"] if c["cell_type"] == "code"]
+    assert cell["source"] == (
+        'def double(x):\n    """Twice x."""\n    # YOUR CODE HERE\n    raise NotImplementedError()'
+    )
+    assert cell["outputs"] == [] and cell["execution_count"] is None
+    assert lesson == a_lesson() and copy["metadata"] == {}
+
+
+@pytest.mark.parametrize(
+    ("lesson", "said"),
+    [
+        (a_lesson("### BEGIN SOLUTION\n    return 2"), "without ### END"),
+        (a_lesson("return 2\n    ### END SOLUTION"), "stands where it does not belong"),
+        (a_lesson(marked=False), "in a cell that is no exercise"),
+    ],
+)
+def test_a_damaged_lesson_is_an_error(lesson, said):
+    with pytest.raises(ValueError, match=said):
+        student_copy(lesson)
+
+
+def test_notebooks_are_written_as_read(tmp_path):
+    path = tmp_path / "01_double.ipynb"
+    write_notebook(a_lesson(), path)
+    assert read_notebook(path) == a_lesson()
+    assert json.loads(path.read_text())["cells"][0]["source"] == ["# Title\n", "\n", "Text"]
+
+
+def test_the_hash_is_of_the_code():
+    changed = a_lesson()
+    changed["cells"][1]["source"] += "\n"
+    assert source_hash(changed) != source_hash(a_lesson())
+    changed = a_lesson()
+    changed["cells"][1]["outputs"] = []
+    assert source_hash(changed) == source_hash(a_lesson())
+
+
+def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys):
+    write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
+    student = tmp_path / "student"
+    command = ["lessons", str(student), "--from", str(tmp_path)]
+    assert main(command) == 0
+    copy = read_notebook(student / "01_double.ipynb")
+    assert copy == student_copy(a_lesson())
+    assert main(command) == 2
+    assert "has 01_double.ipynb already" in capsys.readouterr().err
+    assert main(["lessons", str(tmp_path), "--from", str(tmp_path)]) == 2
+    assert "name another folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "expected either a folder for the student's copies or --execute"),
+        (["student", "--execute"], "expected either a folder"),
+        (["student", "--from", "nowhere"], "no lessons in nowhere"),
+        (["student", "--from", "{here}", "--only", "02"], "no lesson 02 in"),
+    ],
+)
+def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
+    assert main(["lessons", *(word.format(here=tmp_path) for word in words)]) == 2
+    error = capsys.readouterr().err
+    assert said in error and len(error.splitlines()) == 1
+
+
+def test_a_file_that_is_no_notebook_is_said(tmp_path, capsys):
+    (tmp_path / "01_double.ipynb").write_text("not json")
+    assert main(["lessons", str(tmp_path / "student"), "--from", str(tmp_path)]) == 2
+    assert "01_double.ipynb: not a Jupyter notebook" in capsys.readouterr().err
+
+
+def test_without_nbclient_executing_says_what_is_missing(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "nbclient", None)
+    write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
+    assert main(["lessons", "--execute", "--from", str(tmp_path)]) == 2
+    assert "pip install '.[lessons]'" in capsys.readouterr().err
+
+
+def test_an_animation_shows_itself_and_is_small():
+    body = np.random.default_rng(0).normal(size=(30, 20, 3))
+    shown = viz.in_notebook([viz.Actor(body, PARENTS, "noise")], rate=30.0)
+    html = shown._repr_html_()
+    assert html.startswith('<img alt="noise" src="data:image/gif;base64,R0lGODlh')
+    assert len(html) < 250_000 and repr(shown) == "an animation: noise"
