@@ -15,20 +15,15 @@ class Adam:
         m ← β₁ m + (1 - β₁) g        v ← β₂ v + (1 - β₂) g²          g = dL/dθ
         θ ← θ - η · m̂ / (√v̂ + ε)     m̂ = m / (1 - β₁ᵗ),   v̂ = v / (1 - β₂ᵗ)
 
-    m and v estimate the mean of g and of g². They start at 0, so they are too small at first. If
-    the gradient has the same mean E[g] at all steps, then after step t
+    m and v estimate the means of g and g². They start at 0, so they are too small at first. If g
+    has the same mean E[g] at all steps i = 1, …, t, then, by the geometric series,
 
-        m = (1 - β₁) Σ β₁^(t-i) g_i      summed over i = 1, …, t
-        E[m] = E[g] · (1 - β₁) Σ β₁^(t-i) = E[g] · (1 - β₁ᵗ)
+        m = (1 - β₁) Σ β₁^(t-i) g_i,      E[m] = E[g] · (1 - β₁) Σ β₁^(t-i) = E[g] · (1 - β₁ᵗ)
 
-    by the geometric series. Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step
-    is η · g / (|g| + ε): it has length η in every coordinate.
+    Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step is η · g / (|g| + ε).
 
-    `update` changes the parameters in place. `state` holds m, v and t for a checkpoint.
-
-    References
-    ----------
-    Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
+    `update` changes the parameters in place; `state` holds m, v and t for a checkpoint. The source
+    is Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
     """
 
     def __init__(self, parameters: dict[str, np.ndarray]):

@@ -26,14 +26,7 @@ class CheckpointError(NumpyCaeError, ValueError):
 class Checkpoint(Callback):
     """The file of one run: the state after every epoch, and within one every so many seconds.
 
-    Parameters
-    ----------
-    path : path
-        Ends in .npz.
-    seconds : float
-    resume : bool
-        Whether to continue from what the file holds. If False, an existing file is an error,
-        since it may be hours of training.
+    Without `resume` an existing file is an error, since it may be hours of training.
     """
 
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
@@ -45,12 +38,7 @@ class Checkpoint(Callback):
     def attach(self, loop: Loop, run: str) -> None:
         """Continue the loop from the file, where there is one, and save its states from now on.
 
-        `run` is its `fingerprint`: a file of another run is refused.
-
-        Raises
-        ------
-        CheckpointError
-            If there is a file and it may not or cannot be continued from.
+        `run` is its `fingerprint`; a file of another run raises CheckpointError.
         """
         self.run = run
         remove_leftovers(self.path)
@@ -78,22 +66,12 @@ class Checkpoint(Callback):
         self.save(loop)
 
     def save(self, loop: Loop) -> None:
-        """Replace the state in the file.
-
-        Raises
-        ------
-        CheckpointError
-            If the disk is full or the folder is read-only; the file is then unchanged.
-        """
+        """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
         position = dict(vars(loop.at))
         arrays = {f"array {name}": array for name, array in loop.arrays.items()}
         arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}
-        about = {
-            "run": self.run,
-            "rng": loop.rng.bit_generator.state,
-            "position": position,
-            "history": vars(loop.history),
-        }
+        rng, history = loop.rng.bit_generator.state, vars(loop.history)
+        about = {"run": self.run, "rng": rng, "position": position, "history": history}
         arrays["about"] = np.array(json.dumps(about))
         try:
             save_arrays(arrays, self.path, compressed=False)

@@ -29,20 +29,9 @@ def corrupt(
 
         X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
 
+    `zeroed` is p, or the two numbers that each window's p is drawn between; below 1 where rescaled.
     Zeroing a share p of many inputs shrinks their sum by 1 - p. Dividing by that restores its mean,
     whatever p is, so the filters need not be fitted to one p.
-
-    Parameters
-    ----------
-    x : (B, T, C) array of float
-    zeroed : float or (float, float)
-        p, or the two numbers that it is drawn between; below 1 where rescaled.
-    rescaled : bool
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    (B, T, C) array in the dtype of x
     """
     p: float | np.ndarray
     if isinstance(zeroed, (int, float)):

@@ -113,7 +113,7 @@ def _task(
             part = f"the weights {nonfinite(weights)[0]}"
         return f"{part}, window{'s' * (len(chosen) > 1)} {windows}"
 
-    return Task(name, stage, len(inputs), True, optimiser, step, culprit)
+    return Task(name, stage, len(inputs), True, step, culprit, optimiser)
 
 
 def _weights(layers: dict[int, ConvLayer]) -> dict[str, np.ndarray]:

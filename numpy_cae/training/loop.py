@@ -25,28 +25,25 @@ class Task:
 
     Parameters
     ----------
-    name : str
     stage : Stage or SequenceSchedule
         Its epochs, batch and rate.
-    count : int
-        Examples in an epoch.
-    shuffled : bool
-        Whether each epoch draws a new order of the examples.
-    optimiser : Sgd or Adam
-        What `step` uses.
+    count, shuffled : int, bool
+        Examples in an epoch, and whether each epoch draws a new order of them.
     step : (examples, rate) -> float
         Takes one step of descent on these examples and returns the loss before it.
     culprit : (examples) -> str
         Names the part of the network that is not finite, where the loss on these is not.
+    optimiser : Sgd or Adam
+        What `step` uses.
     """
 
     name: str
     stage: Stage | SequenceSchedule
     count: int
     shuffled: bool
-    optimiser: Sgd | Adam
     step: Callable[[np.ndarray, float], float]
     culprit: Callable[[np.ndarray], str]
+    optimiser: Sgd | Adam
 
 
 @dataclass
@@ -76,15 +73,8 @@ class Callback:
 class Loop:
     """Runs stages one after another.
 
-    Parameters
-    ----------
-    parameters : dict of name to array
-        Every weight of the model; changed in place.
-    rng : numpy.random.Generator
-        The one that the steps draw from.
-    history : object
-        Its attributes are of types that JSON knows.
-    callbacks : list of Callback
+    `parameters` are all weights of the model by name, `rng` is what the steps draw from, and the
+    attributes of `history` are of types that JSON knows.
     """
 
     def __init__(

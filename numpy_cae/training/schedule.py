@@ -1,4 +1,4 @@
-"""How long and how fast to train; the defaults are the numbers of holden2015, section 6."""
+"""How long and how fast to train; the defaults are those of holden2015, section 6."""
 
 from __future__ import annotations
 
@@ -19,27 +19,20 @@ class Stage:
 
     Parameters
     ----------
-    epochs : int
-        Number of times that every window is used.
-    rate : float
-        Learning rate: of the first epoch, or the peak of a one-cycle schedule.
-    decay : float
-        Factor applied to the rate after each epoch.
+    epochs, batch : int
+        Number of times that every window is used; windows in one step, where 1 is "iteratively
+        input each data point".
+    rate, decay : float
+        Learning rate of the first epoch, and the factor applied to it after each epoch. For the
+        rate schedule "one-cycle", the peak of the rate.
     alpha : float
         Weight of the sparsity term of equation 3.
-    batch : int
-        Windows in one step of descent; 1 is "iteratively input each data point".
-    zeroed : float or (float, float)
-        The probability p with which a value of the input is set to zero. If two numbers are given,
-        each window draws its own p between them in each step.
-    rescaled : bool
-        Whether the corrupted input is divided by 1 - p: see `training.corruption`.
+    zeroed, rescaled : float or (float, float), bool
+        How the input is corrupted: see `training.corruption.corrupt`.
     momentum : float
         μ of `training.descend_with_momentum`, at least 0 and below 1; the paper has none.
     unpooling : "random", "even" or None
         None is the paper's: random while a layer is trained by itself, even for all together.
-    optimiser : "sgd" or "adam"
-    rate_schedule : "decay" or "one-cycle"
     """
 
     epochs: int = 25
@@ -74,22 +67,18 @@ class SequenceSchedule:
     Parameters
     ----------
     epochs, steps : int
-        Number of epochs, and of steps in each. Clips are drawn anew at every step, so an epoch is
-        only the period of the decay.
+        Number of epochs, and of steps in each: every step draws new clips, so an epoch is only the
+        period of the decay.
     batch : int
         Clips in one step. Two draws of so many points of the prior are 2.1 apart for one point,
         0.28 for 16 and 0.08 for 64: below 64 this noise dominates the regulariser.
-    weight : float
-        λ of the sliced Wasserstein distance.
-    directions : int
-        Number of directions it projects on, drawn anew at every step.
+    weight, directions : float, int
+        λ of the sliced Wasserstein distance and the number of directions it projects on.
     norm : float
         The bound on the gradient's norm.
     posture : float
-        Standard deviation of a constant that is added to each number of a clip, drawn anew for
-        each clip: postures that the few people of the data do not have.
-    rate, decay, momentum, optimiser, rate_schedule
-        As in `Stage`.
+        Standard deviation of a constant that is added to each number of a clip: postures that the
+        few people of the data do not have.
     """
 
     epochs: int = 40
@@ -116,12 +105,9 @@ def decayed_rate(initial: float, decay: float, epoch: int) -> float:
 def one_cycle(peak: float, share: float) -> float:
     """The rate when a share (0 to 1) of all steps is done: half a cosine up, then one down.
 
-    It starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small first
-    rates let Adam's estimates settle, the small last ones let the weights settle.
-
-    References
-    ----------
-    Smith and Topin, "Super-convergence", 2018; the cosines are those of PyTorch's OneCycleLR.
+    It starts at peak / 25, reaches the peak after 30% of the steps and ends near 0: the small first
+    rates let Adam's estimates settle, the small last ones the weights. The source is Smith and
+    Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
     """
     if share < WARM_UP:
         start, end, share = FIRST, 1.0, share / WARM_UP

@@ -70,24 +70,6 @@ def train_sequential(
     if show_progress:
         callbacks.append(Progress())
     loop = Loop(model.weights, rng, history, callbacks)
-    if checkpoint is not None:
-        # A copy draws, so that a run with a checkpoint draws the same as one without.
-        data = [*model.weights.values(), draw(deepcopy(rng), schedule.batch)]
-        checkpoint.attach(loop, fingerprint(data, schedule, rng.bit_generator.state))
-    loop.run(_task(model, draw, schedule, rng, history, each))
-    history.seconds = loop.at.seconds
-    return history
-
-
-def _task(
-    model: Any,
-    draw: Draw,
-    schedule: SequenceSchedule,
-    rng: np.random.Generator,
-    history: SequenceHistory,
-    each: Callable[[int], None] | None,
-) -> Task:
-    """The whole training as one stage; its examples are clips that each step draws itself."""
     optimiser = make_optimiser(schedule, model.weights)
     clips = np.zeros(0)
 
@@ -107,5 +89,11 @@ def _task(
             return "the clips"
         return ", ".join(nonfinite(model.weights)) or "the output of the network"
 
-    count = schedule.steps * schedule.batch
-    return Task("sequences", schedule, count, False, optimiser, step, culprit)
+    if checkpoint is not None:
+        # A copy draws, so that a run with a checkpoint draws the same as one without.
+        data = [*model.weights.values(), draw(deepcopy(rng), schedule.batch)]
+        checkpoint.attach(loop, fingerprint(data, schedule, rng.bit_generator.state))
+    count = schedule.steps * schedule.batch  # an example is a clip, which the step draws itself
+    loop.run(Task("sequences", schedule, count, False, step, culprit, optimiser))
+    history.seconds = loop.at.seconds
+    return history

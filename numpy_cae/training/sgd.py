@@ -22,9 +22,8 @@ def descend_with_momentum(
 ) -> None:
     """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place.
 
-    Steps along a direction in which the gradient keeps its sign add up to 1 / (1 - μ) times one
-    step; where the gradient changes its sign they cancel. holden2015 has no momentum: see "The
-    network that repairs best" in docs/lab_book.md.
+    Steps add up to 1 / (1 - μ) of one where the gradient keeps its sign and cancel where it does
+    not. holden2015 has no momentum: see "The network that repairs best" in docs/lab_book.md.
     """
     for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
         velocity *= momentum
@@ -35,18 +34,9 @@ def descend_with_momentum(
 def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
     """g ← g · min(1, bound / |g|), in place, |g| over all the gradients together; return |g|.
 
-    Backpropagation through fifty steps can make a gradient a thousand times as long as the one
-    before; one such step would ruin the weights. The direction is unchanged.
-
-    Raises
-    ------
-    ValueError
-        If the bound is not above 0.
-
-    References
-    ----------
-    Pascanu, Mikolov and Bengio, "On the difficulty of training recurrent neural networks", ICML
-    2013, algorithm 1.
+    Backpropagation through fifty steps can return a gradient a thousand times as long as the one
+    before, and one such step would ruin the weights (Pascanu, Mikolov and Bengio, "On the
+    difficulty of training recurrent neural networks", ICML 2013, algorithm 1).
     """
     if not bound > 0:
         raise ValueError(f"the bound on the gradient's norm is {bound}, expected it above 0")
@@ -58,9 +48,9 @@ def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
 
 
 class Sgd:
-    """Gradient descent on named parameters, with momentum μ or (0) without.
+    """Gradient descent on named parameters, without momentum where μ is 0.
 
-    `update` changes the parameters in place. `state` holds the velocities for a checkpoint.
+    `update` changes the parameters in place; `state` holds the velocities for a checkpoint.
     """
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):

@@ -23,18 +23,9 @@ def denoising_step(
 ) -> float:
     """Corrupt, compare, descend: one step of holden2015 on one batch.
 
-    Parameters
-    ----------
-    model : ConvAutoencoder, or what `fast.accelerate` makes of it
-    x : (B, T, C) array of float
-        Clean windows, or what the trained layers below `layer` make of them.
-    layer : int, optional
-        The one layer to train, 0 the lowest; all of them where None.
-
-    Returns
-    -------
-    loss : float
-        Of equation 3, before the step. If it is not finite, no weight is changed.
+    x : (B, T, C) are clean windows, or what the trained layers below `layer` make of them; `layer`
+    is the one layer to train, 0 the lowest, or None for all. Returns the loss of equation 3 before
+    the step; if it is not finite, no weight is changed.
     """
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
     first = _unpooling_masks(model, x, stage, layer, rng)
@@ -54,18 +45,8 @@ def sequence_step(
 ) -> tuple[Any, float]:
     """Draw, compare, clip, descend: one step of jang2018 on one batch.
 
-    Parameters
-    ----------
-    model : SequentialAutoencoder, or what `fast.accelerate` makes of it
-    x : (B, T, features) array of float
-        Normalised clips.
-
-    Returns
-    -------
-    losses : Losses
-        Before the step. If the total is not finite, no weight is changed.
-    norm : float
-        Of the gradient, before it was clipped.
+    x : (B, T, features) are normalised clips. Returns the losses before the step and the norm of
+    the gradient before it was clipped; if the total is not finite, no weight is changed.
     """
     if schedule.posture:
         shape = (len(x), 1, x.shape[2])
