@@ -1,10 +1,9 @@
-"""Motion files in, skeletons, the 63 features of holden2015 section 4 and the 54 of jang2018,
-windows and clips, and back to files.
+"""Motion files, skeletons, the features of holden2015 (63) and jang2018 (54), windows and clips.
 
-This room stands alone: it knows nothing of networks.
+This package imports no other package of the project.
 """
 
-from numpy_cae.motion.angle_table import ANGLES, SEVENTEEN, TRANSLATION, AngleTable
+from numpy_cae.motion.angle_table import ANGLES
 from numpy_cae.motion.angles import (
     ANGLE_RATE,
     AngleSequence,
@@ -34,7 +33,7 @@ from numpy_cae.motion.io.load import find_motion_files, load_motion
 from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.load_windows import FileWindows, load_windows
+from numpy_cae.motion.load_windows import load_windows
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.motion.retarget.rigs import (
@@ -46,58 +45,15 @@ from numpy_cae.motion.retarget.rigs import (
 from numpy_cae.motion.retarget.to_body import at_rate_of, body_of, load_body
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.motion.skeleton import Skeleton
-from numpy_cae.motion.unwrap import unwrapped
-from numpy_cae.motion.windows import cut_windows, hold_last_pose
+from numpy_cae.motion.windows import cut_windows
 
 __all__ = [
-    "ANGLES",
-    "ANGLE_RATE",
-    "CLIP",
-    "FEATURES",
-    "JOINTS",
-    "PARENTS",
-    "POSITIONS",
-    "SEVENTEEN",
-    "TRANSLATION",
-    "TURN",
-    "VELOCITY",
-    "AngleSequence",
-    "AngleTable",
-    "FileWindows",
-    "Motion",
-    "MotionFileError",
-    "RootTransform",
-    "Skeleton",
-    "UnknownRigError",
-    "angles_of",
-    "at_rate_of",
-    "body_of",
-    "body_positions",
-    "bone_lengths",
-    "change_lengths",
-    "cut_clips",
-    "cut_windows",
-    "draw_clips",
-    "features_to_positions",
-    "find_joints",
-    "find_motion_files",
-    "fit_motion",
-    "hold_last_pose",
-    "joint_slice",
-    "load_angles",
-    "load_body",
-    "load_motion",
-    "load_windows",
-    "motion_of",
-    "on_floor",
-    "positions_to_features",
-    "read_amc",
-    "read_asf",
-    "read_bvh",
-    "read_expmap",
-    "read_mapping",
-    "retarget",
-    "unwrapped",
-    "without_t_pose",
+    "ANGLES", "ANGLE_RATE", "CLIP", "FEATURES", "JOINTS", "PARENTS", "POSITIONS", "TURN",
+    "VELOCITY", "AngleSequence", "Motion", "MotionFileError", "RootTransform", "Skeleton",
+    "UnknownRigError", "angles_of", "at_rate_of", "body_of", "body_positions", "bone_lengths",
+    "change_lengths", "cut_clips", "cut_windows", "draw_clips", "features_to_positions",
+    "find_joints", "find_motion_files", "fit_motion", "joint_slice", "load_angles", "load_body",
+    "load_motion", "load_windows", "motion_of", "on_floor", "positions_to_features", "read_amc",
+    "read_asf", "read_bvh", "read_expmap", "read_mapping", "retarget", "without_t_pose",
     "write_bvh",
-]
+]  # fmt: skip

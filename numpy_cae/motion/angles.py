@@ -87,12 +87,8 @@ def load_angles(
 ) -> AngleSequence:
     """`angles_of` any motion file.
 
-    Raises
-    ------
-    MotionFileError
-        If the file cannot be read.
-    UnknownRigError
-        With the file's name, if joints are missing.
+    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
+    if joints are missing.
     """
     try:
         return angles_of(load_motion(path, unit=unit), mapping)

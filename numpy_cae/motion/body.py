@@ -1,6 +1,6 @@
 """A motion on its path through a network: from any rig to features and back into the rig.
 
-    file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
+file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
 from __future__ import annotations

@@ -55,10 +55,7 @@ def cut_clips(
 ) -> np.ndarray:
     """Clips that begin every `step` frames, for evaluation: (clips, frames, 54).
 
-    Raises
-    ------
-    ValueError
-        If no sequence is as long as a clip.
+    Raises ValueError if no sequence is as long as a clip.
     """
     cut = [
         sequence.numbers[first : first + frames]

@@ -63,6 +63,6 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
     for foot in stands.T:
         # The edge values are repeated: a clip may begin and end in the middle of a step.
         padded = np.pad(foot, _MIN_FRAMES, mode="edge")
-        window = np.ones(_MIN_FRAMES)
+        window = np.ones(_MIN_FRAMES, bool)
         foot[:] = binary_opening(binary_closing(padded, window), window)[_MIN_FRAMES:-_MIN_FRAMES]
     return stands

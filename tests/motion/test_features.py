@@ -19,12 +19,12 @@ from numpy_cae.motion import (
     cut_windows,
     features_to_positions,
     fit_motion,
-    hold_last_pose,
     joint_slice,
     positions_to_features,
 )
 from numpy_cae.motion.heading import heading
 from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.windows import hold_last_pose
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]

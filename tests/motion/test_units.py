@@ -35,8 +35,10 @@ def test_lengths_of_the_motion_go_before_offsets():
 @given(tall=st.floats(1.4, 2.0))
 @settings(max_examples=20)
 def test_a_grown_person_is_measured_in_the_right_unit(name, tall):
-    unit, note = guess_unit(tall / UNITS[name])
+    height = tall / UNITS[name]
+    unit, note = guess_unit(height)
     assert unit == UNITS[name]
+    tall = height * unit
     assert note == f"{name} (guessed: the skeleton would stand about {tall:.1f} m tall)"
 
 

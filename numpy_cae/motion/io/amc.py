@@ -85,10 +85,7 @@ def find_skeleton(path: str | Path) -> Path:
     """The .asf file in the folder of an .amc file: the one of the same name, else the one with the
     longest name that begins the motion's before a _ (`02.asf` for `02_01.amc`), else the only one.
 
-    Raises
-    ------
-    MotionFileError
-        If there is none, or several and none of them fits.
+    Raises MotionFileError if there is none, or several and none of them fits.
     """
     path = Path(path)
     skeletons = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
@@ -134,9 +131,10 @@ def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) ->
     channels = dict(zip(names, acclaim.channels, strict=True))
     rows: list[np.ndarray] = []
     frame: dict[str, tuple[int, list[str]]] = {}
-    first = number = frame_line = None
+    number: int | None = None
+    first = frame_line = 0
 
-    def finish() -> None:
+    def finish(number: int) -> None:
         missing = [name for name in names if channels[name] and name not in frame]
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
@@ -145,28 +143,25 @@ def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) ->
             try:
                 rows.append(np.array(file.numbers(frame_line, words)))
             except MotionFileError:
-                for line, values in frame.values():
-                    file.numbers(line, values)
+                for bone in frame.values():  # for the line of the error
+                    file.numbers(*bone)
                 raise
 
     for line, (name, *values) in statements(file, header):
         if name not in channels:
             following = whole_number(name)
-            problem = None
             if values:
                 problem = f"the skeleton has no bone {quoted(name)}; it has {', '.join(names)}"
-            elif following is None:
-                problem = (
-                    f"{quoted(name)}, expected the number of a frame or a bone of the skeleton "
-                    "with its values"
-                )
-            elif number is not None:
-                finish()
+                raise file.error(line, problem)
+            if following is None:
+                problem = f"{quoted(name)}, expected the number of a frame or a bone and its values"
+                raise file.error(line, problem)
+            if number is not None:
+                finish(number)
                 if following != number + 1:
                     problem = f"frame {following} follows frame {number}, expected {number + 1}"
-            if problem is not None:
-                raise file.error(line, problem)
-            first = following if first is None else first
+                    raise file.error(line, problem)
+            first = following if number is None else first
             number, frame_line, frame = following, line, {}
             continue
         if number is None:
@@ -179,7 +174,8 @@ def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) ->
             problem = f"bone {name!r} has {len(values)} values, expected {len(expected)}{reason}"
             raise file.error(line, problem)
         frame[name] = line, values
-    finish()
+    if number is not None:
+        finish(number)
     return np.array(rows)
 
 

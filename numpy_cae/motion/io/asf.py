@@ -61,7 +61,7 @@ _Fields = dict[str, tuple[int, list[str]]]
 
 @dataclass
 class _Bone:
-    """A bone of `:bonedata`: the line of its `begin`, its statements and their meaning."""
+    """The line of a bone's `begin`, and its statements."""
 
     line: int
     fields: _Fields = field(default_factory=dict)
@@ -107,9 +107,10 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     file = TextFile.read(path)
     sections = _read_sections(file)
     line, words = sections.units.get("length", (0, ["1"]))
-    length = _number(file, line, words, "length of :units, expected one number above 0")
+    problem = "length of :units, expected one number above 0"
+    length = _number(file, line, words, problem)
     if length < 1e-9:
-        raise file.error(line, "length of :units, expected one number above 0")
+        raise file.error(line, problem)
     line, words = sections.units.get("angle", (0, ["deg"]))
     angle = " ".join(words).lower()
     if angle not in ("deg", "rad", "degrees", "radians"):
@@ -132,8 +133,9 @@ def _read_sections(file: TextFile) -> _Sections:
             sections.units[keyword] = line, words[1:]
         elif words and section == ":root":
             sections.root[keyword] = line, words[1:]
-        elif words and section == ":hierarchy" and (len(words) > 1 or keyword[:3] not in "begend"):
-            sections.hierarchy.append((line, words))
+        elif words and section == ":hierarchy":
+            if len(words) > 1 or keyword not in ("begin", "end"):
+                sections.hierarchy.append((line, words))
         elif words and section == ":bonedata":
             if keyword == "begin" and bone is None:
                 bone = _Bone(line)
@@ -163,10 +165,14 @@ def _number(file: TextFile, line: int, words: list[str], problem: str) -> float:
 
 
 def _channels(
-    file: TextFile, fields: _Fields, keyword: str, known: tuple[str, ...]
+    file: TextFile,
+    fields: _Fields,
+    keyword: str,
+    known: tuple[str, ...],
+    default: tuple[str, ...],
 ) -> tuple[str, ...]:
-    """The channels of an `order` or `dof` statement."""
-    line, words = fields[keyword]
+    """The channels of an `order` or `dof` statement, the default if there is none."""
+    line, words = fields.get(keyword, (0, list(default)))
     channels = tuple(word.lower() for word in words)
     for channel in channels:
         if channel not in known:
@@ -194,12 +200,12 @@ def _rotation(
 
 def _children(file: TextFile, sections: _Sections) -> dict[str, list[str]]:
     """The children of each bone in `:hierarchy`."""
-    bones = {bone.name for bone in sections.bones}
+    bones = {"root", *(bone.name for bone in sections.bones)}
     children: dict[str, list[str]] = {}
     lines: dict[str, int] = {}
     for line, words in sections.hierarchy:
         for name in words:
-            if name != "root" and name not in bones:
+            if name not in bones:
                 problem = f":hierarchy names {name!r}, a bone that :bonedata lacks"
                 raise file.error(line, problem)
         for child in words[1:]:
@@ -213,7 +219,24 @@ def _children(file: TextFile, sections: _Sections) -> dict[str, list[str]]:
 
 def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -> AcclaimSkeleton:
     """The skeleton in metres, parents before children, depth first."""
-    tips, channels, axes = _bones(file, sections, unit, degrees)
+    # For each bone its end relative to its base in metres, its channels and its axes C.
+    tips = {"root": np.zeros(3)}
+    channels = {"root": _channels(file, sections.root, "order", ROOT_CHANNELS, ROOT_CHANNELS)}
+    axes = {"root": Rotation.identity()}
+    for bone in sections.bones:
+        for required in ("name", "direction", "length", "axis"):
+            if required not in bone.fields:
+                raise file.error(bone.line, f"bone {bone.name!r} has no {required}")
+        if bone.name in tips:
+            raise file.error(bone.line, f"bone name {bone.name!r} stands a second time")
+        direction = file.three_numbers(*bone.fields["direction"], "direction")
+        length = _number(file, *bone.fields["length"], "length has {} values, expected one number")
+        tips[bone.name] = unit * length * np.array(direction)
+        line, words = bone.fields["axis"]
+        angles = file.three_numbers(line, words[:3], "axis")
+        axes[bone.name] = _rotation(file, line, angles, " ".join(words[3:]), degrees)
+        channels[bone.name] = _channels(file, bone.fields, "dof", ROOT_CHANNELS[3:], ())
+
     children = _children(file, sections)
     names: list[str] = []
     parents: list[int] = []
@@ -227,47 +250,19 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
     for bone in sections.bones:
         if bone.name not in connected:
             raise file.error(bone.line, f"bone {bone.name!r} hangs nowhere below the root")
+
+    zeros = (0, ["0", "0", "0"])
+    position = file.three_numbers(*sections.root.get("position", zeros), "position")
+    angles = file.three_numbers(*sections.root.get("orientation", zeros), "orientation")
     line, order = sections.root.get("axis", (0, ["xyz"]))
-    vectors = {}
-    for keyword in ("position", "orientation"):
-        at, words = sections.root.get(keyword, (0, ["0", "0", "0"]))
-        vectors[keyword] = file.three_numbers(at, words, keyword)
-    offsets = [unit * np.array(vectors["position"])]
-    offsets += [tips[names[parent]] for parent in parents[1:]]
+    offsets = [unit * np.array(position), *(tips[names[parent]] for parent in parents[1:])]
     leaves = sorted(set(range(len(names))) - set(parents))
     end_sites = {leaf: tips[names[leaf]] for leaf in leaves}
     return AcclaimSkeleton(
         skeleton=Skeleton(tuple(names), tuple(parents), np.array(offsets), end_sites),
         channels=tuple(channels[name] for name in names),
         axes=tuple(axes[name] for name in names),
-        orientation=_rotation(file, line, vectors["orientation"], " ".join(order), degrees),
+        orientation=_rotation(file, line, angles, " ".join(order), degrees),
         unit=unit,
         degrees=degrees,
     )
-
-
-def _bones(
-    file: TextFile, sections: _Sections, unit: float, degrees: bool
-) -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Rotation]]:
-    """For each bone its end relative to its base in metres, its channels and its axes C."""
-    tips = {"root": np.zeros(3)}
-    channels = {"root": ROOT_CHANNELS}
-    axes = {"root": Rotation.identity()}
-    if "order" in sections.root:
-        channels["root"] = _channels(file, sections.root, "order", ROOT_CHANNELS)
-    for bone in sections.bones:
-        for required in ("name", "direction", "length", "axis"):
-            if required not in bone.fields:
-                raise file.error(bone.line, f"bone {bone.name!r} has no {required}")
-        if bone.name in tips:
-            raise file.error(bone.line, f"bone name {bone.name!r} stands a second time")
-        direction = file.three_numbers(*bone.fields["direction"], "direction")
-        length = _number(file, *bone.fields["length"], "length has {} values, expected one number")
-        tips[bone.name] = unit * length * np.array(direction)
-        line, words = bone.fields["axis"]
-        angles = file.three_numbers(line, words[:3], "axis")
-        axes[bone.name] = _rotation(file, line, angles, " ".join(words[3:]), degrees)
-        channels[bone.name] = ()
-        if "dof" in bone.fields:
-            channels[bone.name] = _channels(file, bone.fields, "dof", ROOT_CHANNELS[3:])
-    return tips, channels, axes

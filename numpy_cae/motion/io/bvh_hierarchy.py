@@ -30,21 +30,10 @@ CHANNELS = {
 
 @dataclass
 class BvhJoint:
-    """One ROOT or JOINT block.
+    """One ROOT or JOINT block that begins on `line`; vectors are in units of the file.
 
-    Parameters
-    ----------
-    name : str
-    parent : int
-        -1 for the root.
-    line : int
-        Where the block begins.
-    offset : list of 3 float
-        In units of the file.
-    channels : list of str
-        Such as "Xposition" or "Zrotation", in the order of the file.
-    tip : list of 3 float or None
-        The offset of the End Site.
+    `channels` are such as "Xposition" or "Zrotation", in the order of the file, and `tip` is the
+    offset of the End Site.
     """
 
     name: str
@@ -73,10 +62,7 @@ class _EndSite:
 def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
     """The joints, parents before children, and the number of the line MOTION.
 
-    Raises
-    ------
-    MotionFileError
-        If the block is not valid BVH.
+    Raises MotionFileError if the block is not valid BVH.
     """
     blocks = _Blocks(file)
     for line, statement in _statements(file):
@@ -165,15 +151,15 @@ class _Blocks:
         elif isinstance(parent, _EndSite):
             problem = f"{keyword} {name!r} cannot stand inside {parent}"
         elif name in self.indices:
+            first = self.joints[self.indices[name]].line
             problem = (
-                f"joint name {name!r} stands a second time, first on line "
-                f"{self.joints[self.indices[name]].line}: expected every joint to have a name of "
-                "its own"
+                f"joint name {name!r} stands a second time, first on line {first}: expected every "
+                "joint to have a name of its own"
             )
         if problem is not None:
             raise self.file.error(line, problem)
         self.indices[name] = len(self.joints)
-        above = -1 if parent is None else self.indices[parent.name]
+        above = self.indices[parent.name] if isinstance(parent, BvhJoint) else -1
         self.announced = BvhJoint(name, above, line)
         self.joints.append(self.announced)
 
@@ -182,9 +168,8 @@ class _Blocks:
         if isinstance(block, _EndSite):
             raise self.file.error(line, "End Site cannot stand inside End Site")
         if block.tip is not None:
-            raise self.file.error(
-                line, f"a second End Site in joint {block.name!r}, expected one at most"
-            )
+            problem = f"a second End Site in joint {block.name!r}, expected one at most"
+            raise self.file.error(line, problem)
         self.announced = _EndSite(block, line)
 
     def read_channels(self, line: int, value: str) -> None:
@@ -226,7 +211,5 @@ class _Blocks:
             raise self.file.error(line, "MOTION stands before any ROOT")
         self.require_no_brace_missing(line, "MOTION")
         if self.open:
-            raise self.file.error(
-                line,
-                f"MOTION comes while {self.open[-1]} is still open: {len(self.open)} '}}' missing",
-            )
+            problem = f"{self.open[-1]} is still open: {len(self.open)} '}}' missing"
+            raise self.file.error(line, f"MOTION comes while {problem}")

@@ -1,4 +1,4 @@
-"""Any supported motion file, by its suffix."""
+"""Read any supported motion file, chosen by its suffix."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def load_motion(
     path : path of a .bvh, .amc or .txt file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
-        for BVH, as the skeleton says for Acclaim, as the layout has it for text; see
+        for BVH, as the skeleton says for Acclaim, as the layout says for text; see
         `Motion.unit_note`.
     skeleton : path, optional
         The .asf file of an .amc file; by default looked for beside it.
     max_rate : float, optional
-        Frames a second that are enough: where frames can be left out for it, they are not parsed.
+        Frames a second that suffice: if omitting frames gives this rate, they are not parsed.
 
     Returns
     -------
@@ -49,34 +49,30 @@ def load_motion(
     """
     path = Path(path)
     suffix = path.suffix.lower()
+    problem = None
     if os.path.isdir(path):
-        raise MotionFileError(path, None, f"is a folder, expected one motion file; {SUPPORTED}")
-    if not os.path.exists(path):
-        raise MotionFileError(path, None, f"there is no such file; {SUPPORTED}")
-    if suffix == ".asf":
-        raise MotionFileError(
-            path, None, "is a skeleton without motion, expected the .amc file that moves it"
-        )
+        problem = f"is a folder, expected one motion file; {SUPPORTED}"
+    elif not os.path.exists(path):
+        problem = f"there is no such file; {SUPPORTED}"
+    elif suffix == ".asf":
+        problem = "is a skeleton without motion, expected the .amc file that moves it"
+    elif suffix not in (".amc", ".bvh", ".txt"):
+        problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
+    elif skeleton is not None and suffix != ".amc":
+        owner = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
+        problem = f"{owner} skeleton, expected no .asf file"
+    if problem is not None:
+        raise MotionFileError(path, None, problem)
     if suffix == ".amc":
         return read_amc(path, skeleton, unit=unit, max_rate=max_rate)
-    if suffix not in (".bvh", ".txt"):
-        raise MotionFileError(
-            path, None, f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
-        )
-    if skeleton is not None:
-        holder = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
-        raise MotionFileError(path, None, f"{holder} skeleton, expected no .asf file")
     return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """Every .bvh and .amc file in a folder and the folders inside it, sorted, and of the .txt files
-    those that are exponential maps.
+    """The .bvh and .amc files in a folder and its subfolders, sorted, and the .txt files among
+    them that are exponential maps.
 
-    Raises
-    ------
-    MotionFileError
-        If there is no such folder or it holds no such file.
+    Raises MotionFileError if there is no such folder or it holds no such file.
     """
     folder = Path(folder)
     if not folder.is_dir():

@@ -36,10 +36,7 @@ class TextFile:
     def read(cls, path: str | Path) -> TextFile:
         """Read a file with any line ends, with or without a byte order mark.
 
-        Raises
-        ------
-        MotionFileError
-            If the file is missing, a folder, empty or not text.
+        Raises MotionFileError if the file is missing, a folder, empty or not text.
         """
         path = Path(path)
         try:
@@ -86,10 +83,7 @@ class TextFile:
     def numbers(self, line: int, words: list[str]) -> list[float]:
         """The words as finite numbers.
 
-        Raises
-        ------
-        MotionFileError
-            Quoting the first word that is not a number.
+        Raises MotionFileError quoting the first word that is not a number.
         """
         try:
             values = list(map(float, words))

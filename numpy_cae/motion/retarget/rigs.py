@@ -92,10 +92,7 @@ def _plain(name: str) -> str:
 def read_mapping(path: str | Path) -> dict[str, str]:
     """A user's own rig: a JSON object of {our joint name: name in the file}.
 
-    Raises
-    ------
-    UnknownRigError
-        If the file is not such an object, naming what is wrong in it.
+    Raises UnknownRigError if the file is not such an object, naming what is wrong in it.
     """
     try:
         mapping = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -115,9 +112,6 @@ def read_mapping(path: str | Path) -> dict[str, str]:
 def body_positions(motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
     """World positions of the twenty joints, (frames, 20, 3) in metres.
 
-    Raises
-    ------
-    UnknownRigError
-        As `find_joints` does.
+    Raises UnknownRigError as `find_joints` does.
     """
     return motion.positions()[:, find_joints(motion.skeleton, mapping)]

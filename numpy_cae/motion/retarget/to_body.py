@@ -64,12 +64,8 @@ def load_body(
 ) -> tuple[np.ndarray, Motion]:
     """The twenty joints of a file at `RATE`, and the motion as the file has it.
 
-    Raises
-    ------
-    MotionFileError
-        If the file cannot be read.
-    UnknownRigError
-        With the file's name, if joints are missing.
+    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
+    if joints are missing.
     """
     motion = load_motion(path, unit=unit)
     try:

@@ -107,9 +107,8 @@ def retarget(
             ends = [bone.end for bone in bones[joint]]
             own = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
-            corrected = _corrected(
-                rotation, rotations_before[joint], own, target, _shares(joint, bones)
-            )
+            free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
+            corrected = _corrected(rotation, rotations_before[joint], own, target, free)
             changes = (corrected * rotation.inv()).magnitude() > _ROUNDING
             if changes.any():
                 rotation = _choose(changes, corrected, rotation)
@@ -119,33 +118,24 @@ def retarget(
 
 
 def _corrected(
-    rotation: Rotation,
-    before: Rotation,
-    own: np.ndarray,
-    target: np.ndarray,
-    shares: list[int],
+    rotation: Rotation, before: Rotation, own: np.ndarray, target: np.ndarray, free: list[int]
 ) -> Rotation:
     """The global rotation of a joint that points its bones at their targets.
 
-    Parameters
-    ----------
-    rotation, before : Rotation of F
-        After the changes of the joints above; in the unchanged motion.
-    own, target : (F, N, 3) arrays
-        The bones in the unchanged motion, and from the joint to the targets.
-    shares : list of N int
-        See `_shares`.
+    `rotation` is the joint's after the changes of its ancestors, `before` the unchanged one; `own`
+    and `target` (F, N, 3) are the unchanged bones and the vectors from the joint to the targets;
+    `free` is the number of joints that share the rotation of each bone.
     """
     change = rotation * before.inv()
     now = np.stack([change.apply(bone) for bone in own.transpose(1, 0, 2)], axis=1)
-    if len(shares) == 1:
-        return swing(now[:, 0], target[:, 0], 1 / shares[0]) * rotation
-    flexible = np.array(shares) > 0
+    if len(free) == 1:
+        return swing(now[:, 0], target[:, 0], 1 / free[0]) * rotation
+    flexible = np.array(free) > 0
     weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
     fitted = fit_fan(now * weights, target, _TAU) * rotation
     # Where the targets are the unchanged bones, restore their rotation exactly.
-    unchanged = np.abs(target - own).max(axis=(1, 2)) < _ROUNDING
-    fitted = _choose(unchanged, before, fitted)
+    unchanged = np.all(np.abs(target - own) < _ROUNDING, axis=(1, 2))
+    fitted = _choose(np.asarray(unchanged), before, fitted)
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
     misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
     return _choose(misses[:, decisive].any(axis=1), fitted, rotation)
@@ -194,11 +184,6 @@ def _bone_to(skeleton: Skeleton, joint: int, joints: list[int], name: str) -> _B
         between.insert(0, above)
         above = skeleton.parents[above]
     return _Bone(above, tuple(between), joint)
-
-
-def _shares(joint: int, bones: _Bones) -> list[int]:
-    """For each bone through a joint, its number of `_free_joints` from there on."""
-    return [_free_joints(bone, joint, bones) for bone in bones[joint]]
 
 
 def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
