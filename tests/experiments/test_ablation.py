@@ -97,6 +97,8 @@ def test_a_claim_holds_if_every_seed_agrees():
     assert "worse than one and better than two" in text
     assert "1.50 (1 diverged)" in text and "1.50 ± 0.71" in text and "(+33%)" in text
     assert len(result.png()) > 10_000
+    rows[1] = with_errors(names[0], None, None)
+    assert "(1: diverged, 2: 1.50 (1 diverged))" in ablation_result(rows, "sample").text()
 
 
 def test_the_command_names_what_it_needs(tmp_path, capsys):

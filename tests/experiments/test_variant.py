@@ -26,11 +26,6 @@ def drawn(model, seed=0):
     return x, x * (rng.random(x.shape) > 0.1), first
 
 
-def test_average_pooling_takes_the_mean_of_each_pair():
-    x = np.random.default_rng(0).normal(size=(2, 4, 3))
-    np.testing.assert_allclose(average_pool(x)[0][:, 1], x[:, 2:].mean(axis=1))
-
-
 def test_the_first_weights_are_those_of_the_papers_network():
     paper, average, untied = (
         kind(**TINY, rng=np.random.default_rng(1))

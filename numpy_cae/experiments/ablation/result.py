@@ -54,6 +54,11 @@ class Row:
         """A measure by seed, (S,); nan where there is none."""
         return np.array([each[measure] if each else np.nan for each in self.measured])
 
+    def mean(self, measure: str) -> float:
+        """The mean over the seeds that did not diverge; nan if there is none."""
+        values = self.values(measure)
+        return float(np.mean(values[np.isfinite(values)])) if np.isfinite(values).any() else np.nan
+
     def status(self) -> str:
         """The last measurement in a line."""
         last = self.measured[-1]
@@ -63,11 +68,11 @@ class Row:
         """Mean ± standard deviation over the seeds that did not diverge."""
         values = self.values(measure)
         values = values[np.isfinite(values)]
+        diverged = self.measured.count(None)
         if not len(values):
-            return "–"
+            return "diverged" if diverged else "–"
         _, digits = MEASURES[measure]
         spread = f" ± {values.std(ddof=1):.{digits}f}" if len(values) > 1 else ""
-        diverged = self.measured.count(None)
         note = f" ({diverged} diverged)" if diverged else ""
         return f"{values.mean():.{digits}f}{spread}{note}"
 
@@ -132,19 +137,13 @@ def _on_depth(paper: Row, named: dict[str, Row]) -> str:
 
 def _on_the_rest(paper: Row, named: dict[str, Row]) -> str:
     """The second sentence: which other choices matter, and the error of a linear map."""
-    changes = {
-        name: np.nanmean(named[name].values(REPAIR)) / np.nanmean(paper.values(REPAIR)) - 1
-        for name in PAPER_CHOICES
-    }
-    ordered = sorted(changes, key=lambda name: -abs(changes[name]))
-    certain, open_ = (
-        [
-            f"{PAPER_CHOICES[name][0]} ({changes[name]:+.0%})"
-            for name in ordered
-            if (_verdict(paper, named[name]) != 0) == matters
-        ]
-        for matters in (True, False)
-    )
+    certain, open_ = [], []
+    error = paper.mean(REPAIR)
+    changes = {name: named[name].mean(REPAIR) / error - 1 for name in PAPER_CHOICES}
+    for name in sorted(changes, key=lambda name: -np.nan_to_num(abs(changes[name]), nan=np.inf)):
+        amount = f"{changes[name]:+.0%}" if np.isfinite(changes[name]) else "diverged"
+        names = certain if _verdict(paper, named[name]) else open_
+        names.append(f"{PAPER_CHOICES[name][0]} ({amount})")
     return (
         "The rest: left out or replaced, these change the error of repair with one sign in every "
         f"seed: {', '.join(certain) or 'none'}; these do not: {', '.join(open_) or 'none'}; a "
@@ -181,14 +180,12 @@ def _draw(rows: Sequence[Row]) -> Figure:
     figure = Figure(figsize=(10, 0.3 * len(rows) + 1.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for axes, measure in zip(panels, (REPAIR, RECONSTRUCTION), strict=True):
-        mean = np.nanmean(rows[0].values(measure))
-        axes.axvline(mean, color="#d0d0d0", linewidth=1, zorder=0)
+        axes.axvline(rows[0].mean(measure), color="#d0d0d0", linewidth=1, zorder=0)
         for y, row in enumerate(rows):
             values = row.values(measure)
             colour = PLAIN if row.group == BASELINES else PROJECTED
             axes.plot(values, np.full(len(values), y), "o", color=colour, alpha=0.4, ms=4)
-            if np.isfinite(values).any():
-                axes.plot(np.nanmean(values), y, "|", color=colour, ms=12, mew=2)
+            axes.plot(row.mean(measure), y, "|", color=colour, ms=12, mew=2)
         axes.set_title(MEASURES[measure][0], fontsize=9, loc="left")
         axes.grid(axis="y", color="#eeeeee", linewidth=0.6)
         axes.spines[["top", "right"]].set_visible(False)

@@ -19,6 +19,8 @@ from numpy_cae.models.conv_layer import LayerPullback
 
 def average_pool(x: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
     """y[t] = (x[2t] + x[2t + 1]) / 2: (B, T, C) to (B, T/2, C). The pullback unpools evenly."""
+    if x.shape[1] % 2:
+        raise ValueError(f"x has shape {x.shape}, expected an even number of frames")
     return (x[:, 0::2] + x[:, 1::2]) / 2, lambda dy: ops.unpool_even(dy)[0]
 
 
