@@ -194,23 +194,28 @@ class FastConvAutoencoder(ConvAutoencoder):
         """The buffers for arguments of these sizes, from the last few that were used."""
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
-        team = self._team(layers, batch, frames)
-        key = (shapes, batch, frames, dtype, unpooled_evenly, team.size, training)
+        team, comparing_team = self._teams(layers, batch, frames)
+        sizes = team.size, comparing_team.size
+        key = (shapes, batch, frames, dtype, unpooled_evenly, sizes, training)
         if key not in self._workspaces:
             if len(self._workspaces) == MAX_WORKSPACES:
                 self._workspaces.popitem(last=False)
             self._workspaces[key] = Workspace(
-                layers, batch, frames, dtype, unpooled_evenly, team, training
+                layers, batch, frames, dtype, unpooled_evenly, team, comparing_team, training
             )
         self._workspaces.move_to_end(key)
         return self._workspaces[key]
 
-    def _team(self, layers: Sequence[ConvLayer], batch: int, frames: int) -> ThreadTeam:
+    def _teams(
+        self, layers: Sequence[ConvLayer], batch: int, frames: int
+    ) -> tuple[ThreadTeam, ThreadTeam]:
+        """The threads that compute, and those where one more thread compares the filters."""
         work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
         if work < MIN_MULTIPLICATIONS:
-            return thread_team(1)
-        size = thread_team(self._threads).size
-        return thread_team(max(1, min(size, batch // MIN_WINDOWS_PER_THREAD)))
+            return thread_team(1), thread_team(1)
+        threads = thread_team(self._threads).size
+        size = max(1, min(threads, batch // MIN_WINDOWS_PER_THREAD))
+        return thread_team(size), thread_team(max(size, min(2, threads)))
 
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:

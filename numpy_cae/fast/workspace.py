@@ -70,6 +70,8 @@ class Workspace:
     dtype : dtype
     unpooled_evenly : tuple of bool, one for each layer
     team : ThreadTeam
+    comparing_team : ThreadTeam
+        The same, or one with a second thread, which compares the filters with a copy.
     training : bool
         Whether gradients for the weights will be computed: the blocks are as long as suits that,
         and ŵ is transformed in every run, since every step changes the weights.
@@ -88,10 +90,12 @@ class Workspace:
         dtype: np.dtype,
         unpooled_evenly: tuple[bool, ...],
         team: ThreadTeam,
+        comparing_team: ThreadTeam,
         training: bool,
     ):
-        self.team, self.training, self.content = team, training, object()
-        self._transformed: list[FilterCopy] = []
+        self.team, self.comparing_team = team, comparing_team
+        self.training, self.content = training, object()
+        self._copies: list[np.ndarray] = []
         windows = [share(batch, number, team.size) for number in range(team.size)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
         together = batch if training else -(-batch // team.size)
@@ -116,35 +120,68 @@ class Workspace:
         work: Callable[[Worker], None],
         same_weights: bool = False,
     ) -> None:
-        """Call work(worker) for every worker, when ŵ is that of these layers.
+        """Call work(worker) for every worker, with the ŵ of these layers.
 
         Parameters
         ----------
         layers : sequence of ConvLayer
         work : function of a Worker
+            May be called a second time; the first result is then discarded.
         same_weights : bool
             The caller knows that W has not changed since the last run. Otherwise W is compared
-            with a copy, value by value: that takes a tenth of the time of transforming it.
+            with a copy.
         """
         self.content = object()
-        unchanged = same_weights or self._has_spectra_of(layers)
-        copies = self._transformed
-        if not unchanged:
-            self._transformed = []
-            copies = [] if self.training else [FilterCopy(layer.w) for layer in layers]
+        if same_weights:
+            self.team.run(lambda number: work(self.workers[number]))
+        elif not self._run_while_comparing(layers, work):
+            self._transform_and_run(layers, work)
 
-        def with_spectra(number: int) -> None:
-            if not unchanged:
-                self._transform_filters(layers, number)
+    def _transform_and_run(
+        self, layers: Sequence[ConvLayer], work: Callable[[Worker], None]
+    ) -> None:
+        """Compute ŵ = G w, each worker some of its rows, then work with it."""
+        self._copies = []
+        copies = [] if self.training else [layer.w.copy() for layer in layers]
+
+        def transform_and_work(number: int) -> None:
+            self._transform_filters(layers, number)
             work(self.workers[number])
 
-        self.team.run(with_spectra)
-        self._transformed = copies
+        self.team.run(transform_and_work)
+        self._copies = copies
 
-    def _has_spectra_of(self, layers: Sequence[ConvLayer]) -> bool:
-        """Whether ŵ is the transform of the filters as they are now."""
-        return len(self._transformed) == len(layers) and all(
-            copy.equals(layer.w) for copy, layer in zip(self._transformed, layers, strict=True)
+    def _run_while_comparing(
+        self, layers: Sequence[ConvLayer], work: Callable[[Worker], None]
+    ) -> bool:
+        """Work with the ŵ at hand and compare W with its copy; return whether W is unchanged.
+
+        For one window the comparison takes half as long as encoding, so where one thread works,
+        a second one compares. Where several threads work, each compares a part first.
+        """
+        if len(self._copies) != len(layers):
+            return False
+        threads = self.comparing_team.size
+        one_compares = threads > self.team.size
+        unchanged = [True] * threads
+
+        def compare_and_work(number: int) -> None:
+            if not one_compares:
+                unchanged[number] = self._unchanged(layers, number, threads)
+            elif number == threads - 1:
+                unchanged[number] = self._unchanged(layers, 0, 1)
+            if number < self.team.size and unchanged[number]:
+                work(self.workers[number])
+
+        self.comparing_team.run(compare_and_work)
+        return all(unchanged)
+
+    def _unchanged(self, layers: Sequence[ConvLayer], part: int, parts: int) -> bool:
+        """Whether one of so many parts of every W equals its copy."""
+        return all(
+            same_bits(layer.w[taps], copy[taps])
+            for copy, layer in zip(self._copies, layers, strict=True)
+            for taps in [share(len(copy), part, parts)]
         )
 
     def _transform_filters(self, layers: Sequence[ConvLayer], number: int) -> None:
@@ -187,19 +224,21 @@ class Workspace:
         return share(len(convolution.w_hat), number, self.team.size)
 
 
-class FilterCopy:
-    """A copy of an array, to find out whether the array has changed.
+def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two arrays of the same shape have the same dtype and the same bits.
 
-    The comparison is `memcmp`, of the bytes: exact, also for NaN, and it stops at the first
-    difference. `np.array_equal` takes a third longer, because it stores the comparisons.
+    As integers, so that NaN equals NaN and -0 differs from 0; a filter tap at a time, so that the
+    result of the comparison stays in the cache and the first difference ends it.
     """
-
-    def __init__(self, array: np.ndarray):
-        self._dtype, self._bytes = array.dtype, bytearray(np.ascontiguousarray(array).data)
-
-    def equals(self, array: np.ndarray) -> bool:
-        """Whether the array has this dtype and these bytes."""
-        return array.dtype == self._dtype and self._bytes == np.ascontiguousarray(array).data
+    if a.dtype != b.dtype:
+        return False
+    integers = f"i{a.itemsize}"
+    same = np.empty(a.shape[1:], bool)
+    for one, other in zip(a.view(integers), b.view(integers), strict=True):
+        np.equal(one, other, out=same)
+        if not same.all():
+            return False
+    return True
 
 
 def _convolution(
