@@ -22,11 +22,10 @@ SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
 """Without --data: minutes of synthetic takes, of which every fourth is for testing."""
 TITLE = "Ablation of holden2015"
 INTRODUCTION = (
-    "holden2015 wishes to “thoroughly evaluate our work against alternative methods and justify "
-    "the effectiveness of using a deep architecture”. Here every choice of its network and its "
-    "training is left out or replaced, one at a time, on the same takes and with the same "
-    "measures. The networks are smaller than the paper's and trained for less, so that each can be "
-    "trained from several seeds."
+    "Each choice of the network and the training of holden2015 is left out or replaced, one at a "
+    "time, on the same takes and with the same measures: the paper wishes to “justify the "
+    "effectiveness of using a deep architecture”. The networks are smaller than the paper's and "
+    "trained for less, so that each can be trained from several seeds."
 )
 
 
@@ -53,8 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         default=(LAYER_EPOCHS, FINE_EPOCHS),
         metavar=("LAYER", "FINE"),
-        help="number of epochs of each layer and of fine tuning; the paper has 25 of each layer "
-        f"(default: {LAYER_EPOCHS} {FINE_EPOCHS})",
+        help=f"epochs of each layer and of fine tuning (default: {LAYER_EPOCHS} {FINE_EPOCHS})",
     )
 
 

@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
-    study = sequential(
+    results, manifolds = sequential(
         actions,
         train_options.sequence_schedule_of(args),
         args.seed,
@@ -63,18 +63,18 @@ def run(args: argparse.Namespace) -> int:
         frames=args.frames,
         show_progress=not args.quiet,
     )
-    tables = [result for result in study.results.values() if result.tables]
+    tables = [result for result in results.values() if result.tables]
     claims = [claim.text() for result in tables for claim in result.claims]
     parts = [f"{result.title}\n\n{result.text()}" for result in tables] + ["\n".join(claims)]
     text = "\n\n".join(parts) + "\n"
     with atomic_write(args.output / "study.txt") as beside:
         beside.write_text(text, encoding="utf-8")
-    for name, result in study.results.items():
+    for name, result in results.items():
         if result.figure:
             result.save_picture(args.output / f"{name}.png")
         if result.animation:
             result.save_gif(args.output / f"{name}.gif")
-    for name, manifold in study.manifolds.items():
+    for name, manifold in manifolds.items():
         save_manifold(manifold, args.output / f"{name}.npz")
     if args.json:
         print_json([result.data() for result in tables])

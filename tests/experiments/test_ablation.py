@@ -8,11 +8,11 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.experiments.ablation import ablation
 from numpy_cae.experiments.ablation.ablation import measure_rows
-from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR, NOTHING
+from numpy_cae.experiments.ablation.baselines import LINEAR, NOTHING
 from numpy_cae.experiments.ablation.choices import (
     AVERAGE,
-    DEPTH,
     LATENT,
+    PARAMETERS,
     UNTIED,
     choices,
     doubling,
@@ -35,13 +35,11 @@ def test_equal_sizes_are_equal_and_every_row_trains_its_own_network():
         fast = type(network).__name__.startswith("Fast")
         assert fast == (each.name not in (UNTIED, AVERAGE))
     for each in others:
-        if each.group != DEPTH:
-            assert each.latent == paper.latent
-        elif LATENT in each.name:
-            assert each.latent == paper.latent
-            assert each.parameters < 0.5 * paper.parameters
-        else:
+        if PARAMETERS in each.name:
             assert each.parameters == pytest.approx(paper.parameters, rel=0.01)
+        else:
+            assert each.latent == paper.latent
+            assert LATENT not in each.name or each.parameters < 0.5 * paper.parameters
     untied = next(each for each in others if each.name == UNTIED)
     assert untied.parameters == 2 * paper.parameters == 2 * parameters_of(doubling(32, 3))
 
@@ -55,7 +53,7 @@ def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
     for row in rows:
         assert np.isfinite(row.values("half_zeroed")).all()
         assert np.ptp(row.values("half_zeroed")) > 0  # the seeds differ
-        assert np.isfinite(row.values("units")).all() == (row.group != BASELINES)
+        assert np.isfinite(row.values("units")).all() == (row.parameters is not None)
     named = {row.name: row for row in rows}
     assert named[NOTHING].values("reconstruction") == pytest.approx(0, abs=1e-6)
     errors = [named[name].values("half_zeroed").mean() for name in (LINEAR, NOTHING)]
@@ -81,7 +79,7 @@ def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
 def with_errors(name, *errors):
     """A row with these errors of repair; None for a seed that diverged."""
     measured = [e and dict.fromkeys(MEASURES, 1.0) | {"half_zeroed": e} for e in errors]
-    return Row("group", name, measured=measured)
+    return Row(name, measured=measured)
 
 
 def test_a_claim_holds_if_every_seed_agrees():

@@ -20,7 +20,6 @@ from numpy_cae.experiments.sequences.reconstruction import (
 from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
 from numpy_cae.experiments.sequences.study import (
-    Curve,
     discrepancy,
     prior_discrepancy,
     train_study,
@@ -49,14 +48,14 @@ def studies():
 
 def test_a_study_measures_before_the_first_step_and_after(studies):
     curve = studies[0].curve
-    assert list(curve.steps) == [0, 1, 2, 3, 4]
-    assert np.isfinite(curve.error).all() and (curve.discrepancy > 0).all()
+    assert list(curve["steps"]) == [0, 1, 2, 3, 4]
+    assert np.isfinite(curve["error"]).all() and (curve["discrepancy"] > 0).all()
     x = studies[0].drawn(1000, 7, training=False)
     manifold = studies[0].manifold
     error = angle_distance(
         manifold.denormalise(manifold.network.denoise(x)), manifold.denormalise(x)
     )
-    assert curve.error[-1] == pytest.approx(error, rel=0.03)
+    assert curve["error"][-1] == pytest.approx(error, rel=0.03)
 
 
 def test_the_discrepancy_of_the_prior_itself_is_the_smallest():
@@ -67,15 +66,16 @@ def test_the_discrepancy_of_the_prior_itself_is_the_smallest():
 
 
 def test_figure_2_compares_the_first_and_the_last_tenth(studies):
-    falling = Curve(np.arange(20), np.linspace(2, 0.2, 20), np.geomspace(1, 0.01, 20))
-    flat = replace(falling, error=np.ones(20))
+    error = np.linspace(2, 0.2, 20)
+    falling = {"steps": np.arange(20), "error": error, "discrepancy": np.geomspace(1, 0.01, 20)}
+    flat = falling | {"error": np.ones(20)}
     one, other = (
         replace(study, curve=curve) for study, curve in zip(studies, (falling, flat), strict=True)
     )
     result = figure_2([one])
     row = "walking: reconstruction error, rad"
-    assert result.tables[0].value(row, "first tenth") == np.mean(falling.error[:2])
-    assert result.tables[0].value(row, "last tenth") == np.mean(falling.error[-2:])
+    assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
+    assert result.tables[0].value(row, "last tenth") == np.mean(error[-2:])
     assert [claim.held for claim in result.claims] == [True, True]
     assert [claim.held for claim in figure_2([one, other]).claims] == [False, True]
     assert len(result.png()) > 1000

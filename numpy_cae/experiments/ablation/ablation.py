@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.experiments.ablation.baselines import BASELINES, baselines
+from numpy_cae.experiments.ablation.baselines import baselines
 from numpy_cae.experiments.ablation.choices import SEEDS, Choice
 from numpy_cae.experiments.ablation.evaluation import Evaluation, Measured
 from numpy_cae.experiments.ablation.result import Row
@@ -47,10 +47,10 @@ def measure_rows(
     """
     rows, jobs = [], []
     for choice in choices:
-        rows.append(Row(choice.group, choice.name, choice.parameters, choice.latent))
+        rows.append(Row(choice.name, choice.parameters, choice.latent))
         jobs.append((repr(choice), partial(_train_and_measure, evaluation, choice)))
     for name, repair in baselines(evaluation.split).items():
-        rows.append(Row(BASELINES, name))
+        rows.append(Row(name))
         jobs.append((name, partial(evaluation.measure, repair)))
     known, data = _read(kept), _checksum(evaluation)
     for seed in range(seeds):

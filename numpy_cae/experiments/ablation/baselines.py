@@ -14,7 +14,6 @@ from numpy_cae.experiments.split import Split
 from numpy_cae.manifold.blind import zeroed_fraction
 from numpy_cae.training import zero_values
 
-BASELINES = "no network"
 NOTHING, LINEAR = "doing nothing", "linear denoiser, 15 frames"
 PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
 

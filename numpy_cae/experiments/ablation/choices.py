@@ -24,8 +24,6 @@ LAYER_EPOCHS, FINE_EPOCHS, WIDTH, SEEDS = 4, 12, 32, 5
 """Epochs of a layer and of fine tuning; filters of the lowest of three layers, half the paper's;
 and the number of seeds."""
 PAPER = "as holden2015, smaller"
-DEPTH, SPARSITY, LAYER = "depth", "sparsity", "layer"
-CORRUPTION, TRAINING = "denoising", "training"
 LATENT, PARAMETERS = "equal latent size", "equal parameters"
 NO_SPARSITY, UNTIED, AVERAGE = "α = 0", "weights untied, half the rate", "average pooling"
 EVENLY, RANDOMLY = "even unpooling from the start", "random unpooling to the end"
@@ -37,7 +35,6 @@ LAYERS_ALONE, AT_ONCE = "layers alone, no fine tuning", "end to end, no layers b
 class Choice:
     """A network and its training."""
 
-    group: str
     name: str
     filters: tuple[int, ...]
     schedule: Schedule
@@ -103,10 +100,10 @@ def choices(
     fine = Stage(fine_epochs, 0.3, _decay(fine_epochs), alpha=0.0, batch=8, momentum=0.9)
 
     def varied(
-        group: str, name: str, of_layer: dict | None = None, of_fine: dict | None = None, **network
+        name: str, of_layer: dict | None = None, of_fine: dict | None = None, **network
     ) -> Choice:
         schedule = Schedule(replace(layer, **of_layer or {}), replace(fine, **of_fine or {}))
-        return Choice(group, name, **{"filters": three, "schedule": schedule} | network)
+        return Choice(name, **{"filters": three, "schedule": schedule} | network)
 
     stacks = {
         f"depth {depth}, {same}": filters
@@ -119,22 +116,22 @@ def choices(
     end_to_end = {"epochs": all_epochs, "decay": _decay(all_epochs)}
     half_rates = {"rate": layer.rate / 2}, {"rate": fine.rate / 2}
     return [
-        varied(PAPER, f"depth 3, {'-'.join(map(str, three))} filters"),
-        *(varied(DEPTH, name, filters=filters) for name, filters in stacks.items()),
-        varied(SPARSITY, NO_SPARSITY, {"alpha": 0.0}),
-        *(varied(SPARSITY, f"α = {a}", {"alpha": a}) for a in (0.1, 1.0)),
+        varied(f"{PAPER}: {'-'.join(map(str, three))} filters"),
+        *(varied(name, filters=filters) for name, filters in stacks.items()),
+        varied(NO_SPARSITY, {"alpha": 0.0}),
+        *(varied(f"α = {a}", {"alpha": a}) for a in (0.1, 1.0)),
         *(
-            varied(SPARSITY, f"α = {a}, in fine tuning too", {"alpha": a}, {"alpha": a})
+            varied(f"α = {a}, in fine tuning too", {"alpha": a}, {"alpha": a})
             for a in (0.01, 0.1, 1.0)
         ),
-        varied(LAYER, UNTIED, *half_rates, tied=False),
-        varied(LAYER, AVERAGE, average=True),
-        varied(LAYER, EVENLY, {"unpooling": EVEN}),
-        varied(LAYER, RANDOMLY, {"unpooling": RANDOM}, {"unpooling": RANDOM}),
-        varied(CORRUPTION, WHOLE, no_zeros, no_zeros),
-        varied(CORRUPTION, WIDE_P, wide, wide),
-        varied(TRAINING, LAYERS_ALONE, of_fine={"epochs": 0}),
-        varied(TRAINING, AT_ONCE, {"epochs": 0}, end_to_end),
+        varied(UNTIED, *half_rates, tied=False),
+        varied(AVERAGE, average=True),
+        varied(EVENLY, {"unpooling": EVEN}),
+        varied(RANDOMLY, {"unpooling": RANDOM}, {"unpooling": RANDOM}),
+        varied(WHOLE, no_zeros, no_zeros),
+        varied(WIDE_P, wide, wide),
+        varied(LAYERS_ALONE, of_fine={"epochs": 0}),
+        varied(AT_ONCE, {"epochs": 0}, end_to_end),
     ]
 
 

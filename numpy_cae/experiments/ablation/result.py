@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.experiments.ablation.baselines import BASELINES, LINEAR
+from numpy_cae.experiments.ablation.baselines import LINEAR
 from numpy_cae.experiments.ablation.choices import (
     AT_ONCE,
     AVERAGE,
@@ -42,9 +42,11 @@ PAPER_CHOICES = {
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table; `measured` has an entry for each seed, None where it diverged."""
+    """One line of the table; `measured` has an entry for each seed, None where it diverged.
 
-    group: str
+    `parameters` and `latent`, the number of hidden units of a window, are None for a baseline.
+    """
+
     name: str
     parameters: int | None = None
     latent: int | None = None
@@ -90,7 +92,7 @@ def ablation_result(rows: Sequence[Row], sample: str) -> Result:
     header = ["method", "parameters", "hidden", *(heading for heading, _ in MEASURES.values())]
     lines = [
         [
-            f"{row.group}: {row.name}",
+            row.name,
             row.parameters or "–",
             row.latent or "–",
             *(row.cell(measure) for measure in MEASURES),
@@ -183,7 +185,7 @@ def _draw(rows: Sequence[Row]) -> Figure:
         axes.axvline(rows[0].mean(measure), color="#d0d0d0", linewidth=1, zorder=0)
         for y, row in enumerate(rows):
             values = row.values(measure)
-            colour = PLAIN if row.group == BASELINES else PROJECTED
+            colour = PROJECTED if row.parameters else PLAIN
             axes.plot(values, np.full(len(values), y), "o", color=colour, alpha=0.4, ms=4)
             axes.plot(row.mean(measure), y, "|", color=colour, ms=12, mew=2)
         axes.set_title(MEASURES[measure][0], fontsize=9, loc="left")

@@ -38,17 +38,10 @@ class Action:
 def synthetic_action(
     kind: str, minutes: float = 180.0, test_minutes: float = 180.0, seed: int = 0
 ) -> Action:
-    """Synthesise one of jang2018's three actions; every take is of another person.
+    """Synthesise an action of `data_synth.JANG2018_KINDS`; every take is of another person.
 
     With few people, the discrepancy of the held-out clips would measure who these people are
     rather than how the network encodes them.
-
-    Parameters
-    ----------
-    kind : str
-        One of `data_synth.JANG2018_KINDS`.
-    minutes, test_minutes : float
-    seed : int
     """
     if kind not in JANG2018_KINDS:
         raise ValueError(f"unknown action {kind!r}; the actions are {', '.join(JANG2018_KINDS)}")
@@ -69,16 +62,9 @@ def read_action(
     mapping: dict[str, str] | None = None,
     unit: float | None = None,
 ) -> Action:
-    """Read every motion file below the folders as one action.
+    """Read every motion file below the folders; those whose name matches a pattern are for testing.
 
-    Parameters
-    ----------
-    name : str
-    folders : sequence of paths
-    patterns : sequence of str
-        Files whose name matches one of them are for testing.
-    mapping, unit
-        As for `load_angles`, which also lists the errors.
+    `mapping`, `unit` and the errors are those of `load_angles`.
     """
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
     for path in (path for folder in folders for path in find_motion_files(folder)):

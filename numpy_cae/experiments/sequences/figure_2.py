@@ -20,7 +20,7 @@ def figure_2(studies: Sequence[Study]) -> Result:
     """Compare the first and the last tenth of each curve."""
     curves = {study.action.name: study.curve for study in studies}
     rows = [
-        [f"{action}: {name}", *_first_and_last(getattr(curve, measure))]
+        [f"{action}: {name}", *_first_and_last(curve[measure])]
         for action, curve in curves.items()
         for measure, name in MEASURES.items()
     ]
@@ -56,7 +56,7 @@ def _draw(curves: dict[str, Curve]) -> Figure:
     figure = Figure(figsize=(9, 3.4), layout="constrained")
     for axes, (measure, name) in zip(figure.subplots(1, 2), MEASURES.items(), strict=True):
         for action, curve in curves.items():
-            axes.plot(curve.steps, getattr(curve, measure), label=action.replace("_", " "))
+            axes.plot(curve["steps"], curve[measure], label=action.replace("_", " "))
         axes.set(xlabel="iterations", title=name)
         axes.set_yscale("log")
         axes.spines[["top", "right"]].set_visible(False)

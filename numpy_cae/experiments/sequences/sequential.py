@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from numpy_cae.experiments.result import Result
 from numpy_cae.experiments.sequences.actions import Action
@@ -19,17 +19,9 @@ from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
 
 
-@dataclass(frozen=True)
-class Sequential:
-    """Results by the names of their picture files, and the trained manifolds by action."""
-
-    results: dict[str, Result]
-    manifolds: dict[str, SequenceManifold]
-
-
 def sequential(
     actions: Sequence[Action], schedule: SequenceSchedule | None = None, seed: int = 0, **options
-) -> Sequential:
+) -> tuple[dict[str, Result], dict[str, SequenceManifold]]:
     """Train on each action with the regulariser and without, and teacher-forced on the first.
 
     Parameters
@@ -39,6 +31,13 @@ def sequential(
         Its weight λ is that of the trainings with the regulariser.
     seed, options
         As for `learn_sequences`.
+
+    Returns
+    -------
+    results : dict
+        By the names of their picture files.
+    manifolds : dict
+        With the regulariser, by action.
     """
     schedule = schedule or SequenceSchedule()
     free = replace(schedule, weight=0.0)
@@ -57,4 +56,4 @@ def sequential(
     for study in studies:
         for source in COLOURS:
             results[f"{study.action.name}_{source}"] = figure_3(study, seed, source)
-    return Sequential(results, {study.action.name: study.manifold for study in studies})
+    return results, {study.action.name: study.manifold for study in studies}

@@ -26,13 +26,8 @@ REPEATS = 10
 CURVE_POINTS = 40
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Both errors against the number of steps, (P,) arrays."""
-
-    steps: np.ndarray
-    error: np.ndarray
-    discrepancy: np.ndarray
+Curve = dict[str, np.ndarray]
+""""error" and "discrepancy" against the number of "steps", (P,) arrays."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +85,10 @@ def train_study(
         measured.append((step, error, discrepancy(z, rng)))
 
     manifold = learn_sequences(action.training, schedule, seed, watch=watch, **options)
-    return Study(action, manifold, Curve(*map(np.array, zip(*measured, strict=True))))
+    columns = map(np.array, zip(*measured, strict=True))
+    return Study(
+        action, manifold, dict(zip(("steps", "error", "discrepancy"), columns, strict=True))
+    )
 
 
 def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
