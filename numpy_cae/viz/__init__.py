@@ -1,6 +1,6 @@
 """Pictures of motions and of numbers. Matplotlib is imported when something is drawn."""
 
-from numpy_cae.viz.actor import Actor
+from numpy_cae.viz.actor import Actor, Motions, local_actors, world_actors
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, bars_figure, curves_figure
@@ -14,10 +14,13 @@ __all__ = [
     "TRUTH",
     "Actor",
     "Curve",
+    "Motions",
     "bars_figure",
     "curves_figure",
     "in_notebook",
+    "local_actors",
     "save_figure",
     "save_gif",
     "strip_figure",
+    "world_actors",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.repair import repair_baselines
 from numpy_cae.experiments.section import EXPERIMENTS
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of
@@ -17,11 +19,15 @@ from numpy_cae.training import Schedule, Stage
 
 CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups": (None,)}
 SMALL = {
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
+    "missing_marker": {"JOINTS": ("hips", "spine", "left_wrist", "right_wrist")},
     "nearest": {"QUERIES": 2, "TAKES": 1, "SECONDS": 1.2},
     "sampling": {"DRAWN": 4},
-    "constrained_projection": {"TAKES": 1, "PINNED_TAKES": 1, "MAX_FRAMES": 32},
+    "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
 """Constants of experiments that would take long."""
+FEW_SETTINGS = {"AXES": (3, 15, 45), "LENGTHS": (3, 7), "POLYNOMIALS": ((5, 0), (9, 2))}
+"""Of the baselines of repair."""
 
 
 @pytest.fixture(scope="session")
@@ -67,6 +73,10 @@ def result_of(small_manifold, labelled):
         with pytest.MonkeyPatch.context() as patch:
             for constant, value in SMALL.get(name, {}).items():
                 patch.setattr(module, constant, value)
-            return module.run(small_manifold, labelled, 0)
+            for constant, value in FEW_SETTINGS.items():
+                patch.setattr(repair_baselines, constant, value)
+            result = module.run(small_manifold, labelled, 0)
+            figure = result.figure()
+            return replace(result, figure=lambda: figure)
 
     return run

@@ -29,6 +29,7 @@ from numpy_cae.measures.retrieval import (
     bootstrapped_difference,
     precision_at_1,
 )
+from numpy_cae.viz import bars_figure
 
 CONTENT, STYLE, BOTH = "content", "style", "both"
 OTHER_STYLE, OTHER_CONTENT = "content, other style", "style, other content"
@@ -75,8 +76,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Mean average precision of G minus that of each other distance, with the interval of 95 of "
         "100 resamplings of the test takes:"
     )
-    names = [f"{take.content}, {take.style}" for take in used.testing]
-    own = distances[0].between(testing)
     return Result(
         "Motion comparison: what the distance of equation 4 finds",
         [
@@ -84,7 +83,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             Table(gap_caption, ["G minus", *average], differences),
         ],
         _claims(precision, average, gaps),
-        lambda: _figure(average, own, names),
+        lambda: bars_figure(
+            list(between),
+            [
+                (label, [each[name].mean() for name in between], None)
+                for label, each in average.items()
+            ],
+            "mean average precision",
+        ),
     )
 
 
@@ -152,25 +158,3 @@ def labels_of_pairs(
         OTHER_STYLE: (content, both),
         OTHER_CONTENT: (style, both),
     }
-
-
-def _figure(average: Scores, own: np.ndarray, names: list[str]):
-    """Bars of the mean average precision, and the clustered matrix of √G of the test takes."""
-    from matplotlib.figure import Figure
-
-    from numpy_cae.viz.matrix import draw_matrix
-
-    figure = Figure(figsize=(16, 10))
-    bars, matrix = figure.subfigures(1, 2, width_ratios=[0.38, 0.62])
-    all_axes = bars.subplots(len(average), 1, sharex=True, squeeze=False)
-    bars.subplots_adjust(0.44, 0.05, 0.97, 0.96, hspace=0.22)
-    for axes, (label, by_distance) in zip(all_axes[:, 0], average.items(), strict=True):
-        colours = ["#2f6db5" if name == EQUATION_4 else "#b9b9b9" for name in by_distance]
-        axes.barh(list(by_distance), [each.mean() for each in by_distance.values()], color=colours)
-        axes.invert_yaxis()
-        axes.set_xlim(0, 1)
-        axes.set_title(f"{label}: mean average precision", fontsize=9, loc="left")
-        axes.tick_params(labelsize=7)
-        axes.spines[["top", "right"]].set_visible(False)
-    draw_matrix(matrix, own, names, "√G of test takes")
-    return figure

@@ -15,9 +15,6 @@ import numpy as np
 from numpy_cae.models import ConvLayer
 from numpy_cae.motion import JOINTS, PARENTS, POSITIONS
 
-LIMBS = ("spine", "left arm", "right arm", "left leg", "right leg", "path")
-"""Four joints each, in the order of `JOINTS`; and the three velocities."""
-PATH = "path"
 _SILENT = 1e-8
 
 
@@ -45,12 +42,6 @@ class Responses:
         joints = energy[:, POSITIONS].reshape(len(energy), len(JOINTS), 3).sum(axis=-1)
         path = energy[:, POSITIONS.stop :].sum(axis=-1, keepdims=True)
         return np.concatenate([joints, path], axis=1) / energy.sum(axis=1, keepdims=True)
-
-    def by_limb(self) -> np.ndarray:
-        """The share in each of `LIMBS`, (filters, 6)."""
-        shares = self.by_joint()
-        limbs = shares[:, : len(JOINTS)].reshape(len(shares), len(LIMBS) - 1, 4).sum(axis=-1)
-        return np.concatenate([limbs, shares[:, -1:]], axis=1)
 
     def joints(self) -> np.ndarray:
         """The effective number of joints that a filter moves, (filters,)."""

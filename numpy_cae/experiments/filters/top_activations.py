@@ -9,12 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from numpy_cae.experiments.comparison.distances import untrained
-from numpy_cae.experiments.drawn_motions import strips
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold, hidden_units
 from numpy_cae.measures.retrieval import bootstrapped_difference
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, local_actors, strip_figure
 
 TOP = 5
 """Takes with the largest values of a unit, whose labels are compared."""
@@ -62,7 +61,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Motions with the largest activations",
         [Table(caption, ["takes", "content", "style"], rows)],
         claims,
-        strips(motions, manifold.rate),
+        lambda: strip_figure(local_actors(motions), manifold.rate, azimuth=55.0),
     )
 
 

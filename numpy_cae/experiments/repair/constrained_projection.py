@@ -1,37 +1,27 @@
-"""Projection that keeps bone lengths, standing feet, ground and pins, compared with the plain one:
-future work in holden2015, section 7.
-
-Pins: a wrist 15 cm above its plain projection for half a second, and the hips on their true path,
-from which the integrated velocities of a half zeroed motion drift.
-"""
+"""Projection that keeps bone lengths, standing feet and the ground, compared with the plain one:
+future work in holden2015, section 7."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.beyond import Pins, project_constrained
-from numpy_cae.experiments.drawn_motions import animated, strips
+from numpy_cae.beyond import project_constrained
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import bone_length_error, position_error
-from numpy_cae.motion import JOINTS, features_to_positions
+from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values
-from numpy_cae.viz import PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, local_actors, strip_figure, world_actors
 
-TAKES, PINNED_TAKES = 6, 3
+TAKES = 6
 """Of each source, spread over all test takes; an optimisation takes about a second."""
 MAX_FRAMES = 320
 P = 0.5
-WRIST, HALF_A_SECOND, ABOVE = JOINTS.index("left_wrist"), 15, 0.15
-TOLERANCE = 2.0
-"""cm within which pins count as followed."""
 PLAIN_ROW, KEPT_ROW, TRUE = "plain projection", "constrained projection", "truth"
 HEADER = ("method", "position, cm", "bone length, cm", "of it, %", "sliding, cm/s")
 FORMATS = ("", ".2f", ".3f", ".3f", ".2f")
-PIN_HEADER = ("wrist and path pinned", "wrist, cm", "path, cm", "bone length, cm", "sliding, cm/s")
-PIN_FORMATS = ("", ".2f", ".2f", ".3f", ".2f")
 Measured = dict[str, np.ndarray]
 """Method to the values of a row."""
 
@@ -42,7 +32,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     Sliding is measured in the contacts that the constraint was given: those found in the plain
     projection, as the truth is unknown where a motion has to be repaired.
     """
-    tables, claims, pin_rows, pin_claims, motions = [], [], [], [], None
+    tables, claims, motions = [], [], None
     for source in dict.fromkeys(take.source for take in material.testing):
         takes = evenly(material.of(source).testing, TAKES)
         for lost, state in ((0.0, "as they are"), (P, "half zeroed")):
@@ -54,20 +44,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             tables.append(Table(f"{name}:", HEADER, rows, FORMATS))
             claims.append(_constraint_claim(name, measured))
             motions = motions or each[0][1]
-        rng = np.random.default_rng(seed)
-        pinned = [_pinned(manifold, take, rng) for take in evenly(takes, PINNED_TAKES)]
-        name, measured = f"{source}, {len(pinned)} takes", _mean(pinned)
-        pin_rows += [[f"{name}: {method}", *values] for method, values in measured.items()]
-        pin_claims += _pin_claims(name, measured)
-    tables.append(Table("Half zeroed, distance from the pins:", PIN_HEADER, pin_rows, PIN_FORMATS))
     colours = {TRUE: TRUTH, PLAIN_ROW: PLAIN, KEPT_ROW: PROJECTED}
     drawn = {name: (x, colours[name]) for name, x in motions.items()}
     return Result(
-        "Constrained projection: bones, feet, ground and pins",
+        "Constrained projection: bones, feet and ground",
         tables,
-        [*claims, *pin_claims],
-        strips(drawn, manifold.rate, azimuth=75.0),
-        animated(drawn, manifold.rate, azimuth=75.0, seconds=5.0),
+        claims,
+        lambda: strip_figure(local_actors(drawn), manifold.rate, azimuth=75.0),
+        Animation(world_actors(drawn), manifold.rate, azimuth=75.0, seconds=5.0),
     )
 
 
@@ -95,30 +79,6 @@ def _measured(
     return rows, motions
 
 
-def _pinned(manifold: MotionManifold, take: LabelledTake, rng: np.random.Generator) -> Measured:
-    features, start = manifold.features(take.positions[:MAX_FRAMES])
-    given = manifold.denormalise(zero_values(manifold.normalise(features), P, rng))
-    plain = manifold.project(given, manifold.shifts)
-    before = features_to_positions(plain, start)
-    contacts = find_contacts(before, manifold.rate)
-    middle = slice(len(plain) // 2, len(plain) // 2 + HALF_A_SECOND)
-    targets, weights = np.zeros(before.shape), np.zeros(before.shape)
-    targets[middle, WRIST] = before[len(plain) // 2, WRIST] + [0.0, ABOVE, 0.0]
-    weights[middle, WRIST] = 1.0
-    targets[:, 0] = features_to_positions(features, start)[:, 0]
-    weights[:, 0, [0, 2]] = 1.0
-    kept = project_constrained(manifold, given, start, contacts, Pins(targets, weights))
-
-    def row(motion: np.ndarray) -> np.ndarray:
-        positions = features_to_positions(motion, start)
-        off = 100 * np.sqrt(np.sum(weights * (positions - targets) ** 2, axis=-1))
-        bones = bone_length_error(positions, manifold.lengths)
-        sliding = _sliding(positions, contacts, manifold.rate)
-        return np.array([off[middle, WRIST].mean(), off[:, 0].mean(), bones, sliding])
-
-    return {PLAIN_ROW: row(plain), KEPT_ROW: row(kept)}
-
-
 def _sliding(positions: np.ndarray, contacts: np.ndarray, rate: float) -> float:
     """Mean speed along the ground of feet in contact, cm/s."""
     steps = np.linalg.norm(np.diff(positions[:, FEET][..., [0, 2]], axis=0), axis=-1)
@@ -138,22 +98,3 @@ def _constraint_claim(name: str, measured: Measured) -> Claim:
         f"before, {kept_sliding:.2f} after; position {position:.2f} cm before, "
         f"{kept_position:.2f} after.",
     )
-
-
-def _pin_claims(name: str, measured: Measured) -> list[Claim]:
-    wrist, path, _, sliding = measured[PLAIN_ROW]
-    kept_wrist, kept_path, _, kept_sliding = measured[KEPT_ROW]
-    return [
-        Claim(
-            f"It follows pins, a wrist at a point and the hips on a path, to {TOLERANCE:g} cm on "
-            f"average (not in the paper), {name}.",
-            bool(max(kept_wrist, kept_path) < TOLERANCE),
-            f"wrist {wrist:.2f} cm off before, {kept_wrist:.2f} after; path {path:.2f} cm before, "
-            f"{kept_path:.2f} after.",
-        ),
-        Claim(
-            f"While it follows pins, feet slide at most a fifth as fast, {name}.",
-            bool(kept_sliding <= sliding / 5),
-            f"{sliding:.2f} cm/s before, {kept_sliding:.2f} after.",
-        ),
-    ]

@@ -7,15 +7,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.experiments.drawn_motions import Motions, animated, strips
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.repair.half_zeroed import P
-from numpy_cae.experiments.result import Result, Table
+from numpy_cae.experiments.result import Animation, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.training import zero_values
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from numpy_cae.viz import (
+    CORRUPTED,
+    PROJECTED,
+    TRUTH,
+    Motions,
+    local_actors,
+    strip_figure,
+    world_actors,
+)
 
 CORRUPTED_NAME, PROJECTED_NAME, TRUE = "corrupted", "projected", "truth"
 
@@ -33,8 +40,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result(
         "Figure 1: half of the values lost",
         [Table("", ["motion", "error, cm"], [[name, error] for name, error in errors.items()])],
-        figure=strips(drawn, manifold.rate),
-        animation=animated(drawn, manifold.rate),
+        figure=lambda: strip_figure(local_actors(drawn), manifold.rate, azimuth=55.0),
+        animation=Animation(world_actors(drawn), manifold.rate),
     )
 
 

@@ -22,14 +22,21 @@ from numpy_cae.experiments.clips import (
     project,
     project_ends_held,
 )
-from numpy_cae.experiments.drawn_motions import Motions, animated, strips
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.repair.repair_baselines import printed, repair_baselines
-from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import split_of, split_takes
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from numpy_cae.viz import (
+    CORRUPTED,
+    PROJECTED,
+    TRUTH,
+    Motions,
+    local_actors,
+    strip_figure,
+    world_actors,
+)
 
 CHOOSING_TAKES, TESTING_TAKES = 24, 60
 """At most, of each source, spread evenly."""
@@ -74,8 +81,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Repair: a Kinect recording",
         tables,
         claims,
-        strips(motions, manifold.rate),
-        animated(motions, manifold.rate),
+        lambda: strip_figure(local_actors(motions), manifold.rate, azimuth=55.0),
+        Animation(world_actors(motions), manifold.rate),
         f"Measured on {' and '.join(sample)} not used in training, seen by a simulated Kinect. "
         f"{split.fitted()}",
     )

@@ -11,14 +11,13 @@ import numpy as np
 
 from numpy_cae.baselines import Moments
 from numpy_cae.experiments.clips import NETWORK, Clips
-from numpy_cae.experiments.drawn_motions import animated
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import pca_on_frames, pca_on_windows
-from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold, fill_joint
 from numpy_cae.motion import FEATURES, JOINTS, joint_slice
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, bars_figure
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, bars_figure, world_actors
 
 MEAN_POSE = "the mean pose"
 LINEAR = "linear, 15 frames, joint known"
@@ -63,7 +62,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         [_table(errors)],
         _claims(errors),
         lambda: _figure(errors),
-        animated(motions, manifold.rate),
+        Animation(world_actors(motions), manifold.rate),
         split.text(),
     )
 

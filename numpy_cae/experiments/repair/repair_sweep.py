@@ -7,8 +7,6 @@ the network are also given X_c / (1 - p), whose expected value is X.
 
 from __future__ import annotations
 
-from itertools import groupby
-
 import numpy as np
 
 from numpy_cae.baselines import Moments, interpolate_linearly
@@ -23,9 +21,6 @@ from numpy_cae.experiments.clips import (
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import (
     MEDIAN,
-    PCA_ON_FRAMES,
-    PCA_ON_WINDOWS,
-    SAVITZKY_GOLAY,
     printed,
     repair_baselines,
 )
@@ -33,7 +28,7 @@ from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Curve, curves_figure
+from numpy_cae.viz import PLAIN, Curve, curves_figure
 
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 HALF = 0.5
@@ -41,17 +36,6 @@ HALF = 0.5
 CORRUPTED_ROW, LINEAR = "corrupted, X_c", "linear denoiser, 15 frames"
 RESCALED = ", X_c / (1 - p)"
 INTERPOLATED = "linear interpolation, holes known"
-COLOURS = {
-    CORRUPTED_ROW: CORRUPTED,
-    NETWORK: "#8fb8e8",
-    ENDS_HELD: PROJECTED,
-    ALL_SHIFTS: "#123f7a",
-    LINEAR: "#222222",
-    MEDIAN: "#9c6bb3",
-    SAVITZKY_GOLAY: "#b59a3c",
-    PCA_ON_FRAMES: "#c0504d",
-    PCA_ON_WINDOWS: "#4aa6a6",
-}
 CAPTION = (
     "Blind repair, error in cm (root mean square of a coordinate). No method knows which values "
     "were lost; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows "
@@ -70,45 +54,36 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     baselines = repair_baselines(split)
     moments = Moments.of(split.training.x, split.training.real)
     floor = testing.error(project(manifold, testing.x))
-    source = np.array([material.testing[take].source for take in testing.take])
-    of_source = {name: testing.where(source == name, testing.real) for name in sorted(set(source))}
-    half: dict[str, dict[str, float]] = {name: {} for name in of_source}
     errors: Errors = {}
     settings: dict[str, list[str]] = {}
     known_holes: list[float] = []
 
-    def note(p: float, name: str, repaired: np.ndarray) -> None:
+    def note(name: str, repaired: np.ndarray) -> None:
         errors.setdefault(name, []).append(testing.error(repaired))
-        if p == HALF:
-            for each, clips in of_source.items():
-                half[each][name] = clips.error(repaired[source == each])
 
     for number, p in enumerate(PS):
         rng = np.random.default_rng([seed, number])
         practice, _ = _zeroed(choosing, p, rng)
         lost, known = _zeroed(testing, p, rng)
-        note(p, CORRUPTED_ROW, lost)
+        note(CORRUPTED_ROW, lost)
         for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
             for baseline in baselines:
                 if suffix and baseline.name == MEDIAN:
                     continue  # a median is a value that was there, or zero: it is not scaled
                 setting = baseline.best(practice * factor, choosing)
-                note(p, baseline.name + suffix, baseline.repair(lost * factor, setting))
+                note(baseline.name + suffix, baseline.repair(lost * factor, setting))
                 settings.setdefault(baseline.name + suffix, []).append(printed(setting))
-            note(p, NETWORK + suffix, project(manifold, lost * factor))
-            note(p, ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
+            note(NETWORK + suffix, project(manifold, lost * factor))
+            note(ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
             if bool(suffix) == manifold.rescales:
                 shifted = project_ends_held(manifold, lost * factor, manifold.shifts)
-                note(p, ALL_SHIFTS + suffix, shifted)
-        note(p, LINEAR, moments.solve(1 - p).repair(lost))
+                note(ALL_SHIFTS + suffix, shifted)
+        note(LINEAR, moments.solve(1 - p).repair(lost))
         known_holes.append(testing.error(interpolate_linearly(lost, known)))
 
     columns = [f"p = {p}" for p in PS]
-    tables = [Table(CAPTION, ["blind", *columns], _rows(errors))]
-    if len(half) > 1:
-        rows = [[name, *(each[name] for each in half.values())] for name in errors]
-        tables.append(Table("By source of the takes:", [f"p = {HALF}", *half], rows))
-    tables += [
+    tables = [
+        Table(CAPTION, ["blind", *columns], _rows(errors)),
         Table(
             "An easier problem, where the holes are known:",
             ["holes known", *columns],
@@ -125,18 +100,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         tables,
         _claims(errors, floor, RESCALED if manifold.rescales else ""),
         lambda: _figure(errors, known_holes),
-        note=f"Least error: {best_methods(errors)}. {split.text()}",
+        note=split.text(),
     )
-
-
-def best_methods(errors: Errors) -> str:
-    """The method of least error for each range of p, in a sentence."""
-    winners = [min(errors, key=lambda name: errors[name][i]) for i in range(len(PS))]
-    parts = []
-    for name, group in groupby(zip(PS, winners, strict=True), key=lambda pair: pair[1]):
-        ps = [p for p, _ in group]
-        parts.append(f"{name} at p = {ps[0]}" + (f" to {ps[-1]}" if len(ps) > 1 else ""))
-    return "; ".join(parts)
 
 
 def _rows(by_method: dict[str, list]) -> list[list]:
@@ -180,17 +145,18 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
 
 def _figure(errors: Errors, known_holes: list[float]):
     """Error over p; dashed: from X_c / (1 - p); dotted: holes known."""
+    methods = list(dict.fromkeys(name.removesuffix(RESCALED) for name in errors))
     curves = [
         Curve(
             PS,
             row,
             name,
-            COLOURS[name.removesuffix(RESCALED)],
+            f"C{methods.index(name.removesuffix(RESCALED))}",
             "--" if name.endswith(RESCALED) else "-",
         )
         for name, row in errors.items()
     ]
-    curves.append(Curve(PS, known_holes, "interpolation, holes known", PLAIN, ":"))
+    curves.append(Curve(PS, known_holes, INTERPOLATED, PLAIN, ":"))
     figure = curves_figure(curves, "p, share of values set to zero", "error, cm")
     figure.axes[0].set_ylim(0, 1.5 * max(errors[CORRUPTED_ROW]))  # rescaled filters exceed it
     return figure

@@ -10,15 +10,14 @@ import numpy as np
 
 from numpy_cae.baselines import Moments, interpolate_cubically, interpolate_linearly
 from numpy_cae.experiments.clips import ENDS_HELD, Clips, project_ends_held
-from numpy_cae.experiments.drawn_motions import animated
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import MEDIAN, printed, repair_baselines
-from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold, fill_keyframes
 from numpy_cae.motion import POSITIONS
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Curve, curves_figure
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Curve, curves_figure, world_actors
 
 EVERY = 15
 DELAY = (EVERY - 1) // 2
@@ -88,7 +87,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         [Table(CAPTION, header, rows)],
         _claims(measured),
         lambda: _figure(motions, manifold.rate),
-        animated(moving, manifold.rate),
+        Animation(world_actors(moving), manifold.rate),
         split.text(),
     )
 

@@ -12,13 +12,12 @@ from __future__ import annotations
 import numpy as np
 
 from numpy_cae.experiments.clips import cut_ends, hold_ends, project_ends_held
-from numpy_cae.experiments.drawn_motions import animated
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import testing_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import joint_slice
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, Curve, curves_figure
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, Curve, curves_figure, world_actors
 
 EVEN, RANDOM, TRUE = "even", "random", "truth"
 JOINT = "left_wrist"
@@ -68,7 +67,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         [Table("", ["unpooling", "error, cm", "jitter, m/s²", "of the truth's"], rows)],
         claims,
         figure,
-        animated(motions, manifold.rate),
+        Animation(world_actors(motions), manifold.rate),
         sample,
     )
 
