@@ -13,11 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.lock import lock
 from numpy_cae.manifold import load_manifold
-from numpy_cae.motion import write_bvh
 
 TINY = (
     "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
@@ -25,39 +23,26 @@ TINY = (
 ).split()
 
 SEQUENTIAL = (
-    "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12 --batch 4 "
-    "--quiet --checkpoint 0"
+    "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12 --batch 4 --quiet "
+    "--checkpoint 0"
 ).split()
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    motions = tmp_path_factory.mktemp("motions")
-    for seed in range(3):
-        take = make_take("walk", seed, seconds=3.0, rate=30.0)
-        write_bvh(take.motion, motions / f"walk_{seed}.bvh", unit=0.01)
-    return motions
-
-
-@pytest.fixture(scope="module")
-def whole(folder, tmp_path_factory):
-    """The model of a run that nothing interrupted."""
-    file = tmp_path_factory.mktemp("whole") / "m.npz"
-    assert main(["train", str(folder), "-o", str(file), *TINY]) == 0
+def trained(walks, folder, options):
+    """The model of an uninterrupted run."""
+    file = folder / "m.npz"
+    assert main(["train", str(walks), "-o", str(file), *options]) == 0
     return file
 
 
 @pytest.fixture(scope="module")
-def whole_sequential(folder, tmp_path_factory):
-    """The same of jang2018's network."""
-    file = tmp_path_factory.mktemp("whole") / "m.npz"
-    assert main(["train", str(folder), "-o", str(file), *SEQUENTIAL]) == 0
-    return file
+def whole(walks, tmp_path_factory):
+    return trained(walks, tmp_path_factory.mktemp("whole"), TINY)
 
 
-def started(folder, out, options):
+def started(walks, out, options):
     return subprocess.Popen(
-        [sys.executable, "-m", "numpy_cae", "train", str(folder), "-o", str(out), *options],
+        [sys.executable, "-m", "numpy_cae", "train", str(walks), "-o", str(out), *options],
         cwd=Path(__file__).parents[2],
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
@@ -88,11 +73,11 @@ def wait_for_a_state(process, state):
         time.sleep(0.002)
 
 
-def kill_again_and_again(folder, whole, out, times, rng, longest, options=TINY):
+def kill_again_and_again(walks, whole, out, times, rng, longest, options=TINY):
     """Kill `times` runs at random moments, each going on from what the one before left."""
     state, kept = out.with_name("m.checkpoint.npz"), 0
     for number in range(times):
-        process = started(folder, out, [*options, "--resume"])
+        process = started(walks, out, [*options, "--resume"])
         if number % 4 == 3:
             time.sleep(rng.uniform(0, 3))
             process.kill()
@@ -105,53 +90,41 @@ def kill_again_and_again(folder, whole, out, times, rng, longest, options=TINY):
         if out.exists():
             assert same(out, whole)
             out.unlink()
-    assert main(["train", str(folder), "-o", str(out), *options, "--resume"]) == 0
+    assert main(["train", str(walks), "-o", str(out), *options, "--resume"]) == 0
     assert same(out, whole)
     assert [path.name for path in out.parent.iterdir()] == ["m.npz"]
     return kept
 
 
-def test_killed_three_times(folder, whole, tmp_path):
+def test_killed_three_times(walks, whole, tmp_path):
     kept = kill_again_and_again(
-        folder, whole, tmp_path / "m.npz", 3, np.random.default_rng(0), longest=0.1
+        walks, whole, tmp_path / "m.npz", 3, np.random.default_rng(0), longest=0.1
     )
     assert kept > 0
 
 
 @pytest.mark.thorough
-def test_killed_a_hundred_times(folder, whole, tmp_path):
-    kept = kill_again_and_again(
-        folder, whole, tmp_path / "m.npz", 100, np.random.default_rng(1), longest=0.5
-    )
-    assert kept > 10
+@pytest.mark.parametrize("options", [TINY, SEQUENTIAL])
+def test_killed_a_hundred_times(walks, tmp_path, options):
+    (tmp_path / "whole").mkdir()
+    whole = trained(walks, tmp_path / "whole", options)
+    (tmp_path / "out").mkdir()
+    out, rng = tmp_path / "out" / "m.npz", np.random.default_rng(1)
+    assert kill_again_and_again(walks, whole, out, 100, rng, 0.4, options) > 10
 
 
-@pytest.mark.thorough
-def test_the_sequential_model_killed_a_hundred_times(folder, whole_sequential, tmp_path):
-    kept = kill_again_and_again(
-        folder,
-        whole_sequential,
-        tmp_path / "m.npz",
-        100,
-        np.random.default_rng(2),
-        longest=0.3,
-        options=SEQUENTIAL,
-    )
-    assert kept > 10
-
-
-def test_a_second_process_on_the_same_output_is_refused(folder, tmp_path, capsys):
+def test_a_second_process_on_the_same_output_is_refused(walks, tmp_path, capsys):
     out = tmp_path / "m.npz"
     with lock(out):
-        assert main(["train", str(folder), "-o", str(out), *TINY]) == 2
+        assert main(["train", str(walks), "-o", str(out), *TINY]) == 2
     assert "another process is writing to it" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
-def test_a_run_that_diverges_keeps_the_model_that_was_there(folder, whole, tmp_path, capsys):
+def test_a_run_that_diverges_keeps_the_model_that_was_there(walks, whole, tmp_path, capsys):
     out = tmp_path / "m.npz"
     out.write_bytes(whole.read_bytes())
-    argv = ["train", str(folder), "-o", str(out), *TINY, "--rate", "1e20"]
+    argv = ["train", str(walks), "-o", str(out), *TINY, "--rate", "1e20"]
     with np.errstate(all="ignore"):
         assert main(argv) == 2
     last = capsys.readouterr().err.splitlines()[-1]
@@ -162,14 +135,14 @@ def test_a_run_that_diverges_keeps_the_model_that_was_there(folder, whole, tmp_p
     assert out.read_bytes() == whole.read_bytes()
 
 
-def test_resume_where_nothing_is_left_to_do(folder, whole, capsys):
+def test_resume_where_nothing_is_left_to_do(walks, whole, capsys):
     before = whole.read_bytes()
-    assert main(["train", str(folder), "-o", str(whole), *TINY, "--resume"]) == 0
+    assert main(["train", str(walks), "-o", str(whole), *TINY, "--resume"]) == 0
     assert "is complete" in capsys.readouterr().out
     assert whole.read_bytes() == before
 
 
-def test_a_full_disk(folder, tmp_path, capsys):
+def test_a_full_disk(walks, tmp_path, capsys):
     """A real one: a file system of 32 kB, which holds one checkpoint and no second."""
     small = tmp_path / "small"
     small.mkdir()
@@ -183,7 +156,7 @@ def test_a_full_disk(folder, tmp_path, capsys):
     try:
         out = small / "m.npz"
         (small / "ballast").write_bytes(bytes(8_000))
-        argv = ["train", str(folder), "-o", str(out), *TINY]
+        argv = ["train", str(walks), "-o", str(out), *TINY]
         assert main(argv) == 2
         said = capsys.readouterr().err.splitlines()[-1]
         assert "No space left" in said
@@ -193,17 +166,17 @@ def test_a_full_disk(folder, tmp_path, capsys):
         subprocess.run(["umount", str(small)], check=True)
 
 
-def test_a_bad_file_is_listed_and_left_out_unless_strict(folder, tmp_path, capsys):
+def test_a_bad_file_is_listed_and_left_out_unless_strict(walks, tmp_path, capsys):
     motions = tmp_path / "motions"
     motions.mkdir()
-    for path in folder.iterdir():
+    for path in walks.iterdir():
         (motions / path.name).write_bytes(path.read_bytes())
     (motions / "bad.bvh").write_text("HIERARCHY\nnonsense\n")
     out = tmp_path / "m.npz"
     assert main(["train", str(motions), "-o", str(out), *TINY]) == 0
     said = capsys.readouterr().err
     assert f"left out: {motions / 'bad.bvh'}:2: " in said
-    assert "3 files read, 1 left out" in said
+    assert "4 files read, 1 left out" in said
     out.unlink()
     assert main(["train", str(motions), "-o", str(out), *TINY, "--strict"]) == 2
     assert "bad.bvh:2: " in capsys.readouterr().err.splitlines()[-1]

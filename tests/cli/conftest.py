@@ -1,0 +1,60 @@
+"""Fixtures of the command line's tests: a folder of walks, a tiny training, a failing command."""
+
+from __future__ import annotations
+
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import main
+from numpy_cae.motion import write_bvh
+
+TINY = (
+    "--epochs 1 --fine-epochs 2 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
+    "--quiet"
+).split()
+
+
+@pytest.fixture(scope="session")
+def walks(tmp_path_factory):
+    """A folder of four walks, walk_0.bvh to walk_3.bvh, each of 90 frames at 30 a second."""
+    folder = tmp_path_factory.mktemp("motions") / "walking"
+    folder.mkdir()
+    for seed in range(4):
+        take = make_take("walk", seed, seconds=3.0, rate=30.0)
+        write_bvh(take.motion, folder / f"walk_{seed}.bvh", unit=0.01)
+    return folder
+
+
+@pytest.fixture
+def run():
+    """Run a command that must succeed."""
+
+    def run(*words):
+        assert main([str(word) for word in words]) == 0
+
+    return run
+
+
+@pytest.fixture
+def train(run):
+    """Train a tiny convolutional model, with more options."""
+
+    def train(folder, out, *options):
+        run("train", folder, "-o", out, *TINY, *options)
+        return out
+
+    return train
+
+
+@pytest.fixture
+def error_of(capsys):
+    """Run a command that must fail; return its one line on standard error."""
+
+    def error_of(*words):
+        assert main([str(word) for word in words]) == 2
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert lines[-1].startswith(f"numpy-cae {words[0]}: ")
+        assert not any("Traceback" in line for line in lines)
+        return lines[-1]
+
+    return error_of
