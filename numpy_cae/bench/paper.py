@@ -1,4 +1,4 @@
-"""The paper's whole training on this machine, beside its 43 + 51 + 77 + 133 minutes (section 6)."""
+"""The paper's whole training on this machine, for its 43 + 51 + 77 + 133 minutes (section 6)."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ WINDOWS = 9673
 """Windows of 160 frames that the paper trained on."""
 
 MINUTES = {"layer 1": 43, "layer 2": 51, "layer 3": 77, "fine tuning": 133}
-"""What each stage took there, on a Quadro K2000."""
+"""Minutes of each stage in the paper, on a Quadro K2000."""
 
 EPOCHS = 25
 
 
 @dataclass(frozen=True)
 class PaperRun:
-    """What a run took.
+    """The time and memory of a run.
 
     Parameters
     ----------
     batch, windows, epochs : int
-        As run; `minutes` are scaled to the paper's epochs.
+        Of the run; `minutes` are scaled to the paper's epochs.
     minutes : dict, stage to float
     once : float
         Minutes that do not grow with the epochs: encoding the fixed lower layers.
     memory : int or None
-        The most that the process has held so far, bytes; None where the system does not say.
+        Peak memory of the process so far, bytes; None where the system does not report it.
     """
 
     batch: int
@@ -49,7 +49,7 @@ class PaperRun:
         return sum(self.minutes.values()) + self.once
 
     def text(self) -> str:
-        """Beside the paper, stage by stage."""
+        """A table of the stages, with the paper's minutes."""
         scaled = "" if self.epochs == EPOCHS else f", scaled from {self.epochs} to {EPOCHS} epochs"
         lines = [
             f"batch {self.batch}, {self.windows} windows{scaled}:",
@@ -66,7 +66,7 @@ class PaperRun:
 
 
 def synthetic_windows(windows: int, frames: int = 160, seed: int = 0) -> np.ndarray:
-    """Sums of slow sines that the features share, root mean square 0.25: (windows, frames, 63)."""
+    """Sums of slow sines with root mean square 0.25, as an array (windows, frames, 63)."""
     rng = np.random.default_rng(seed)
     mixing = rng.normal(size=(6, 63)).astype(np.float32) / np.sqrt(3) / 4
     out = np.empty((windows, frames, 63), np.float32)
@@ -80,7 +80,7 @@ def synthetic_windows(windows: int, frames: int = 160, seed: int = 0) -> np.ndar
 def run_paper(
     batch: int, epochs: int = 1, windows: int = WINDOWS, show_progress: bool = True
 ) -> PaperRun:
-    """Train the paper's network by the paper's four stages, of so many epochs each."""
+    """Train the paper's network in the paper's four stages of `epochs` each."""
     schedule = Schedule(
         layer=Stage(epochs=epochs, batch=batch),
         fine_tuning=Stage(epochs, rate=0.01, alpha=0.0, batch=batch),
@@ -97,10 +97,10 @@ def run_paper(
 
 
 def peak_of_process() -> int | None:
-    """The most memory that this process has held so far, bytes."""
+    """Peak memory of this process so far, bytes."""
     try:
         import resource
     except ImportError:  # Windows
         return None
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most if sys.platform == "darwin" else most * 1024
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024

@@ -1,4 +1,4 @@
-"""What a matrix product reaches on this machine, measured in the process that uses the figure."""
+"""The speed of a large matrix product in this process."""
 
 from __future__ import annotations
 
@@ -8,14 +8,8 @@ import numpy as np
 
 
 def matrix_product_peak(size: int = 2048, rounds: int = 12) -> float:
-    """Floating point operations a second of a large float32 product, best of many rounds.
-
-    Parameters
-    ----------
-    size : int
-        Of the square matrices.
-    rounds : int
-    """
+    """Floating point operations a second of a product of float32 (size, size) matrices; the best
+    of so many rounds."""
     rng = np.random.default_rng(0)
     a, b = (rng.random((size, size), dtype=np.float32) for _ in range(2))
     out = np.empty_like(a)

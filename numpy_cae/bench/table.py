@@ -1,4 +1,4 @@
-"""The table of `numpy-cae bench`: every case and batch, beside the machine and PyTorch."""
+"""The table of `numpy-cae bench`: every case and batch size, with PyTorch if it is installed."""
 
 from __future__ import annotations
 
@@ -9,21 +9,32 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.bench.cases import Case, cases
-from numpy_cae.bench.timing import Timing, time_in_turns
-from numpy_cae.bench.torch_twin import TorchTwin, require_agreement, torch
+from numpy_cae.bench import arithmetic
+from numpy_cae.bench.convolutional import (
+    TorchModel,
+    arrays_of,
+    cases,
+    require_agreement,
+    torch,
+)
+from numpy_cae.bench.sequential import FRAMES, LATENT, SequenceCase, TorchSequenceModel
+from numpy_cae.bench.timing import Timing, time_alternately
 from numpy_cae.fast import accelerate
 from numpy_cae.fast.blas import blas_threads
-from numpy_cae.models import ConvAutoencoder
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 
 BATCHES = (1, 4, 16, 64)
-CHECKED = 4
-"""Windows with which PyTorch is checked; more would only take longer in float64."""
+SEQUENCE_BATCHES = (16, 64)
+HIDDEN = (128, 512, 1024)
+"""Hidden units of the timed sequential networks."""
+
+CHECKED_WINDOWS, CHECKED_HIDDEN = 4, 24
+"""Sizes with which PyTorch's results are compared, in float64; larger ones would take longer."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One thing that was timed, at one size of batch.
+    """A timed case.
 
     Parameters
     ----------
@@ -36,7 +47,7 @@ class Row:
     memory : int
         Bytes.
     ours, theirs : Timing
-        Of the whole batch; None where PyTorch is not installed.
+        Of the whole batch; `theirs` is None without PyTorch.
     """
 
     name: str
@@ -64,52 +75,67 @@ class Row:
 
 
 def header(peak: float) -> str:
-    """What the figures were measured with, and what the columns are."""
-    said = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
-    said += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
+    """The versions, the numbers of threads, and the names of the columns."""
+    versions = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
+    versions += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
     if torch is not None:
-        said += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"
+        versions += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"
     names = ["what            ", "  B", "ms a window   ", "of peak", "MB   "]
     if torch is not None:
         names += ["PyTorch, ms   ", "ratio"]
-    return f"{said}\n\n| {' | '.join(names)} |\n|{'---|' * len(names)}"
+    return f"{versions}\n\n| {' | '.join(names)} |\n|{'---|' * len(names)}"
 
 
-def rows(peak: float, batches: Sequence[int] = BATCHES, rounds: int = 21) -> Iterator[Row]:
-    """Time everything; a row as soon as it is known.
+def rows(peak: float, batches: Sequence[int] | None = None, rounds: int = 21) -> Iterator[Row]:
+    """Time every case of the convolutional network, yielding each row when it is known.
 
     Raises
     ------
     ArithmeticError
-        If PyTorch is installed and computes something else.
+        If PyTorch computes something else.
     """
     if torch is not None:
-        _check()
-    for batch in batches:
-        model = ConvAutoencoder()
+        exact = accelerate(ConvAutoencoder(dtype=np.float64))
+        for case in cases(exact, CHECKED_WINDOWS):
+            require_agreement(case.name, arrays_of(exact, case), TorchModel(exact).arrays(case))
+    for batch in batches or BATCHES:
+        model = accelerate(ConvAutoencoder())
         for case in cases(model, batch):
-            yield _row(model, case, peak, rounds)
+            memory = peak_memory(case.function(accelerate(ConvAutoencoder())))
+            theirs = None if torch is None else TorchModel(model).function(case)
+            times = _times(case.function(model), theirs, rounds)
+            yield Row(case.name, batch, case.operations, peak, memory, *times)
 
 
-def _row(model: ConvAutoencoder, case: Case, peak: float, rounds: int) -> Row:
-    memory = _memory(case)
-    functions = {"ours": case.ours(accelerate(model))}
+def sequence_rows(
+    peak: float, batches: Sequence[int] | None = None, rounds: int = 21
+) -> Iterator[Row]:
+    """Time a training step of the sequential network at every width, as `rows`."""
+    batches = batches or SEQUENCE_BATCHES
     if torch is not None:
-        functions["theirs"] = TorchTwin(model).theirs(case)
-    times = time_in_turns(functions, rounds)
-    ours, theirs = times["ours"], times.get("theirs")
-    return Row(case.name, len(case.x), case.operations, peak, memory, ours, theirs)
+        exact = SequentialAutoencoder(hidden=CHECKED_HIDDEN, latent=LATENT, dtype=np.float64)
+        exact = accelerate(exact)
+        for batch in batches:
+            case = SequenceCase.drawn(exact, batch)
+            theirs = TorchSequenceModel(exact).arrays(case)
+            require_agreement("sequential", case.arrays_of(exact), theirs)
+    for batch in batches:
+        for units in HIDDEN:
+            model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
+            case = SequenceCase.drawn(model, batch)
+            memory = peak_memory(case.function(model))
+            theirs = None if torch is None else TorchSequenceModel(model).function(case)
+            times = _times(case.function(model), theirs, rounds)
+            operations = batch * arithmetic.sequence_step(model, FRAMES)
+            yield Row(f"hidden {units}", batch, operations, peak, memory, *times)
 
 
-def _check() -> None:
-    model = ConvAutoencoder(dtype=np.float64)
-    for case in cases(model, CHECKED):
-        require_agreement(model, case)
-
-
-def _memory(case: Case) -> int:
-    """The most that a model which has done nothing yet allocates for the case, bytes."""
-    return peak_memory(case.ours(accelerate(ConvAutoencoder())))
+def _times(
+    ours: Callable[[], object], theirs: Callable[[], object] | None, rounds: int
+) -> tuple[Timing, Timing | None]:
+    functions = {"ours": ours} if theirs is None else {"ours": ours, "theirs": theirs}
+    times = time_alternately(functions, rounds)
+    return times["ours"], times.get("theirs")
 
 
 def peak_memory(function: Callable[[], object]) -> int:

@@ -1,4 +1,4 @@
-"""Functions timed in turns, so that a machine that slows down slows all of them down."""
+"""Functions timed alternately, so that a change of the machine's speed affects all of them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-REST = 0.03
-"""Seconds before each turn: the threads of OpenMP and BLAS go on spinning for a while after their
-work is done, and would take the processor from whoever has the next turn."""
+PAUSE = 0.03
+"""Seconds before each measurement: the threads of OpenMP and BLAS wait actively for a while after
+their work is done, which would slow down the next function."""
+
+MIN_SECONDS = 0.03
+"""Seconds of one measurement; a faster function is called several times."""
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds of many rounds.
+    """The seconds of one call, in each of many rounds.
 
     Parameters
     ----------
@@ -26,34 +29,26 @@ class Timing:
 
     @property
     def median(self) -> float:
-        """Half of the rounds took longer."""
+        """The median over the rounds."""
         return float(np.median(self.seconds))
 
     @property
     def spread(self) -> float:
-        """Half the distance between the quartiles, as a share of the median."""
+        """Half the interquartile range, as a share of the median."""
         low, high = np.quantile(self.seconds, (0.25, 0.75))
         return float((high - low) / 2 / self.median)
 
 
-def time_in_turns(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, Timing]:
-    """Each function once a round, round after round; what is quick runs several times in a round.
-
-    Parameters
-    ----------
-    functions : name to function without arguments
-    rounds : int
-
-    Returns
-    -------
-    dict, name to Timing of one call
-    """
+def time_alternately(
+    functions: Mapping[str, Callable[[], object]], rounds: int
+) -> dict[str, Timing]:
+    """Time every function once in each round; the result has the same names."""
     repeats = {name: _repeats(function) for name, function in functions.items()}
     seconds: dict[str, list[float]] = {name: [] for name in functions}
     for _ in range(rounds):
         for name, function in functions.items():
-            time.sleep(REST)
-            function()  # whoever ran before has left the caches to others
+            time.sleep(PAUSE)
+            function()  # the caches hold the data of the function before
             start = time.perf_counter()
             for _ in range(repeats[name]):
                 function()
@@ -61,9 +56,9 @@ def time_in_turns(functions: Mapping[str, Callable[[], object]], rounds: int) ->
     return {name: Timing(np.array(each)) for name, each in seconds.items()}
 
 
-def _repeats(function: Callable[[], object], at_least: float = 0.03) -> int:
-    """Calls in a round, so that a round is long enough to be timed; warms up as well."""
+def _repeats(function: Callable[[], object]) -> int:
+    """Calls in one measurement; also a first call, which is slower."""
     function()
     start = time.perf_counter()
     function()
-    return max(1, round(at_least / max(time.perf_counter() - start, 1e-9)))
+    return max(1, round(MIN_SECONDS / max(time.perf_counter() - start, 1e-9)))
