@@ -34,8 +34,8 @@ class AngleSequence:
     Parameters
     ----------
     numbers : (F, 54) array of float64
-        The root's position in the world in metres and 51 angles in radians, unwrapped in time, in
-        the order of `table.columns`.
+        The root's position in metres and 51 angles in radians, unwrapped in time, in the order of
+        `table.columns`.
     table : AngleTable
     offsets : (J, 3) array of float64
         From each joint's nearest rotating ancestor to the joint in metres, mean over the motion.

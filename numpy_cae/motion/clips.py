@@ -17,25 +17,10 @@ CLIP = 50
 def draw_clips(
     sequences: Sequence[AngleSequence], clips: int, rng: np.random.Generator, frames: int = CLIP
 ) -> np.ndarray:
-    """Random clips; every possible first frame is equally likely.
+    """Random clips (clips, frames, 54); every possible first frame is equally likely.
 
-    Parameters
-    ----------
-    sequences : sequence of AngleSequence
-        Those shorter than a clip are ignored.
-    clips : int
-    rng : numpy.random.Generator
-    frames : int
-
-    Returns
-    -------
-    (clips, frames, 54) array of float64
-        The translation relative to the first frame of the clip.
-
-    Raises
-    ------
-    ValueError
-        If no sequence is as long as a clip.
+    Sequences shorter than a clip are ignored; ValueError if all are. The translation is relative to
+    the first frame of the clip.
     """
     starts = np.array([max(len(sequence) - frames + 1, 0) for sequence in sequences])
     _require_clips(starts.sum(), frames)

@@ -1,9 +1,8 @@
 """Which foot stands on the floor, and when: a toe joint that is low and hardly moves.
 
-The definition of a standing foot for the whole project. The height was chosen on 88 takes of
-Bandai and 49 of CMU: 2.5 cm above the floor are 99.9% and 80% of the frames in which a toe rests
-(100% and 90% at 3.5 cm, as CMU's floor is uneven), but also 13% and 4% of the frames in which it
-swings at more than 1 m/s (21% and 11% at 3.5 cm).
+The height was chosen on 88 takes of Bandai and 49 of CMU: within 2.5 cm of the floor are 99.9% and
+80% of the frames in which a toe rests (100% and 90% within 3.5 cm, as CMU's floor is uneven), and
+13% and 4% of the frames in which it moves faster than 1 m/s (21% and 11% within 3.5 cm).
 """
 
 from __future__ import annotations
@@ -24,13 +23,7 @@ _MIN_FRAMES = 3
 
 
 def floor_height(positions: np.ndarray) -> float:
-    """The height of the floor, metres: the 5% quantile of the lower toe's height.
-
-    Parameters
-    ----------
-    positions : (F, 20, 3) array of float
-        World positions in metres.
-    """
+    """The height of the floor, metres: the 5% quantile of the lower toe's height in (F, 20, 3)."""
     return float(np.quantile(positions[:, FEET, 1].min(axis=1), 0.05))
 
 

@@ -77,19 +77,10 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
 
 
 def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Velocity and turn, v_t and ω_t, along a trajectory: the inverse of `trajectory_of`.
+    """Velocity and turn, v_t and ω_t, (F, 3) in the order of the features, along a trajectory.
 
-    Parameters
-    ----------
-    floor : (F, 3) array of float
-        The hips on the floor, h_t, metres.
-    theta : (F,) array of float
-        The heading, θ_t, radians.
-
-    Returns
-    -------
-    (F, 3) array of float64
-        In the order of the features; the last frame repeats the one before.
+    It is given by the hips on the floor, h_t (F, 3) in metres, and the heading, θ_t (F,) in
+    radians, as `trajectory_of` returns them. The last frame repeats the one before.
     """
     steps = np.zeros((len(floor), 3))
     velocity = rotate_on_floor(np.diff(floor, axis=0)[:, [0, 2]], -theta[:-1])
@@ -123,11 +114,7 @@ def trajectory_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The trajectory of a body: h_t (F, 3) in metres and θ_t (F,) in radians.
 
-    Parameters
-    ----------
-    features : (F, 63) array of float
-    start : RootTransform, optional
-        By default the origin facing +Z.
+    It begins at `start`, by default at the origin facing +Z.
     """
     start = start or RootTransform()
     theta = np.full(len(features), start.heading, dtype=np.float64)

@@ -23,17 +23,8 @@ _NO_LENGTH = 1e-6  # metres; the CMU BVH files have both collars exactly at the 
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
-    """The mean length of the bone that ends at each of the twenty joints.
-
-    Parameters
-    ----------
-    positions : (F, 20, 3) array of float
-        In metres.
-
-    Returns
-    -------
-    (20,) array of float64
-        In metres; 0 for the hips, where no bone ends.
+    """The mean length of the bone that ends at each of the twenty joints, (20,) in metres, from
+    positions (F, 20, 3) in metres. It is 0 for the hips, where no bone ends.
     """
     lengths = np.zeros(len(JOINTS))
     for joint, parent in enumerate(PARENTS):

@@ -17,16 +17,10 @@ from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 @dataclass(frozen=True)
 class FileWindows:
-    """Windows and their sources.
+    """Windows (N, length, 63) on the mean skeleton of the files, not normalised.
 
-    Parameters
-    ----------
-    features : (N, length, 63) array of float64
-        On the mean skeleton of the files, not normalised.
-    real : (N, length) array of bool
-        False for frames added to a short take.
-    takes : (N,) array of int
-        The index of each window's file.
+    `real` (N, length) is False for frames added to a short take; `takes` (N,) is the index of each
+    window's file.
     """
 
     features: np.ndarray
@@ -55,14 +49,8 @@ def load_windows(
 
     Raises
     ------
-    MotionFileError
-        If there is no such file or one cannot be read.
-    UnknownRigError
-        If joints are missing.
-
-    References
-    ----------
-    holden2015, section 4.
+    MotionFileError, UnknownRigError
+        If there is no such file, or one cannot be read or lacks joints.
     """
     paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
     if not paths:

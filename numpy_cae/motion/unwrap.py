@@ -16,17 +16,8 @@ _SHORT = 1e-9
 
 
 def unwrapped(vectors: np.ndarray) -> np.ndarray:
-    """The same rotations, continuous in time.
-
-    Parameters
-    ----------
-    vectors : (F, …, 3) array of float64
-        Rotation vectors in radians; each but the first frame is replaced by the equivalent vector
-        nearest to the frame before.
-
-    Returns
-    -------
-    (F, …, 3) array of float64
+    """The same rotations, continuous in time: rotation vectors (F, …, 3) in radians, of which each
+    but the first frame is replaced by the equivalent vector nearest to the frame before.
     """
     smooth = np.array(vectors, dtype=np.float64)
     for frame in range(1, len(smooth)):
@@ -47,16 +38,11 @@ def _nearest(vector: np.ndarray, before: np.ndarray) -> np.ndarray:
 
 
 def shortest_clips(vectors: np.ndarray) -> np.ndarray:
-    """Continuous rotation vectors of clips, shifted by whole turns to the shortest equivalents.
+    """Continuous rotation vectors (…, F, J, 3) of clips, shifted by whole turns to the shortest.
 
     After a person has turned round once, every vector is longer by 2π; later clips should not
     differ from earlier ones. The shift is one number for each joint and clip, so that the clip
     stays continuous.
-
-    Parameters
-    ----------
-    vectors : (…, F, J, 3) array of float
-        Unwrapped.
     """
     angle = np.linalg.norm(vectors, axis=-1, keepdims=True)
     turns = np.round(angle.mean(axis=-3, keepdims=True) / _PERIOD)

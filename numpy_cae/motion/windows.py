@@ -13,18 +13,9 @@ OVERLAP = 80
 
 
 def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
-    """The features extended to `frames` frames by repeating the last pose, without movement.
+    """The features (F, 63) extended to `frames` frames, at least F, by repeating the last pose.
 
-    Parameters
-    ----------
-    features : (F, 63) array of float
-    frames : int
-        At least F.
-
-    Returns
-    -------
-    (frames, 63) array of float64
-        Velocity and turn are 0 from the last given frame.
+    Velocity and turn are 0 from the last given frame.
     """
     held = np.repeat(features[-1:], frames - len(features), axis=0)
     whole = np.concatenate([features, held])

@@ -45,18 +45,6 @@ def test_a_skeleton_alone_asks_for_its_motion(tmp_path):
         load_motion(tmp_path / "02.asf")
 
 
-def test_a_bvh_file_takes_no_skeleton(tmp_path):
-    (tmp_path / "take.bvh").write_text(BVH)
-    with pytest.raises(MotionFileError, match=r"expected no .asf file"):
-        load_motion(tmp_path / "take.bvh", skeleton=tmp_path / "02.asf")
-
-
-def test_text_takes_no_skeleton_either(tmp_path):
-    (tmp_path / "take.txt").write_text("0,0")
-    with pytest.raises(MotionFileError, match=r"standard skeleton, expected no .asf file"):
-        load_motion(tmp_path / "take.txt", skeleton=tmp_path / "02.asf")
-
-
 def test_only_text_that_begins_with_a_long_row_is_motion(tmp_path):
     (tmp_path / "licence.txt").write_text("Terms, conditions, and so on, in words.")
     (tmp_path / "walk.txt").write_text(",".join(["0"] * 117))

@@ -26,7 +26,6 @@ CMU_RATE = 120.0
 def read_amc(
     path: str | Path,
     skeleton_path: str | Path | None = None,
-    rate: float | None = None,
     unit: float | None = None,
     max_rate: float | None = None,
 ) -> Motion:
@@ -40,9 +39,6 @@ def read_amc(
     path : path of the .amc file
     skeleton_path : path of the .asf file, optional
         By default the one that `find_skeleton` finds.
-    rate : float, optional
-        Frames a second. By default the file's `:SAMPLES-PER-SECOND`, which few files have; else
-        120, the rate of the CMU database.
     unit : float, optional
         Metres in one unit of the files; by default as the skeleton says.
     max_rate : float, optional
@@ -51,24 +47,22 @@ def read_amc(
     Returns
     -------
     Motion
-        In metres; a joint is named for its bone and is at the bone's base.
+        In metres; a joint is named for its bone and is at the bone's base. The rate is the file's
+        `:SAMPLES-PER-SECOND`, which few files have; else 120, the rate of the CMU database.
 
     Raises
     ------
     MotionFileError
         If either file is damaged or the two do not fit; a motion is never truncated or padded.
     ValueError
-        If `rate` or `unit` is not above 0.
+        If `unit` is not above 0.
     """
-    if rate is not None and not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate is {rate}, expected frames a second above 0")
     file = TextFile.read(path)
     if skeleton_path is None:
         skeleton_path = find_skeleton(path)
         log.info("%s: skeleton from %s", path, skeleton_path)
     acclaim = read_asf(skeleton_path, unit)
-    degrees, file_rate, header = _read_header(file, acclaim.degrees)
-    rate = rate or file_rate or CMU_RATE
+    degrees, rate, header = _read_header(file, acclaim.degrees)
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     values = _frames(file, acclaim, header, step)
     file.require_meaningful_size(len(values), len(acclaim.skeleton.names))
@@ -99,13 +93,13 @@ def find_skeleton(path: str | Path) -> Path:
         path,
         None,
         f"its skeleton is not clear: the folder holds {found}, expected "
-        f"{path.stem.split('_')[0]}.asf; name the .asf file that belongs to it",
+        f"{path.stem.split('_')[0]}.asf; pass the .asf file that belongs to it to read_amc",
     )
 
 
-def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float | None, int]:
-    """Whether angles are degrees, the rate if stated, and the last line before the frames."""
-    rate = None
+def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float, int]:
+    """Whether angles are degrees, the rate, and the last line before the frames."""
+    rate = CMU_RATE
     for line, words in statements(file):
         keyword = words[0].lower()
         if not keyword.startswith(":"):
@@ -115,9 +109,8 @@ def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float | None, int
         elif keyword == ":samples-per-second":
             numbers = file.numbers(line, words[1:])
             if len(numbers) != 1 or numbers[0] < MIN_RATE:
-                raise file.error(
-                    line, f":SAMPLES-PER-SECOND, expected one number above 0, {MIN_RATE:g} or more"
-                )
+                problem = f"expected one number above 0, {MIN_RATE:g} or more"
+                raise file.error(line, f":SAMPLES-PER-SECOND, {problem}")
             rate = numbers[0]
     raise file.error(file.count, "the file ends before the first frame")
 

@@ -41,10 +41,8 @@ class AcclaimSkeleton:
         C of each bone; the identity for the root.
     orientation : Rotation
         The root's rotation is orientation · R.
-    unit : float
-        Metres in one unit of length of the file.
-    degrees : bool
-        Whether angles are in degrees, if the .amc file does not say.
+    unit, degrees
+        Metres in one unit of the file; whether its angles are in degrees.
     """
 
     skeleton: Skeleton
@@ -107,15 +105,14 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     file = TextFile.read(path)
     sections = _read_sections(file)
     line, words = sections.units.get("length", (0, ["1"]))
-    problem = "length of :units, expected one number above 0"
-    length = _number(file, line, words, problem)
-    if length < 1e-9:
-        raise file.error(line, problem)
+    numbers = file.numbers(line, words)
+    if len(numbers) != 1 or numbers[0] < 1e-9:
+        raise file.error(line, "length of :units, expected one number above 0")
     line, words = sections.units.get("angle", (0, ["deg"]))
     angle = " ".join(words).lower()
     if angle not in ("deg", "rad", "degrees", "radians"):
         raise file.error(line, f"angle {quoted(angle)}, expected deg or rad")
-    unit = INCH / length if unit is None else require_unit(unit)
+    unit = INCH / numbers[0] if unit is None else require_unit(unit)
     return _assemble(file, sections, unit, angle.startswith("deg"))
 
 
@@ -155,13 +152,6 @@ def _read_sections(file: TextFile) -> _Sections:
             problem = f"the file ends without {required}: is it an .asf file, cut off?"
             raise file.error(file.count, problem)
     return sections
-
-
-def _number(file: TextFile, line: int, words: list[str], problem: str) -> float:
-    numbers = file.numbers(line, words)
-    if len(numbers) != 1:
-        raise file.error(line, problem.format(len(numbers)))
-    return numbers[0]
 
 
 def _channels(
@@ -230,8 +220,10 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
         if bone.name in tips:
             raise file.error(bone.line, f"bone name {bone.name!r} stands a second time")
         direction = file.three_numbers(*bone.fields["direction"], "direction")
-        length = _number(file, *bone.fields["length"], "length has {} values, expected one number")
-        tips[bone.name] = unit * length * np.array(direction)
+        line, words = bone.fields["length"]
+        if len(words) != 1:
+            raise file.error(line, f"length has {len(words)} values, expected one number")
+        tips[bone.name] = unit * file.numbers(line, words)[0] * np.array(direction)
         line, words = bone.fields["axis"]
         angles = file.three_numbers(line, words[:3], "axis")
         axes[bone.name] = _rotation(file, line, angles, " ".join(words[3:]), degrees)

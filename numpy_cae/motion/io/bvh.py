@@ -54,13 +54,13 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     joints, motion_line = read_hierarchy(file)
     rate, values = _read_motion(file, motion_line, joints, max_rate)
     rotations, translations = _pose(joints, values)
-    if unit is None:
+    if unit is not None:
+        note = f"{unit_name(unit)}, as given"
+    else:
         height = stature(_skeleton(joints, 1.0), _lengths(joints, translations))
         unit, note = guess_unit(height)
         level = logging.INFO if is_plausible(unit * height) else logging.WARNING
         log.log(level, "%s: lengths taken as %s", path, note)
-    else:
-        note = f"{unit_name(unit)}, as given"
     translations *= unit
     return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
 
@@ -112,9 +112,8 @@ def _read_motion(
     """Frames a second and the table (frames, channels) below MOTION."""
     channels = sum(len(joint.channels or []) for joint in joints)
     count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
-    time_line, time = _header(
-        file, count_line, r"frame\s*time\s*:?\s*(.*)", "Frame Time: and seconds"
-    )
+    pattern = r"frame\s*time\s*:?\s*(.*)"
+    time_line, time = _header(file, count_line, pattern, "Frame Time: and seconds")
     if not whole_number(count):
         raise file.error(count_line, f"Frames: {quoted(count)}, expected a whole number above 0")
     rate = _rate(file, time_line, time)

@@ -181,8 +181,8 @@ class _Blocks:
         count, *names = value.split() or [""]
         for name in names:
             if name.lower() not in CHANNELS:
-                expected = ", ".join(CHANNELS.values())
-                raise self.file.error(line, f"{quoted(name)} is no channel, expected {expected}")
+                problem = f"{quoted(name)} is no channel, expected {', '.join(CHANNELS.values())}"
+                raise self.file.error(line, problem)
         block.channels = [CHANNELS[name.lower()] for name in names]
         if whole_number(count) != len(names):
             problem = f"CHANNELS says {quoted(count)} and names {len(names)}, expected as many"

@@ -39,14 +39,8 @@ WORTHWHILE = 20e6
 class Body:
     """The result of reading one file.
 
-    Parameters
-    ----------
-    path : Path
-    positions : (F, 20, 3) array of float64 or None
-        World positions in metres at `RATE`; None if the file cannot be used.
-    note : str
-        The unit that was assumed.
-    problem : MotionFileError, UnknownRigError or None
+    World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; a note on the
+    unit that was assumed; the problem if there is one.
     """
 
     path: Path

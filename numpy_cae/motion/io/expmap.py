@@ -27,7 +27,7 @@ _CUT = 1.5
 """Radians between two frames: not a motion but a cut, as after the T-pose."""
 
 
-def read_expmap(path: str | Path, unit: float | None = None, rate: float | None = None) -> Motion:
+def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     """Read exponential-map text; the number of values in a line determines the layout.
 
     Parameters
@@ -35,23 +35,20 @@ def read_expmap(path: str | Path, unit: float | None = None, rate: float | None 
     path : path of the .txt file
     unit : float, optional
         Metres in one unit of length; by default CMU's unit or Human3.6M's millimetre.
-    rate : float, optional
-        Frames a second, which the text does not state; by default 120 for CMU, 50 for Human3.6M.
 
     Returns
     -------
     Motion
-        On the rig's standard bones: the text holds no lengths.
+        On the rig's standard bones and at 120 frames a second for CMU, 50 for Human3.6M: the text
+        states neither.
 
     Raises
     ------
     MotionFileError
-        If a line has too few or too many values, or a word that is not a number.
+        If the file is damaged.
     ValueError
-        If `rate` or `unit` is not above 0.
+        If `unit` is not above 0.
     """
-    if rate is not None and not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate is {rate}, expected frames a second above 0")
     rig, values = _table(TextFile.read(path))
     metres = rig.unit if unit is None else require_unit(unit)
     # The bones are in metres already; a given unit applies to the translation alone.
@@ -64,7 +61,7 @@ def read_expmap(path: str | Path, unit: float | None = None, rate: float | None 
         rotations[:, 0] = cmu_root(Rotation.from_quat(rotations[:, 0])).as_quat()
     source = "of such text" if unit is None else "as given"
     note = f"{unit_name(metres)} ({source}, {rig.name}; the bones are a standard person's)"
-    return Motion(rig.skeleton, float(rate or rig.rate), rotations, translations, metres, note)
+    return Motion(rig.skeleton, rig.rate, rotations, translations, metres, note)
 
 
 def is_expmap_text(path: str | Path) -> bool:

@@ -18,12 +18,9 @@ SUPPORTED = (
 
 
 def load_motion(
-    path: str | Path,
-    unit: float | None = None,
-    skeleton: str | Path | None = None,
-    max_rate: float | None = None,
+    path: str | Path, unit: float | None = None, max_rate: float | None = None
 ) -> Motion:
-    """Read a motion from any supported file.
+    """Read a motion from any supported file; the skeleton of an .amc file is looked for beside it.
 
     Parameters
     ----------
@@ -32,8 +29,6 @@ def load_motion(
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
         for BVH, as the skeleton says for Acclaim, as the layout says for text; see
         `Motion.unit_note`.
-    skeleton : path, optional
-        The .asf file of an .amc file; by default looked for beside it.
     max_rate : float, optional
         Frames a second that suffice: if omitting frames gives this rate, they are not parsed.
 
@@ -58,13 +53,10 @@ def load_motion(
         problem = "is a skeleton without motion, expected the .amc file that moves it"
     elif suffix not in (".amc", ".bvh", ".txt"):
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
-    elif skeleton is not None and suffix != ".amc":
-        owner = "a BVH file holds its own" if suffix == ".bvh" else "such text has a standard"
-        problem = f"{owner} skeleton, expected no .asf file"
     if problem is not None:
         raise MotionFileError(path, None, problem)
     if suffix == ".amc":
-        return read_amc(path, skeleton, unit=unit, max_rate=max_rate)
+        return read_amc(path, unit=unit, max_rate=max_rate)
     return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
 
 

@@ -50,18 +50,10 @@ def unit_name(unit: float) -> str:
 
 
 def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float:
-    """The stature of a person with such bones.
+    """The stature of a person with such bones, in the unit of the lengths; 0 without two tips.
 
-    Parameters
-    ----------
-    skeleton : Skeleton
-    bone_lengths : (J,) array, optional
-        From each joint's parent to the joint; by default the lengths of the skeleton's offsets.
-
-    Returns
-    -------
-    float
-        In the unit of the lengths; 0 if there are no two tips.
+    `bone_lengths` (J,), from each joint's parent to the joint, are by default those of the
+    skeleton's offsets.
     """
     if bone_lengths is None:
         bone_lengths = np.linalg.norm(skeleton.offsets, axis=-1)
@@ -87,14 +79,8 @@ def is_plausible(metres: float) -> bool:
 
 
 def guess_unit(height: float) -> tuple[float, str]:
-    """The unit in which a person `height` units tall is closest to an adult.
-
-    Returns
-    -------
-    unit : float
-        Metres; 1 if the height is 0.
-    note : str
-        The guess and its reason, for a person.
+    """The unit in metres in which a person `height` units tall is closest to an adult, and a note
+    with the reason; 1 if the height is 0.
     """
     if not height > 0:
         return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"

@@ -56,21 +56,9 @@ class UnknownRigError(NumpyCaeError, ValueError):
 def find_joints(skeleton: Skeleton, mapping: dict[str, str] | None = None) -> list[int]:
     """Indices of the twenty joints in a skeleton, in the order of `JOINTS`.
 
-    Parameters
-    ----------
-    skeleton : Skeleton
-    mapping : dict of our names to the rig's, optional
-        Takes precedence over the known rigs; joints that it omits are looked up in the rig that
-        fits best.
-
-    Returns
-    -------
-    list of 20 int
-
-    Raises
-    ------
-    UnknownRigError
-        Listing the joints that are missing and the joints that the rig has.
+    A mapping of our names to the rig's takes precedence over the known rigs; joints that it omits
+    are looked up in the rig that fits best. Raises UnknownRigError, with the joints that are
+    missing and the joints that the rig has.
     """
     index = {_plain(name): i for i, name in enumerate(skeleton.names)}
     best = max(RIGS.values(), key=lambda rig: sum(_plain(name) in index for name in rig.values()))

@@ -17,19 +17,10 @@ from scipy.spatial.transform import Rotation
 
 
 def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation:
-    """The smallest rotations from the directions `before` to the directions `after`.
+    """The smallest rotations (F) from the directions `before` (F, 3) to the directions `after`.
 
-    Parameters
-    ----------
-    before, after : (F, 3) arrays of float
-        Of any length; the identity where one is zero.
-    share : float
-        The part of the angle to rotate by.
-
-    Returns
-    -------
-    Rotation of F
-        Exactly the identity where the directions agree.
+    The vectors may have any length; the rotation is exactly the identity where they agree or one
+    is zero. `share` is the part of the angle to rotate by.
     """
     before, after = _unit(before), _unit(after)
     axis = np.cross(before, after)
@@ -43,18 +34,10 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation
 
 
 def fit_fan(before: np.ndarray, after: np.ndarray, tau: float) -> Rotation:
-    """The rotations that align each frame's bones `before` with `after`.
+    """The rotations (F) that align each frame's bones `before` (F, N, 3) with `after`.
 
-    Parameters
-    ----------
-    before, after : (F, N, 3) arrays of float
-        Long bones have more weight than short ones, and bones of length 0 none.
-    tau : float
-        τ, above 0: the strength of the regularisation.
-
-    Returns
-    -------
-    Rotation of F
+    Long bones have more weight than short ones, and bones of length 0 none. `tau` above 0 is the
+    strength of the regularisation, τ.
     """
     first = _regularised_fit(before, after, tau)
     rotated = np.stack([first.apply(bone) for bone in before.transpose(1, 0, 2)], axis=1)

@@ -109,7 +109,7 @@ def retarget(
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
             free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
             corrected = _corrected(rotation, rotations_before[joint], own, target, free)
-            changes = (corrected * rotation.inv()).magnitude() > _ROUNDING
+            changes = np.atleast_1d((corrected * rotation.inv()).magnitude() > _ROUNDING)
             if changes.any():
                 rotation = _choose(changes, corrected, rotation)
                 rotations[changes, joint] = (above.inv() * rotation).as_quat()[changes]
