@@ -10,8 +10,7 @@ import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import MotionManifold, fill_joint, fill_motion_joint, fill_motion_keyframes
-from numpy_cae.manifold.fill import JointFiller
+from numpy_cae.manifold import fill_joint, fill_motion_joint, fill_motion_keyframes
 from numpy_cae.motion import Motion
 
 
@@ -19,7 +18,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Add the subcommand and its arguments."""
     parser = subparsers.add_parser(
         "fill",
-        help="fill in a missing joint, or the frames between keyframes",
         description="Fill in what is missing from a motion by a learned manifold, and write the "
         "result as BVH, with the rig, frame rate, unit and length of the input file. Known values "
         "do not change: with --joint all other joints, with --keyframes every N-th frame.",
@@ -28,9 +26,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     one_motion.add_file_arguments(parser)
     missing = parser.add_mutually_exclusive_group(required=True)
-    missing.add_argument(
-        "--joint", metavar="NAME", help="name of the missing joint: left_wrist, right_elbow, head…"
-    )
+    missing.add_argument("--joint", metavar="NAME", help="missing joint, such as left_wrist")
     missing.add_argument(
         "--keyframes",
         type=kinds.positive_number,
@@ -42,18 +38,15 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         type=kinds.whole_number,
         nargs=2,
         metavar=("FIRST", "LAST"),
-        help="with --joint: first and last frame in which it is missing, counted from 0 (default: "
-        "all)",
+        help="with --joint: first and last frame without the joint, from 0 (default: all frames)",
     )
     parser.add_argument(
         "--fit",
         action="store_true",
         help="with --joint: find the motion that fits the known values, instead of one projection "
-        "as in the paper (takes one second for five seconds of motion)",
+        "as in the paper (one second for five of motion)",
     )
-    one_motion.add_data_argument(
-        parser, "with --fit: folders of motions for the PCA that estimates the initial poses"
-    )
+    one_motion.add_data_argument(parser, "with --fit: folders of motions for PCA of initial poses")
     parser.set_defaults(run=run)
 
 
@@ -63,35 +56,18 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"{'--frames' if args.frames else '--fit'} requires --joint")
     if args.data and not args.fit:
         raise ValueError("--data requires --fit")
-    model = one_motion.load_model(args)
-    manifold = one_motion.require_convolutional(model, args.model, "fill")
+    manifold = one_motion.load_model(args)
     if args.joint is None:
-        return one_motion.change(
-            args,
-            manifold,
-            lambda motion, mapping: fill_motion_keyframes(
-                motion, manifold, args.keyframes, mapping
-            ),
-            before=lambda motion: _held_keyframes(motion, args.keyframes),
-        )
-    frames = tuple(args.frames) if args.frames else None
-    filler = _filler(args, manifold)
-    return one_motion.change(
-        args,
-        manifold,
-        lambda motion, mapping: fill_motion_joint(
-            motion, manifold, args.joint, mapping, frames, filler
-        ),
-    )
+        filled = partial(fill_motion_keyframes, manifold=manifold, every=args.keyframes)
+        return one_motion.change(args, filled, partial(_held_keyframes, every=args.keyframes))
+    filler = fill_joint
+    if args.fit:
+        from numpy_cae.beyond import fill_observed, pose_pca
 
-
-def _filler(args: argparse.Namespace, manifold: MotionManifold) -> JointFiller:
-    if not args.fit:
-        return fill_joint
-    from numpy_cae.beyond import fill_observed, pose_pca
-
-    features = one_motion.load_features(args, manifold)
-    return partial(fill_observed, poses=pose_pca(manifold, features) if features else None)
+        features = one_motion.load_features(args, manifold)
+        filler = partial(fill_observed, poses=pose_pca(manifold, features) if features else None)
+    filled = partial(fill_motion_joint, manifold=manifold, joint=args.joint, filler=filler)
+    return one_motion.change(args, partial(filled, frames=args.frames))
 
 
 def _held_keyframes(motion: Motion, every: int) -> Motion:

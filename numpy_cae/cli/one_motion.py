@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.manifold import ModelFileError, MotionManifold, SequenceManifold, load_manifold
+from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold
+from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.motion import (
     PARENTS,
     Motion,
@@ -21,21 +22,16 @@ from numpy_cae.motion import (
     load_motion,
     write_bvh,
 )
-
-Mapping = dict[str, str] | None
-Manifold = MotionManifold | SequenceManifold
+from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_gif
 
 
-def add_model_arguments(parser: argparse.ArgumentParser, gif: str | None = None) -> None:
+def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
     """The model, how motion files are read and, with the help of --gif, the file to write."""
-    parser.add_argument(
-        "-m", "--model", type=Path, required=True, help="model file, from `numpy-cae train`"
-    )
+    add = parser.add_argument
+    add("-m", "--model", type=Path, required=True, help="model file, from `numpy-cae train`")
     if gif:
-        parser.add_argument(
-            "-o", "--output", type=Path, required=True, help="path of the .bvh file to write"
-        )
-        parser.add_argument("--gif", type=Path, metavar="GIF", help=gif)
+        add("-o", "--output", type=Path, required=True, help="path of the .bvh file to write")
+        add("--gif", type=Path, help=gif)
     kinds.add_motion_arguments(parser)
 
 
@@ -45,28 +41,26 @@ def add_file_arguments(parser: argparse.ArgumentParser) -> None:
     add_model_arguments(parser, "path of an animation of the motion before and after")
 
 
-def add_data_argument(parser: argparse.ArgumentParser, help_text: str) -> None:
+def add_data_argument(parser: argparse.ArgumentParser, purpose: str) -> None:
     """`--data`, folders of motion files."""
-    parser.add_argument(
-        "--data", type=Path, nargs="+", metavar="FOLDER", default=[], help=help_text
-    )
+    parser.add_argument("--data", type=Path, nargs="+", metavar="FOLDER", default=[], help=purpose)
 
 
-def load_model(args: argparse.Namespace) -> Manifold:
-    """The model that `--model` names; ValueError unless `--output` is a .bvh file."""
-    if args.output.suffix.lower() != ".bvh":
+def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = True) -> Manifold:
+    """The model that `--model` names.
+
+    ValueError unless it is convolutional or `sequential` models are accepted and, if `bvh`, unless
+    `--output` names a .bvh file.
+    """
+    if bvh and args.output.suffix.lower() != ".bvh":
         raise ValueError(f"{args.output}: a motion is written as .bvh")
-    return load_manifold(args.model)
-
-
-def require_convolutional(manifold: Manifold, path: Path, command: str) -> MotionManifold:
-    """The manifold; ModelFileError if it is sequential."""
-    if isinstance(manifold, SequenceManifold):
-        raise ModelFileError(f"{path}: {command} needs a convolutional, not a sequential manifold")
+    manifold = load_manifold(args.model)
+    if isinstance(manifold, SequenceManifold) and not sequential:
+        raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")
     return manifold
 
 
-def load_features(args: argparse.Namespace, manifold: MotionManifold) -> list[np.ndarray]:
+def load_features(args: argparse.Namespace, manifold: Manifold) -> list[np.ndarray]:
     """The features of every motion in the folders of `--data`."""
     mapping = kinds.chosen_mapping(args)
     files = [path for folder in args.data for path in find_motion_files(folder)]
@@ -75,51 +69,25 @@ def load_features(args: argparse.Namespace, manifold: MotionManifold) -> list[np
 
 def change(
     args: argparse.Namespace,
-    manifold: Manifold,
-    changed: Callable[[Motion, Mapping], Motion],
+    changed: Callable[..., Motion],
     before: Callable[[Motion], Motion] = lambda motion: motion,
 ) -> int:
-    """Read the motion, write what `changed` returns, and draw both.
-
-    `before` returns the motion that is drawn as the one before.
-    """
+    """Read a motion, write `changed(motion, mapping=…)` and draw it beside `before(motion)`."""
     mapping = kinds.chosen_mapping(args)
     motion = load_motion(args.file, unit=args.unit)
     print(f"{args.file}: {len(motion)} frames, {motion.unit_note}", file=sys.stderr)
     try:
-        result = changed(motion, mapping)
+        result = changed(motion, mapping=mapping)
     except UnknownRigError as error:
         raise UnknownRigError(f"{args.file}: {error}") from None
-    write_motion(result, args.output, f", {len(result.skeleton.names)} joints")
+    write_bvh(result, args.output)
+    frames, joints = len(result), len(result.skeleton.names)
+    print(f"{args.output}: {frames} frames at {result.rate:g} a second, {joints} joints")
     if args.gif:
-        from numpy_cae.viz import CORRUPTED, PROJECTED
-
-        bodies = [body_of(before(motion), mapping), body_of(result, mapping)]
-        colours = [CORRUPTED, PROJECTED]
-        draw(args.gif, bodies, ["before", "after"], colours, manifold.rate, "before and after")
+        actors = [
+            Actor(body_of(before(motion), mapping), PARENTS, "before", CORRUPTED),
+            Actor(body_of(result, mapping), PARENTS, "after", PROJECTED),
+        ]
+        save_gif(actors, args.gif, 30.0)
+        print(f"{args.gif}: before and after")
     return 0
-
-
-def write_motion(motion: Motion, path: Path, more: str = "") -> None:
-    """Write a motion and print what was written."""
-    write_bvh(motion, path)
-    print(f"{path}: {len(motion)} frames at {motion.rate:g} a second{more}")
-
-
-def draw(
-    path: Path,
-    bodies: Sequence[np.ndarray],
-    titles: Sequence[str],
-    colours: Sequence[str],
-    rate: float,
-    content: str,
-) -> None:
-    """Draw bodies (F, 20, 3) side by side as an animation and print what was drawn."""
-    from numpy_cae.viz import Actor, save_gif
-
-    actors = [
-        Actor(body, PARENTS, title, colour)
-        for body, title, colour in zip(bodies, titles, colours, strict=True)
-    ]
-    save_gif(actors, path, rate)
-    print(f"{path}: {content}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 
 from numpy_cae.cli import one_motion
@@ -15,18 +16,15 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Add the subcommand and its arguments."""
     parser = subparsers.add_parser(
         "repair",
-        help="repair a motion by projecting it onto a manifold",
         description="Project a motion onto a learned manifold and write the result as BVH, with "
-        "the rig, frame rate, unit and length of the input file. Joints beyond the twenty that the "
-        "manifold knows, such as fingers, keep their rotations.",
+        "the rig, frame rate, unit and length of the input file.",
         epilog="example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif",
     )
     one_motion.add_file_arguments(parser)
     parser.add_argument(
         "--constrain",
         action="store_true",
-        help="keep bone lengths, standing feet and the ground (takes one second for five seconds "
-        "of motion)",
+        help="keep bone lengths, standing feet and the ground (one second for five of motion)",
     )
     parser.add_argument(
         "--pin",
@@ -42,19 +40,16 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Repair the motion."""
-    manifold = one_motion.load_model(args)
+    manifold = one_motion.load_model(args, sequential=True)
     if isinstance(manifold, SequenceManifold):
         if args.constrain or args.pin:
             raise ValueError(f"{args.model}: a sequential model supports no constraints")
-        return one_motion.change(
-            args, manifold, lambda motion, mapping: repair_sequence(motion, manifold, mapping)
-        )
+        return one_motion.change(args, partial(repair_sequence, manifold=manifold))
+    if not args.constrain and not args.pin:
+        return one_motion.change(args, partial(repair, manifold=manifold))
+    from numpy_cae.beyond import read_pins, repair_constrained
 
-    def repaired(motion: Motion, mapping: one_motion.Mapping) -> Motion:
-        if not args.constrain and not args.pin:
-            return repair(motion, manifold, mapping)
-        from numpy_cae.beyond import read_pins, repair_constrained
-
+    def repaired(motion: Motion, mapping: dict[str, str] | None) -> Motion:
         pins = read_pins(args.pin, motion) if args.pin else []
         result = repair_constrained(motion, manifold, mapping, pins)
         for pin in pins:
@@ -66,4 +61,4 @@ def run(args: argparse.Namespace) -> int:
             )
         return result
 
-    return one_motion.change(args, manifold, repaired)
+    return one_motion.change(args, repaired)

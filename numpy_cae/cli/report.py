@@ -72,10 +72,9 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.cli import one_motion
     from numpy_cae.experiments.material import read_material
     from numpy_cae.experiments.page import page, plain_text
-    from numpy_cae.manifold import load_manifold
 
     started = time.monotonic()
-    manifold = one_motion.require_convolutional(load_manifold(args.model), args.model, "report")
+    manifold = one_motion.load_model(args, bvh=False)
     patterns = _test_patterns(manifold, args)
     _say(f"reading {', '.join(map(str, args.data))}")
     material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)

@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import (
-    MotionManifold,
-    NeighbourPrior,
-    SequenceManifold,
-    sample,
-    sample_sequence,
-)
+from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
+from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
+    PARENTS,
     Motion,
     RootTransform,
     body_of,
     features_to_positions,
     fit_motion,
     load_body,
+    write_bvh,
 )
 from numpy_cae.motion.body import hold_first_pose
+from numpy_cae.viz import PROJECTED, Actor, save_gif
 
-FITTED, UNIFORM = "fitted", "uniform"
 MAX_DRAWN = 5
 
 
@@ -35,29 +33,19 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Add the subcommand and its arguments."""
     parser = subparsers.add_parser(
         "sample",
-        help="sample new motions from a manifold",
         description="Draw new motions from a learned manifold and write them as BVH. The fitted "
         "prior mixes similar windows of the motions in --data; the uniform prior of holden2015, "
-        "section 3, needs no data, but its samples hardly resemble motion. From a sequential model "
-        "clips are drawn from its own prior and joined.",
+        "section 3, needs no data, but its samples hardly resemble motion. A sequential model has "
+        "a prior of its own, from which clips are drawn and joined.",
         epilog="example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 "
         "--seconds 8 --like take.bvh",
     )
-    one_motion.add_model_arguments(
-        parser, f"path of an animation of the first {MAX_DRAWN} motions"
-    )
+    one_motion.add_model_arguments(parser, f"path of an animation of up to {MAX_DRAWN} motions")
+    one_motion.add_data_argument(parser, "folders of motions that the prior is fitted to")
+    priors, number = ("fitted", "uniform"), "number of motions, written as new_1.bvh, new_2.bvh, …"
     add = parser.add_argument
-    add("--prior", choices=(FITTED, UNIFORM), default=FITTED, help=f"prior (default: {FITTED})")
-    one_motion.add_data_argument(
-        parser, "folders of motions that the prior is fitted to, such as the training motions"
-    )
-    add(
-        "--number",
-        type=kinds.positive_number,
-        default=1,
-        metavar="N",
-        help="number of motions; several are written as new_1.bvh, new_2.bvh, … (default: 1)",
-    )
+    add("--prior", choices=priors, default="fitted", help="prior (default: fitted)")
+    add("--number", type=kinds.positive_number, default=1, metavar="N", help=number)
     add("--seconds", type=kinds.positive, default=5.0, help="length of each motion (default: 5)")
     add("--seed", type=kinds.whole_number, default=0, help="seed of the draws (default: 0)")
     add("--like", type=Path, metavar="FILE", help="motion file whose rig, rate and unit are used")
@@ -66,51 +54,45 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
-    manifold = one_motion.load_model(args)
-    rng = np.random.default_rng(args.seed)
-    frames = max(1, round(args.seconds * manifold.rate))
-    if isinstance(manifold, SequenceManifold):
-        if args.data or args.like:
-            unused = "--data" if args.data else "--like"
-            raise ValueError(f"{args.model}: {unused} has no effect on a sequential model, which "
-                             "has a prior and bones of its own")  # fmt: skip
-        made = [sample_sequence(manifold, frames, rng) for _ in range(args.number)]
-        return _write(args, made, None)
-    prior = _prior(args, manifold)
+    manifold = one_motion.load_model(args, sequential=True)
     mapping = kinds.chosen_mapping(args) if args.like else None
-    rig = load_body(args.like, mapping, args.unit)[1] if args.like else None
-    features = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
-    return _write(args, [_motion(manifold, each, rig, mapping) for each in features], mapping)
-
-
-def _prior(args: argparse.Namespace, manifold: MotionManifold) -> NeighbourPrior | None:
-    if args.prior == UNIFORM:
-        return None
-    if not args.data:
-        raise ValueError(
-            "the fitted prior requires motions: name a folder of them with --data, or use "
-            "--prior uniform"
-        )
-    return NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
-
-
-def _motion(
-    manifold: MotionManifold, features: np.ndarray, rig: Motion | None, mapping: one_motion.Mapping
-) -> Motion:
-    if rig is None:
-        return fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
-    body = manifold.body(hold_first_pose(rig, len(features)), mapping)
-    return body.to_rig(features, RootTransform())
-
-
-def _write(args: argparse.Namespace, made: list[Motion], mapping: one_motion.Mapping) -> int:
+    made = list(_sequences(args, manifold) if isinstance(manifold, SequenceManifold)
+                else _motions(args, manifold, mapping))  # fmt: skip
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
-        one_motion.write_motion(motion, args.output.with_stem(stem))
+        path = args.output.with_stem(stem)
+        write_bvh(motion, path)
+        print(f"{path}: {len(motion)} frames at {motion.rate:g} a second")
     if args.gif:
-        from numpy_cae.viz import PROJECTED
-
         bodies = [body_of(motion, mapping) for motion in made[:MAX_DRAWN]]
-        titles, colours = [""] * len(bodies), [PROJECTED] * len(bodies)
-        one_motion.draw(args.gif, bodies, titles, colours, 30.0, "what was drawn")
+        save_gif([Actor(body, PARENTS, "", PROJECTED) for body in bodies], args.gif, 30.0)
+        print(f"{args.gif}: what was drawn")
     return 0
+
+
+def _sequences(args: argparse.Namespace, manifold: SequenceManifold) -> Iterator[Motion]:
+    for option in ("data", "like"):
+        if getattr(args, option):
+            raise ValueError(f"{args.model}: --{option} has no effect on a sequential model")
+    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
+    for _ in range(args.number):
+        yield sample_sequence(manifold, frames, rng)
+
+
+def _motions(
+    args: argparse.Namespace, manifold: Manifold, mapping: dict[str, str] | None
+) -> Iterator[Motion]:
+    prior = None
+    if args.prior == "fitted":
+        if not args.data:
+            raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
+        prior = NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
+    rig = load_body(args.like, mapping, args.unit)[1] if args.like else None
+    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
+    for _ in range(args.number):
+        features = sample(manifold, frames, rng, prior)
+        if rig is None:
+            yield fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
+        else:
+            body = manifold.body(hold_first_pose(rig, frames), mapping)
+            yield body.to_rig(features, RootTransform())

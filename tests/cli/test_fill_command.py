@@ -1,4 +1,4 @@
-"""`numpy-cae fill` as a person types it."""
+"""`numpy-cae fill` from the command line."""
 
 from dataclasses import replace
 
@@ -8,9 +8,8 @@ from acclaim_files import write_acclaim
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import MotionManifold, save_manifold
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import body_of, bone_lengths, load_motion, write_bvh
+from numpy_cae.manifold import save_manifold
+from numpy_cae.motion import load_motion, write_bvh
 
 
 @pytest.fixture(scope="module")
@@ -19,22 +18,14 @@ def take():
 
 
 @pytest.fixture(scope="module")
-def folder(take, tmp_path_factory):
+def folder(take, untrained_manifold, tmp_path_factory):
     """A file in inches, the same person for Acclaim, and a model that learned nothing."""
     folder = tmp_path_factory.mktemp("fill")
     write_bvh(take, folder / "walk.bvh", unit=0.0254)
     write_acclaim(take, folder / "walk.amc")
     one = replace(take, rotations=take.rotations[:1], translations=take.translations[:1])
     write_bvh(one, folder / "one.bvh", unit=0.0254)
-    positions = body_of(take)
-    manifold = MotionManifold(
-        ConvAutoencoder(filters=(6, 8), taps=5, rng=np.random.default_rng(0)),
-        np.zeros(63),
-        np.full(63, 0.25),
-        bone_lengths(positions),
-    )
-    manifold.mean_pose = manifold.features(positions)[0].mean(axis=0)
-    save_manifold(manifold, folder / "model.npz")
+    save_manifold(untrained_manifold, folder / "model.npz")
     return folder
 
 
@@ -56,7 +47,7 @@ def test_the_rig_the_rate_and_the_unit_come_back(folder, tmp_path, file, what, c
     assert gif.read_bytes().startswith(b"GIF")
 
 
-def test_what_is_observed_reads_back_where_it_was(folder, tmp_path):
+def test_known_joints_and_keyframes_read_back_where_they_were(folder, tmp_path):
     came = load_motion(folder / "walk.bvh").positions()
     assert run(folder, "walk.bvh", tmp_path / "k.bvh", "--keyframes", 15) == 0
     np.testing.assert_allclose(
@@ -72,17 +63,17 @@ def test_what_is_observed_reads_back_where_it_was(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "message"),
     [
         (("--joint", "nose"), "no joint 'nose', expected one of hips, "),
-        (("--joint", "left_hip"), "left_hip sits stiffly"),
+        (("--joint", "left_hip"), "left_hip is fixed"),
     ],
 )
-def test_joints_that_cannot_be_filled_are_said_in_one_line(folder, tmp_path, argv, said, capsys):
+def test_an_error_is_one_line_that_names_other_joints(folder, tmp_path, argv, message, capsys):
     assert run(folder, "walk.bvh", tmp_path / "x.bvh", *argv) == 2
     line = capsys.readouterr().err.strip().splitlines()[-1]
     assert line.startswith("numpy-cae fill: ")
-    assert said in line
+    assert message in line
     assert "left_wrist" in line
     assert not list(tmp_path.iterdir())
 
@@ -96,32 +87,24 @@ def test_joints_that_cannot_be_filled_are_said_in_one_line(folder, tmp_path, arg
         ("--keyframes", "many"),
     ],
 )
-def test_words_that_make_no_sense_exit_with_2(folder, tmp_path, argv):
+def test_invalid_options_exit_with_2(folder, tmp_path, argv):
     with pytest.raises(SystemExit) as exit_:
         run(folder, "walk.bvh", tmp_path / "x.bvh", *argv)
     assert exit_.value.code == 2
 
 
-def test_help_shows_an_example(capsys):
-    with pytest.raises(SystemExit):
-        main(["fill", "--help"])
-    assert "numpy-cae fill take.bvh -m model.npz -o filled.bvh --joint left_wrist" in " ".join(
-        capsys.readouterr().out.split()
-    )
-
-
-def test_a_gap_is_filled_by_what_fits_and_the_rest_stays(folder, take, tmp_path, capsys):
+def test_fit_fills_a_gap_and_keeps_the_rest(folder, take, tmp_path, capsys):
     came, out = load_motion(folder / "walk.bvh"), tmp_path / "f.bvh"
     words = ["--joint", "left_wrist", "--frames", 40, 80, "--fit"]
     assert run(folder, "walk.bvh", out, *words, "--data", folder) == 0
     moved = np.abs(load_motion(out).positions() - came.positions()).max(axis=(1, 2))
     assert moved[np.r_[:40, 81:120]].max() < 1e-4  # the digits of a file
     assert moved[45:76].max() > 1e-3
-    for wrong, said in (
-        (["--keyframes", 9, "--fit"], "--fit is for --joint"),
+    for wrong, message in (
+        (["--keyframes", 9, "--fit"], "--fit requires --joint"),
         (["--joint", "left_wrist", "--frames", 80, 400], "the motion has 0 to 119"),
-        (["--joint", "left_wrist", "--data", folder], "--data is for --fit"),
+        (["--joint", "left_wrist", "--data", folder], "--data requires --fit"),
     ):
         capsys.readouterr()
         assert run(folder, "walk.bvh", out, *wrong) == 2
-        assert said in capsys.readouterr().err
+        assert message in capsys.readouterr().err

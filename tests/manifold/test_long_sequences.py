@@ -88,7 +88,7 @@ def test_from_the_command_line(manifold, tmp_path, capsys, monkeypatch):
             "supports no constraints",
         ),
         (["sample", "-m", str(model), "-o", str(out), "--data", str(tmp_path)], "--data"),
-        (["compare", str(file), str(file), "-m", str(model)], "not a sequential manifold"),
+        (["compare", str(file), str(file), "-m", str(model)], "not a convolutional"),
     ):
         capsys.readouterr()
         assert main(words) == 2
