@@ -22,13 +22,7 @@ __all__ = ["check_adjoint", "check_gradients", "example", "properties", "report"
 
 
 def properties(name: str) -> tuple[Property, ...]:
-    """The properties of an operation of `numpy_cae.ops`, or of "tied_layer".
-
-    Raises
-    ------
-    ValueError
-        If there is no such operation.
-    """
+    """The properties of an operation of `numpy_cae.ops` or of "tied_layer", else a ValueError."""
     from numpy_cae.verify.catalogue import CATALOGUE, find_task
 
     return find_task(CATALOGUE, name).properties
@@ -63,24 +57,9 @@ def report(name: str, function: Callable) -> Report:
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
-    """The arguments of a counterexample that a report names.
+    """The arguments, by name, of a counterexample that a report prints as a call of this function.
 
-    Parameters
-    ----------
-    name : str
-        The operation.
-    seed : int
-    **sizes : int
-        Such as frames=2: every size that the report names.
-
-    Returns
-    -------
-    dict of argument names to arrays and numbers
-
-    Raises
-    ------
-    ValueError
-        If there is no such operation, or a size is missing.
+    Raises a ValueError if there is no such operation or a size, such as frames=2, is missing.
     """
     from numpy_cae.verify.case import example_of
     from numpy_cae.verify.catalogue import CATALOGUE, find_task

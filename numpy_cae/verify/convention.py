@@ -1,7 +1,7 @@
-"""The conventions of the GRU: same network, other arithmetic, so that weights do not carry over.
+"""The conventions of the GRU: equal networks whose weights have different meanings.
 
-`numpy_cae.ops` follows PyTorch and cuDNN. A GRU in another convention has other values and is no
-less right; a report says which one it is and tests it by that one's definition.
+`numpy_cae.ops` follows PyTorch and cuDNN. A GRU in another convention has other values but is not
+wrong; a report says which convention it is and tests it by the definition in that convention.
 """
 
 from __future__ import annotations
@@ -46,30 +46,24 @@ def other_conventions() -> Iterator[Convention]:
 
 
 def gru_step_in(convention: Convention) -> Callable:
-    """`gru_step` in another convention, with its pullback, by way of ours.
+    """`gru_step` in another convention, with its pullback, computed by ours.
 
     The gates change places with the columns; z becomes 1 - z when its columns change sign.
     """
     step = gru_step if convention.reset_after else _step_reset_before
 
-    def translated(weights: np.ndarray) -> np.ndarray:
-        parts = dict(zip(convention.order, np.split(weights, 3, axis=-1), strict=True))
+    def translated(weights: np.ndarray, order=convention.order, into=OURS) -> np.ndarray:
+        parts = dict(zip(order, np.split(weights, 3, axis=-1), strict=True))
         if not convention.update_keeps:
             parts["update"] = -parts["update"]
-        return np.concatenate([parts[gate] for gate in OURS], axis=-1)
-
-    def translated_back(weights: np.ndarray) -> np.ndarray:
-        parts = dict(zip(OURS, np.split(weights, 3, axis=-1), strict=True))
-        if not convention.update_keeps:
-            parts["update"] = -parts["update"]
-        return np.concatenate([parts[gate] for gate in convention.order], axis=-1)
+        return np.concatenate([parts[gate] for gate in into], axis=-1)
 
     def step_in_convention(x, h, w, u, b, c):
         h_next, step_pullback = step(x, h, *map(translated, (w, u, b, c)))
 
         def pullback(dh_next):
             dx, dh, *of_weights = step_pullback(dh_next)
-            return dx, dh, *map(translated_back, of_weights)
+            return dx, dh, *(translated(g, OURS, convention.order) for g in of_weights)
 
         return h_next, pullback
 

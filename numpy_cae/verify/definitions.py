@@ -1,11 +1,11 @@
-"""Every operation once more, loop by loop, one number at a time.
+"""The value of every operation, computed loop by loop, one number at a time.
 
-Slow, and so plain that it can be believed on sight: what `value` properties compare with.
+Slow but easy to check by reading; the `value` properties compare with it.
 """
 
 from __future__ import annotations
 
-from math import atanh, exp, tanh
+import math
 
 import numpy as np
 
@@ -56,8 +56,8 @@ def unpool_random(y, first):
     return x
 
 
-def tanh_(x):
-    return _each(tanh, x)
+def tanh(x):
+    return _each(math.tanh, x)
 
 
 def sigmoid(x):
@@ -65,11 +65,11 @@ def sigmoid(x):
 
 
 def arctanh(y, bound):
-    return _each(lambda entry: atanh(min(max(entry, -bound), bound)), y)
+    return _each(lambda entry: math.atanh(min(max(entry, -bound), bound)), y)
 
 
 def tied_layer(x, w, b):
-    y = tanh_(conv1d(x, w, b))
+    y = tanh(conv1d(x, w, b))
     return conv1d(y - b, transpose_filters(w), np.zeros(x.shape[-1]))
 
 
@@ -102,9 +102,9 @@ def gru_step(x, h, w, u, b, c, convention: Convention = PYTORCH):
             z = _sigmoid(from_input(i, column) + from_state(h[i], column))
             column = new * hidden + j
             if convention.reset_after:
-                n = tanh(from_input(i, column) + r[j] * from_state(h[i], column))
+                n = math.tanh(from_input(i, column) + r[j] * from_state(h[i], column))
             else:
-                n = tanh(from_input(i, column) + from_state(r * h[i], column))
+                n = math.tanh(from_input(i, column) + from_state(r * h[i], column))
             kept = z if convention.update_keeps else 1 - z
             h_next[i, j] = (1 - kept) * n + kept * h[i, j]
     return h_next
@@ -136,7 +136,7 @@ def sliced_wasserstein(z, prior, directions):
 
 
 def _sigmoid(number):
-    return 1 / (1 + exp(-number))
+    return 1 / (1 + math.exp(-number))
 
 
 def _each(function, x):

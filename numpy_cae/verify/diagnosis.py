@@ -19,7 +19,6 @@ from numpy_cae.verify.property import Property, drawn_upstream
 
 MAX_RECORDED = 400
 MAX_REPEATED = 40
-"""Calls that are repeated, with their pullbacks and all other calls whose pullback was used."""
 GENERAL_CASES = 8
 
 
@@ -76,11 +75,7 @@ class Recorder:
     def reproduced_by(self, other: Callable, only: int | None = None) -> bool:
         """Whether another implementation, called the same, does the same.
 
-        Parameters
-        ----------
-        other : callable
-        only : int, optional
-            Compare only this one of the gradients.
+        Of the gradients, `only` one is compared if it is given.
         """
         repeated = {record.of_call for record in self.records if record.is_pullback}
         repeated |= set(range(MAX_REPEATED))
@@ -110,13 +105,7 @@ class Recorder:
 def likely_mistake(stated: Property, implementation: Callable, failed: list[Recorder]) -> str:
     """The sentence of the planted bug that behaves as an implementation does, or "".
 
-    Parameters
-    ----------
-    stated : Property
-        The property that does not hold.
-    implementation : callable
-    failed : list of Recorder
-        The calls of failing examples.
+    The property does not hold; `failed` has the calls of failing examples.
     """
     bugs = bugs_of(stated.operation)
     if not bugs:

@@ -106,13 +106,7 @@ def check_gradients(
 
 
 def value_and_pullback(f: Callable, inputs: Sequence[np.ndarray]) -> tuple[np.ndarray, Callable]:
-    """Call f and check that it returns a value and a pullback.
-
-    Raises
-    ------
-    TypeError
-        If it did not.
-    """
+    """Call f; raise a TypeError unless it returns a value and a pullback."""
     returned = f(*inputs)
     if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
         raise TypeError(
@@ -126,13 +120,7 @@ def value_and_pullback(f: Callable, inputs: Sequence[np.ndarray]) -> tuple[np.nd
 
 
 def as_gradients(pulled, count: int) -> tuple:
-    """What a pullback returned, as a tuple of `count` gradients.
-
-    Raises
-    ------
-    AssertionError
-        If it is not one gradient for each differentiated argument.
-    """
+    """What a pullback returned as a tuple; raise an AssertionError if it has another length."""
     gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
     if len(gradients) != count:
         raise AssertionError(

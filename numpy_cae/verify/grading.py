@@ -10,9 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.catalogue import Catalogue, find_task, load_catalogue
-from numpy_cae.verify.notebook import exercise_source
+from numpy_cae.verify.notebook import NotebookError, exercise_source
 from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_reply, visible
 from numpy_cae.verify.sandbox.process import ProcessEnded, StudentProcess
 from numpy_cae.verify.sandbox.refusal import refused_imports
@@ -21,8 +22,8 @@ TIME_LIMIT = 120.0
 MEMORY_LIMIT = 2048
 
 
-class Fault(Exception):
-    """What is wrong with a file as a whole."""
+class Fault(NumpyCaeError):
+    """A whole file cannot be graded."""
 
 
 @dataclass
@@ -113,24 +114,16 @@ def grade(
             request |= {"path": str(path.resolve()), "given": []}
             _grade_program(graded, known, OPERATIONS, named, request, deadline)
             return graded
-        program = _notebook_program(content)
+        program = exercise_source(content)
         _require_allowed(program.encode())
         with tempfile.TemporaryDirectory() as folder:
             cells = Path(folder, "notebook.py")
             cells.write_text(program, encoding="utf-8")
             request |= {"path": str(cells), "given": _given(program, known)}
             _grade_program(graded, known, known, named, request, deadline)
-    except Fault as fault:
+    except (Fault, NotebookError) as fault:
         graded.faults.append(str(fault))
     return graded
-
-
-def _notebook_program(content: bytes) -> str:
-    """The exercise cells of a notebook as one program."""
-    try:
-        return exercise_source(content.decode())
-    except ValueError as error:
-        raise Fault(str(error)) from None
 
 
 def _given(program: str, catalogue: Catalogue) -> list[str]:
@@ -162,53 +155,56 @@ def _grade_program(
     deadline: float,
 ) -> None:
     """Test a program's functions; a process that has to be ended is followed by another."""
-    wanted = {name: name for name in known} | named
-    todo = _test(graded, catalogue, list(wanted.items()), named, request, deadline)
-    while todo:
-        todo = _test(graded, catalogue, todo, {}, request, deadline)
-
-
-def _test(
-    graded: FileReport,
-    catalogue: Catalogue,
-    tasks: list[tuple[str, str]],
-    named: dict[str, str],
-    request: dict,
-    deadline: float,
-) -> list[tuple[str, str]]:
-    """Test functions in one process until it ends; return those that are left."""
-    again = bool(graded.reports)
-    with StudentProcess({**request, "tasks": tasks}, deadline) as process:
-        try:
-            loaded = process.reply()
-        except ProcessEnded as end:
-            if not again:
-                raise Fault(f"at import: {end}") from None
-            graded.reports += [
-                failed_report(catalogue[t], f, f"not tested: {end}") for t, f in tasks
-            ]
-            return []
-        if "fault" in loaded:
-            raise Fault(visible(str(loaded["fault"])))
-        found = [tuple(pair) for pair in loaded.get("found", [])]
-        todo = [pair for pair in tasks if pair in found]
+    todo = list(({name: name for name in known} | named).items())
+    with StudentProcess({**request, "tasks": todo}, deadline) as process:
+        todo = _found(process, todo)
         for operation, function in named.items():
             if (operation, function) not in todo:
                 raise Fault(f"it has no function {function} to try as {operation}")
         if not todo:
             raise Fault(
-                f"no function bears an operation's name ({', '.join(OPERATIONS)}); "
+                f"no function has an operation's name ({', '.join(OPERATIONS)}); "
                 "name one with --as conv1d=my_conv"
             )
-        while todo:
-            task, function = todo.pop(0)
+        todo = _test(graded, catalogue, process, todo)
+    while todo:
+        with StudentProcess({**request, "tasks": todo}, deadline) as process:
             try:
-                reply = process.reply()["report"]
-                if "ended" in reply:
-                    raise ProcessEnded(visible(str(reply["ended"])))
-                report = report_from_reply(catalogue[task], function, reply)
-            except (ProcessEnded, ValueError, KeyError, TypeError) as end:
-                graded.reports.append(failed_report(catalogue[task], function, str(end)))
-                return todo
-            graded.reports.append(report)
+                _found(process, todo)
+            except Fault as fault:
+                task, function = todo.pop(0)
+                graded.reports.append(failed_report(catalogue[task], function, str(fault)))
+                continue
+            todo = _test(graded, catalogue, process, todo)
+
+
+def _found(process: StudentProcess, todo: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The tasks whose functions a file has, once it is loaded."""
+    try:
+        reply = process.reply()
+    except ProcessEnded as end:
+        raise Fault(f"at import: {end}") from None
+    if "fault" in reply:
+        raise Fault(visible(str(reply["fault"])))
+    return [pair for pair in todo if list(pair) in reply.get("found", [])]
+
+
+def _test(
+    graded: FileReport,
+    catalogue: Catalogue,
+    process: StudentProcess,
+    todo: list[tuple[str, str]],
+) -> list[tuple[str, str]]:
+    """Test functions in one process until it ends; return those that are left."""
+    while todo:
+        task, function = todo.pop(0)
+        try:
+            reply = process.reply()["report"]
+            if "ended" in reply:
+                raise ProcessEnded(visible(str(reply["ended"])))
+            report = report_from_reply(catalogue[task], function, reply)
+        except (ProcessEnded, ValueError, KeyError, TypeError) as end:
+            graded.reports.append(failed_report(catalogue[task], function, str(end)))
+            return todo
+        graded.reports.append(report)
     return []

@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import json
 
+from numpy_cae.errors import NumpyCaeError
+
 PREAMBLE = "import numpy as np\n"
 
 
-def exercise_source(notebook: str) -> str:
-    """The exercise cells of a notebook, one after the other, as a program.
+class NotebookError(NumpyCaeError):
+    """A file is not a notebook with exercise cells."""
 
-    Parameters
-    ----------
-    notebook : str
-        The text of an .ipynb file whose exercise cells are marked as nbgrader marks solutions.
+
+def exercise_source(notebook: bytes) -> str:
+    """The exercise cells of an .ipynb file, which nbgrader marks as solutions, as one program.
 
     Raises
     ------
-    ValueError
-        If it is no notebook, or has no such cell.
+    NotebookError
+        If it is not a notebook, or has no such cell.
     """
     try:
         cells = json.loads(notebook)["cells"]
         exercises = [_source(cell) for cell in cells if is_exercise(cell)]
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"it is not a Jupyter notebook: {error}") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise NotebookError(f"it is not a Jupyter notebook: {error}") from None
     if not exercises:
-        raise ValueError("it has no exercise cell: is it a copy of a lesson?")
+        raise NotebookError("it has no exercise cell: is it a copy of a lesson?")
     return "\n\n".join([PREAMBLE, *exercises])
 
 

@@ -1,7 +1,7 @@
-"""What is to be known about an operation before its properties can be stated.
+"""What the properties of an operation are stated with.
 
-Which sizes its arguments have, what they are called, which of them get a gradient, in which of
-them it is linear, and what its value is by definition.
+The sizes of its arguments, their names, which of them get a gradient, in which of them it is
+linear, and the definition of its value.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ class Operation:
 
 
 WINDOW = {"batch": (1, 2, 3), "frames": (1, 2, 3, 4, 5, 6), "channels": (1, 2, 3)}
-GRU_SIZES = {"batch": (1, 2, 3), "channels": (1, 2, 3), "hidden": (1, 2, 3)}
+FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3), "taps": (1, 3, 5, 7, 9)}
+LINEAR = {"features": (1, 2, 3), "axes": (0, 1, 2)}
+GRU = {"batch": (1, 2, 3), "channels": (1, 2, 3), "hidden": (1, 2, 3)}
+POINTS = {"points": (1, 2, 3, 4, 5, 6), "dimensions": (1, 2, 3), "directions": (1, 2, 3)}
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31  # no entry of the grid falls on a bound of 0.5 or 0.9
 
@@ -66,17 +69,17 @@ def _pool(case: Case) -> dict[str, object]:
     return {"x": spread(case.rng(), (batch, 2 * frames, channels))}
 
 
-def _unpool_even(case: Case) -> dict[str, object]:
+def _window_x(case: Case) -> dict[str, object]:
+    return {"x": spread(case.rng(), _window(case))}
+
+
+def _window_y(case: Case) -> dict[str, object]:
     return {"y": spread(case.rng(), _window(case))}
 
 
 def _unpool_random(case: Case) -> dict[str, object]:
     rng = case.rng()
     return {"y": spread(rng, _window(case)), "first": rng.random(_window(case)) < 0.5}
-
-
-def _elementwise(case: Case) -> dict[str, object]:
-    return {"x": spread(case.rng(), _window(case))}
 
 
 def _arctanh(case: Case) -> dict[str, object]:
@@ -126,10 +129,6 @@ def _mean_squared_error(case: Case) -> dict[str, object]:
     return {"x_hat": spread(rng, _window(case)), "x": spread(rng, _window(case))}
 
 
-def _mean_absolute(case: Case) -> dict[str, object]:
-    return {"y": spread(case.rng(), _window(case))}
-
-
 def _sliced_wasserstein(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["points"], case["dimensions"])
@@ -138,79 +137,27 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
     return {"z": spread(rng, shape), "prior": spread(rng, shape), "directions": directions}
 
 
-FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3), "taps": (1, 3, 5, 7, 9)}
-GRU_ARGUMENTS = ("w", "u", "b", "c")
+OPERATIONS: dict[str, Operation] = {}
 
-OPERATIONS: dict[str, Operation] = {
-    operation.name: operation
-    for operation in (
-        Operation(
-            "conv1d",
-            WINDOW | FILTERS,
-            _conv1d,
-            ("x", "w", "b"),
-            definitions.conv1d,
-            linear_in=("x", "w"),
-        ),
-        Operation(
-            "transpose_filters",
-            FILTERS,
-            _transpose_filters,
-            ("w",),
-            definitions.transpose_filters,
-            linear_in=("w",),
-        ),
-        Operation("max_pool", WINDOW, _pool, ("x",), definitions.max_pool),
-        Operation("unpool_even", WINDOW, _unpool_even, ("y",), definitions.unpool_even, ("y",)),
-        Operation(
-            "unpool_random", WINDOW, _unpool_random, ("y",), definitions.unpool_random, ("y",)
-        ),
-        Operation("tanh", WINDOW, _elementwise, ("x",), definitions.tanh_),
-        Operation("sigmoid", WINDOW, _elementwise, ("x",), definitions.sigmoid),
-        Operation("arctanh", WINDOW, _arctanh, ("y",), definitions.arctanh),
-        Operation(
-            "linear",
-            WINDOW | {"features": (1, 2, 3), "axes": (0, 1, 2)},
-            _linear,
-            ("x", "w", "b"),
-            definitions.linear,
-            linear_in=("x", "w"),
-        ),
-        Operation(
-            "gru_step",
-            GRU_SIZES,
-            _gru_step,
-            ("x", "h", *GRU_ARGUMENTS),
-            definitions.gru_step,
-        ),
-        Operation(
-            "gru",
-            GRU_SIZES | {"frames": (1, 2, 3, 4)},
-            _gru,
-            ("x", "h0", *GRU_ARGUMENTS),
-            definitions.gru,
-        ),
-        Operation(
-            "mean_squared_error",
-            WINDOW,
-            _mean_squared_error,
-            ("x_hat",),
-            definitions.mean_squared_error,
-        ),
-        Operation("mean_absolute", WINDOW, _mean_absolute, ("y",), definitions.mean_absolute),
-        Operation(
-            "tied_layer",
-            WINDOW | FILTERS,
-            _conv1d,
-            ("x", "w", "b"),
-            definitions.tied_layer,
-        ),
-        Operation(
-            "sliced_wasserstein",
-            {"points": (1, 2, 3, 4, 5, 6), "dimensions": (1, 2, 3), "directions": (1, 2, 3)},
-            _sliced_wasserstein,
-            ("z",),
-            definitions.sliced_wasserstein,
-        ),
-    )
-}
+
+def _add(name: str, sizes: Sizes, arguments: Callable, differentiated: str, linear_in: str = ""):
+    names, linear = tuple(differentiated.split()), tuple(linear_in.split())
+    definition = getattr(definitions, name)
+    OPERATIONS[name] = Operation(name, sizes, arguments, names, definition, linear)
+
+
+_add("conv1d", WINDOW | FILTERS, _conv1d, "x w b", linear_in="x w")
+_add("transpose_filters", FILTERS, _transpose_filters, "w", linear_in="w")
+_add("max_pool", WINDOW, _pool, "x")
+_add("unpool_even", WINDOW, _window_y, "y", linear_in="y")
+_add("unpool_random", WINDOW, _unpool_random, "y", linear_in="y")
+_add("tanh", WINDOW, _window_x, "x")
+_add("sigmoid", WINDOW, _window_x, "x")
+_add("arctanh", WINDOW, _arctanh, "y")
+_add("linear", WINDOW | LINEAR, _linear, "x w b", linear_in="x w")
+_add("gru_step", GRU, _gru_step, "x h w u b c")
+_add("gru", GRU | {"frames": (1, 2, 3, 4)}, _gru, "x h0 w u b c")
+_add("mean_squared_error", WINDOW, _mean_squared_error, "x_hat")
+_add("mean_absolute", WINDOW, _window_y, "y")
+_add("tied_layer", WINDOW | FILTERS, _conv1d, "x w b")
+_add("sliced_wasserstein", POINTS, _sliced_wasserstein, "z")

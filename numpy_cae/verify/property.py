@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -58,18 +59,8 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has, those of its arguments one by one."""
 
     def stated(name, statement, check, points=1) -> Property:
-        def check_of_operation(implementation, case):
-            check(operation, implementation, case)
-
-        return Property(
-            operation.name,
-            name,
-            statement,
-            check_of_operation,
-            operation.arguments,
-            operation.sizes,
-            points,
-        )
+        check, arguments = partial(check, operation), operation.arguments
+        return Property(operation.name, name, statement, check, arguments, operation.sizes, points)
 
     yield stated("value", "the value is that of the definition, loop by loop", _value, VALUE_POINTS)
     for argument in operation.differentiated:

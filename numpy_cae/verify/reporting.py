@@ -154,12 +154,9 @@ def report_on(task: Task, implementation: Callable, called: str | None = None) -
 
 
 def report_from_reply(task: Task, called: str, reply: dict) -> Report:
-    """The report that another process made. The properties and their points are those here.
+    """The report that another process made; properties and points are not taken from there.
 
-    Raises
-    ------
-    ValueError
-        If the reply is not what `Report.as_reply` makes.
+    Raises a ValueError if the reply is not what `Report.as_reply` makes.
     """
     try:
         conventions = {str(each): each for each in (PYTORCH, *other_conventions())}

@@ -1,8 +1,7 @@
 """The smallest network with tied weights: one layer of holden2015 without its pooling.
 
-Not an operation of its own but a composition of operations, here because tying is where a
-gradient is forgotten most easily: W and b act on the way in (equation 1) and again on the way out
-(equation 2), and each use has its share in the gradient.
+It is tested like an operation because a gradient is forgotten most easily where weights are tied:
+W and b act in encoding (equation 1) and in decoding (equation 2), and both add to the gradient.
 """
 
 from __future__ import annotations

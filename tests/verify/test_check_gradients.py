@@ -76,7 +76,7 @@ def test_does_not_excuse_many_kinks():
         check_gradients(lambda x: (np.maximum(x, 0), lambda dy: dy * (x >= 0)), x)
 
 
-def test_says_argument_index_numbers_and_mistake(conv_arguments):
+def test_says_argument_index_and_numbers(conv_arguments):
     def no_flip(x, w, b):
         y, pullback = ops.conv1d(x, w, b)
 
@@ -91,7 +91,6 @@ def test_says_argument_index_numbers_and_mistake(conv_arguments):
     report = str(failure.value)
     assert "the gradient for x, shape (2, 6, 3), is wrong at index (" in report
     assert "by the pullback" in report and "by central differences" in report
-    assert "Likely mistake: the filters are not flipped in time" in report
 
 
 def test_rejects_an_altered_argument(conv_arguments):
@@ -191,27 +190,34 @@ def test_a_small_error_in_one_entry_of_many_is_found(size):
         check_gradients(off, np.random.default_rng(0).uniform(-1, 1, (3, 4)))
 
 
-def test_the_mistake_is_looked_for_once_and_only_when_read():
-    calls = []
+@pytest.mark.parametrize(
+    ("f", "problem"),
+    [
+        (lambda w: (w * 2, lambda dy: 2 * dy.T), r"is shape \(3, 2\), expected shape \(2, 3\)"),
+        (lambda w: (w * 2, lambda dy: None), "is None"),
+        (
+            lambda w: (w * 2, lambda dy: np.where(w > 1, np.nan, 2 * dy)),
+            r"for w is nan at index \(1, 0\)",
+        ),
+        (lambda w: (w * 2, lambda dy: (2 * dy, dy)), r"returns 2 .* expected 1"),
+        (lambda w: ((w * 1.1).astype(np.float32), lambda dy: 1.1 * dy), "computed in float32"),
+    ],
+)
+def test_what_is_no_gradient_is_told_so(f, problem):
+    with pytest.raises(AssertionError, match=problem):
+        check_gradients(f, np.array([[0.2, 0.3, 0.5], [2.0, 0.1, 0.7]]))
 
-    def wrong(x):
-        calls.append(x)
-        return x * x, lambda dy: dy * x
 
-    with pytest.raises(AssertionError) as failure:
-        check_gradients(wrong, np.linspace(1, 2, 5))
-    before = len(calls)
-    assert "a factor of 2 too little" in str(failure.value)
-    after = len(calls)
-    assert after > before
-    assert str(failure.value) and len(calls) == after
+def test_an_altered_argument_is_named():
+    def f(x, w):
+        y, pullback = ops.linear(x, w, np.zeros(2))
 
+        def altering(dy):
+            dx, dw, _ = pullback(dy)
+            w[...] = 0
+            return dx, dw
 
-def test_a_diagnosis_that_fails_does_not_hide_the_failure():
-    def fragile(x):
-        if not np.all(np.abs(x - 1) < 1e-4):
-            raise RuntimeError("only near 1")
-        return x * x, lambda dy: dy * x * (1 if np.count_nonzero(dy) == dy.size else np.nan)
+        return y, altering
 
-    with pytest.raises(AssertionError, match="is wrong at index"):
-        check_gradients(fragile, np.ones((2, 3, 2)))
+    with pytest.raises(AssertionError, match="w was altered"):
+        check_gradients(f, np.ones((4, 3)), np.ones((3, 2)))

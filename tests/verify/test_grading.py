@@ -66,7 +66,7 @@ def test_without_the_functions_to_be_tested_the_file_fails(graded):
     assert graded(RIGHT, named={"conv1d": "mine"}).faults == [
         "it has no function mine to try as conv1d"
     ]
-    assert "no function bears an operation's name" in graded("x = 1").faults[0]
+    assert "no function has an operation's name" in graded("x = 1").faults[0]
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def project_layer(x, w, b, bound):
 
 def encode_by_loops(x, w, b):
     """Equation 1."""
-    return definitions.tanh_(definitions.max_pool(definitions.conv1d(x, w, b)))
+    return definitions.tanh(definitions.max_pool(definitions.conv1d(x, w, b)))
 
 
 def decode_by_loops(y, w, b, bound, first=None):

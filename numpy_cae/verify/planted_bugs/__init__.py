@@ -2,24 +2,142 @@
 
 The properties catch every one of them, each by the property that the bug names; a report compares
 a failing implementation with them to name a likely mistake. In lesson 12 students look for the
-mistake in the source of some of them.
+mistake in the source of some of them. The patches of an operation are in the text file that has
+its name, one after the other:
+
+    tanh_derivative_of_x (gradient for x)
+        The derivative is 1 - x², where it should be 1 - y².
+        - return dy * (1 - y * y)
+        + return dy * (1 - x * x)
+
+Lines with a minus are found in the source of the operation, apart from their indentation, and
+replaced by the lines with a plus that follow them. There may be several such replacements.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
+import re
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from numpy_cae.verify.planted_bugs.bug import (
-    PatchError,
-    PlantedBug,
-    read_bugs,
-    right_operation,
-)
+from numpy_cae import ops
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.verify.tied import tied_layer
 
 __all__ = ["BUGS", "PatchError", "PlantedBug", "bug_named", "bugs_of", "right_operation"]
 
+HEADER = re.compile(r"(\w+) \(([\w ]+)\)")
+
+Replacement = tuple[tuple[str, ...], tuple[str, ...]]
+
+
+class PatchError(NumpyCaeError):
+    """A patch that does not fit the source: the operation was changed after the patch was made."""
+
+
+@dataclass(frozen=True)
+class PlantedBug:
+    """A classic mistake in one operation.
+
+    Parameters
+    ----------
+    name, operation : str
+    caught_by : str
+        The property of the operation that catches it.
+    sentence : str
+        What is wrong.
+    replacements : tuple of (old lines, new lines)
+    """
+
+    name: str
+    operation: str
+    caught_by: str
+    sentence: str
+    replacements: tuple[Replacement, ...]
+
+    def function(self) -> Callable:
+        """The wrong operation, compiled.
+
+        Raises
+        ------
+        PatchError
+            If a line to be replaced is not in the operation's source exactly once.
+        """
+        return _compiled(self)
+
+    def source(self, called: str = "suspect") -> str:
+        """The source of the wrong operation, under another name and without its docstring.
+
+        Raises
+        ------
+        PatchError
+            As for `function`.
+        """
+        lines = _source_lines(self.operation)
+        for old, new in self.replacements:
+            lines = _replaced(lines, old, new, self.name)
+        return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
+
+
+def _read(path: Path) -> Iterator[PlantedBug]:
+    """The bugs that a file describes; its name is that of the operation."""
+    text = path.read_text(encoding="utf-8")
+    for block in re.split(r"\n(?=\w)", text.strip()):
+        header, *lines = block.splitlines()
+        name, caught_by = HEADER.fullmatch(header).groups()
+        lines = textwrap.dedent("\n".join(lines)).splitlines()
+        sentence = " ".join(line for line in lines if line[0] not in "-+")
+        yield PlantedBug(name, path.stem, caught_by, sentence, tuple(_replacements(lines)))
+
+
+def _replacements(lines: list[str]) -> Iterator[Replacement]:
+    marks = "".join(line[0] if line[0] in "-+" else " " for line in lines)
+    for match in re.finditer(r"(-+)(\++)", marks):
+        begin, middle, end = match.start(), match.end(1), match.end()
+        old = tuple(line[2:].strip() for line in lines[begin:middle])
+        yield old, tuple(line[2:] for line in lines[middle:end])
+
+
+def right_operation(name: str) -> Callable:
+    """The project's own implementation of an operation."""
+    return tied_layer if name == "tied_layer" else getattr(ops, name)
+
+
+@cache
+def _source_lines(operation: str) -> list[str]:
+    """The source of an operation, without its docstring and comments."""
+    source = inspect.getsource(right_operation(operation))
+    (function,) = ast.parse(source).body
+    lines = source.splitlines()
+    docstring = function.body[0]
+    kept = lines[: docstring.lineno - 1] + lines[docstring.end_lineno :]
+    return [line for line in kept if not line.strip().startswith("#")]
+
+
+def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name: str) -> list[str]:
+    stripped = tuple(line.strip() for line in lines)
+    places = [i for i in range(len(lines)) if stripped[i : i + len(old)] == old]
+    if len(places) != 1:
+        raise PatchError(f"{name}: found {len(places)} times, expected once: {' / '.join(old)}")
+    place = places[0]
+    indent = lines[place][: len(lines[place]) - len(stripped[place])]
+    return [*lines[:place], *(indent + line for line in new), *lines[place + len(old) :]]
+
+
+@cache
+def _compiled(bug: PlantedBug) -> Callable:
+    namespace = dict(right_operation(bug.operation).__globals__)
+    exec(compile(bug.source(bug.name), f"<{bug.name}>", "exec"), namespace)
+    return namespace[bug.name]
+
+
 BUGS: tuple[PlantedBug, ...] = tuple(
-    bug for path in sorted(Path(__file__).parent.glob("*.txt")) for bug in read_bugs(path)
+    bug for path in sorted(Path(__file__).parent.glob("*.txt")) for bug in _read(path)
 )
 
 
@@ -29,11 +147,5 @@ def bugs_of(operation: str) -> tuple[PlantedBug, ...]:
 
 
 def bug_named(name: str) -> PlantedBug:
-    """The bug of this name.
-
-    Raises
-    ------
-    KeyError
-        If there is none.
-    """
+    """The bug of this name; a KeyError if there is none."""
     return {bug.name: bug for bug in BUGS}[name]

@@ -23,6 +23,12 @@ import numpy.polynomial
 import numpy.random
 import numpy.testing
 
+try:
+    import resource
+except ImportError:  # Windows, where a process has no such limits
+    resource = None
+
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.catalogue import load_catalogue
 from numpy_cae.verify.reporting import report_on
 from numpy_cae.verify.sandbox.refusal import is_refused
@@ -31,7 +37,7 @@ MAX_FILE_SIZE = 2**24
 PR_SET_PDEATHSIG = 1
 
 
-class LoadError(Exception):
+class LoadError(NumpyCaeError):
     """The student's file cannot be loaded."""
 
 
@@ -45,10 +51,10 @@ class ImportBlocker(importlib.abc.MetaPathFinder):
 
 
 def main() -> None:
-    """Read a request from standard input, do it, and write the replies to standard output.
+    """Do the request that standard input holds, and reply on standard output.
 
-    The request names the file, the catalogue, the tasks with the functions to be tested, the
-    functions that the file is given, the limits, and the token that marks a reply as ours.
+    It names the file, the catalogue, the tasks with the functions to be tested, the functions
+    that the file is given, the limits, and the token that marks a reply as ours.
     """
     _end_with_parent()
     request = json.load(sys.stdin)
@@ -100,10 +106,8 @@ def _end_with_parent() -> None:
 
 
 def _limit(megabytes: int) -> None:
-    """Limit memory, processes and the size of files; on Windows there are no such limits."""
-    try:
-        import resource
-    except ImportError:
+    """Limit memory, processes and the size of files."""
+    if resource is None:
         return
     for kind, limit in (
         (resource.RLIMIT_AS, megabytes * 2**20),
@@ -118,12 +122,9 @@ def _limit(megabytes: int) -> None:
 
 def _limit_cpu_time(seconds: float) -> None:
     """Let this process be ended after so much CPU time from now."""
-    try:
-        import resource
-    except ImportError:
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + seconds), hard))
+    if resource is not None:
+        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + seconds), hard))
 
 
 def _isolate() -> list[ModuleType]:
@@ -172,6 +173,4 @@ def _load(path: Path, given: Mapping[str, Callable]) -> dict[str, Callable]:
         place = f" (line {lines[-1]})" if lines else ""
         raise LoadError(f"at import: {type(error).__name__}: {error}{place}") from None
     there = list(vars(module).items())
-    return {name: value for name, value in there if callable(value) and name not in given} | {
-        name: value for name, value in there if name in given and value is not given[name]
-    }
+    return {name: f for name, f in there if callable(f) and f is not given.get(name)}

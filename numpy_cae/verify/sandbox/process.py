@@ -14,6 +14,8 @@ import threading
 import time
 from pathlib import Path
 
+from numpy_cae.errors import NumpyCaeError
+
 EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; on the clock twice as much may pass, and the start-up besides."""
 STARTUP_SECONDS = 20.0
@@ -25,7 +27,7 @@ TIME_IS_UP = "the time limit for the whole file is used up"
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
-class ProcessEnded(Exception):
+class ProcessEnded(NumpyCaeError):
     """The student's process ended or had to be ended; the message says why."""
 
 

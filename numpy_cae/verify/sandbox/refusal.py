@@ -1,7 +1,4 @@
-"""Where an operation may not be taken from: this package, and every library that differentiates.
-
-Imports nothing of the project, since the student's process uses it too.
-"""
+"""Imports that are refused: this package, and libraries that differentiate."""
 
 from __future__ import annotations
 
@@ -9,27 +6,9 @@ import ast
 from collections.abc import Iterator
 
 AUTODIFF = (
-    "aesara",
-    "autograd",
-    "casadi",
-    "chainer",
-    "cupy",
-    "dynet",
-    "flax",
-    "jax",
-    "keras",
-    "mindspore",
-    "mlx",
-    "mxnet",
-    "paddle",
-    "pytensor",
-    "sympy",
-    "tangent",
-    "tensorflow",
-    "theano",
-    "tinygrad",
-    "torch",
-)
+    "aesara autograd casadi chainer cupy dynet flax jax keras mindspore mlx mxnet paddle pytensor "
+    "sympy tangent tensorflow theano tinygrad torch"
+).split()
 REFUSED = ("numpy_cae", *AUTODIFF)
 BY_NAME = ("__import__", "import_module", "run_module")
 
