@@ -1,4 +1,4 @@
-"""What a sensible person would try instead of a network."""
+"""Simple methods to compare the networks with."""
 
 from numpy_cae.baselines.filters import median, savitzky_golay
 from numpy_cae.baselines.interpolation import interpolate_cubically, interpolate_linearly

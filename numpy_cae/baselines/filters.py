@@ -1,4 +1,4 @@
-"""Smoothing over time, each feature by itself: what removes noise without knowing of bodies."""
+"""Smoothing over time, each feature by itself."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ from scipy.signal import savgol_filter
 
 
 def median(x: np.ndarray, length: int) -> np.ndarray:
-    """Each value becomes the median of the `length` around it in time.
+    """The median of the `length` values around each value in time.
 
         y_t = median(x_{t-h}, …, x_{t+h}),    h = (length - 1) / 2
 
-    It drops single outliers whole and keeps edges, as long as fewer than half of the values in
-    reach are wrong.
+    It removes outliers and keeps edges where fewer than half of the values in reach are wrong.
 
     Parameters
     ----------
     x : (…, T, C) array of float
     length : int
-        Frames, odd. Beyond the ends the first and last value are held.
+        Frames, odd. Beyond the ends the first and last values are repeated.
 
     Returns
     -------
@@ -30,7 +29,7 @@ def median(x: np.ndarray, length: int) -> np.ndarray:
 
 
 def savitzky_golay(x: np.ndarray, length: int, order: int) -> np.ndarray:
-    """Each value becomes that of the polynomial that fits the `length` around it best.
+    """The value of the polynomial fitted to the `length` values around each value in time.
 
         y_t = π_t(t),    π_t = argmin_{π of degree ≤ order} Σ_{|s-t| ≤ h} (x_s - π(s))²
 

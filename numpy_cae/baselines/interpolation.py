@@ -1,5 +1,5 @@
-"""Known values joined over time: another, easier problem than repair, where nobody says which
-values are right."""
+"""Interpolation between known values over time: easier than repair, where the known values are not
+given."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from scipy.interpolate import CubicSpline
 
 
 def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Each feature by itself, straight from one known value to the next.
+    """Linear interpolation of each feature between its known values.
 
         x̂_t = x_a + (t - a) / (b - a) · (x_b - x_a),    a ≤ t ≤ b the known frames around t
 
-    Before the first known value and after the last, that value is held; a feature that is never
-    known stays as it is.
+    Before the first known value and after the last, that value is repeated; a feature without known
+    values is left unchanged.
 
     Parameters
     ----------
     x : (…, T, C) array of float
-        What stands where nothing is known does not matter.
+        Unknown values are ignored.
     known : array of bool of the same shape
 
     Returns
@@ -39,8 +39,7 @@ def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """The cubic spline through key frames, twice continuously differentiable, "not a knot" at its
-    ends; the last key is held.
+    """The cubic spline through key frames, with "not a knot" ends; the last key is repeated.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The best that a linear map of a few frames can do, solved in closed form.
+"""The optimal linear map of a few frames, in closed form.
 
 A frame is estimated from the `taps` frames around it (those beyond a window are zero). With z the
 values of all these frames in one row, x the frame in their middle, and a mask m that keeps feature
@@ -7,7 +7,7 @@ i with probability k_i, each value of z by itself, the weights are
     A = argmin E ‖x - (m ∘ z) A‖² = M⁻¹ B,
     M_ij = E[z_i z_j] k_i k_j   (i ≠ j),      M_ii = E[z_i²] k_i,      B_ij = k_i E[z_i x_j]
 
-since E[m_i m_j] = k_i k_j but E[m_i²] = E[m_i] = k_i. So E[z zᵀ] is counted once, from whole
+since E[m_i m_j] = k_i k_j but E[m_i²] = E[m_i] = k_i. So E[z zᵀ] is computed once, from undamaged
 motions, and no noise is drawn. With k = 1 - p for every feature this denoises values zeroed with
 probability p; with k = 0 for one joint and 1 for the others it fills that joint in.
 """
@@ -21,18 +21,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 TAPS = 15
 RIDGE = 1e-6
-"""Added to M's diagonal, as a share of its mean: some features never change (the hips are above
-their own place on the floor)."""
+"""Added to M's diagonal, as a share of its mean: some features are constant (the hips' x and z)."""
 
 
 @dataclass(frozen=True)
 class LinearDenoiser:
-    """A convolution over time and nothing else.
+    """A linear convolution over time.
 
     Parameters
     ----------
     weights : (taps, C, C) array of float
-        Frame around, feature there, feature estimated.
+        Neighbouring frame, its feature, the estimated feature.
     """
 
     weights: np.ndarray
@@ -72,7 +71,7 @@ class Moments:
         return cls(total / np.count_nonzero(real), windows.shape[-1])
 
     def solve(self, kept: float | np.ndarray, ridge: float = RIDGE) -> LinearDenoiser:
-        """The best weights where each value is kept with a probability and else zero.
+        """The optimal weights where each value is kept with a probability and zero otherwise.
 
         Parameters
         ----------
@@ -91,7 +90,7 @@ class Moments:
 
 
 def contexts(windows: np.ndarray, taps: int) -> np.ndarray:
-    """z: of each frame the `taps` around it as one row, (N, T, C) to (N, T, taps · C)."""
+    """z: the `taps` frames around each frame as one row, (N, T, C) to (N, T, taps · C)."""
     around = sliding_window_view(_padded(windows, taps), taps, axis=1)  # (N, T, C, taps)
     return around.swapaxes(-1, -2).reshape(*windows.shape[:2], -1)
 

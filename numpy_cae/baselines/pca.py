@@ -1,12 +1,12 @@
-"""Principal component analysis: the linear manifold that a sensible person would try first.
+"""Principal component analysis, the linear counterpart of the manifold.
 
 With u_1 … u_r the directions of largest variance about the mean m, the projection of x is
 
     x̂ = m + Σ_i u_i u_iᵀ (x - m)
 
 Where entries of x are missing, the coefficients c are those most likely after the ones observed, o,
-when each c_i has the variance λ_i of its axis and what the axes leave over has the variance σ²
-(probabilistic PCA: Tipping & Bishop 1999):
+when each c_i has the variance λ_i of its axis and the residual has the variance σ² (probabilistic
+PCA: Tipping & Bishop 1999):
 
     ĉ = argmin ‖x_o - m_o - Σ_i c_i u_io‖² / σ² + Σ_i c_i² / λ_i,    x̂ = m + Σ_i ĉ_i u_i
 """
@@ -26,7 +26,7 @@ class PCA:
     ----------
     mean : (N,) array of float
     axes : (R, N) array of float
-        Unit rows, by falling variance.
+        Unit rows, by decreasing variance.
     variances : (R,) array of float
         λ_i.
     """
@@ -53,10 +53,10 @@ class PCA:
         Parameters
         ----------
         rows : (M, N) array of float
-            What stands where nothing is known does not matter.
+            Unknown values are ignored.
         known : (M, N) array of bool
         size : int
-            σ² is the mean variance of an entry that so many axes leave over.
+            σ² is the mean variance of an entry that these axes do not explain.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""What is measured: one definition each, used everywhere."""
+"""Measures of motions and of methods, each defined once."""
 
 from numpy_cae.measures.angle_distance import angle_distance
 from numpy_cae.measures.bone_length_error import bone_length_error

@@ -13,7 +13,7 @@ def angle_distance(numbers: np.ndarray, truth: np.ndarray) -> float:
     Parameters
     ----------
     numbers, truth : (…, 54) arrays of float
-        Not standardised. The root's translation does not count: it is no angle.
+        Not standardised. The root's translation is left out.
     """
     gap = (np.asarray(numbers, dtype=np.float64) - truth)[..., ANGLES]
     return float(np.linalg.norm(gap, axis=-1).mean())

@@ -1,4 +1,4 @@
-"""How far bones are from the length they have: a body on the manifold may stretch."""
+"""Deviation of bones from their lengths: on the manifold a body may stretch."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:
         100 · √ mean_{t,j} (‖p_{t,j} - p_{t,parent(j)}‖ - l_j)²
 
     holden2015, section 7, names it as a limitation: "the manifold projection cannot guarantee
-    constraints such as ground contact and joint lengths". Real bodies have an error too: what we
-    call a bone may span joints that bend (the neck, between chest and head).
+    constraints such as ground contact and joint lengths". Real bodies have an error too, where a
+    bone spans joints that bend (the neck, between chest and head).
 
     Parameters
     ----------

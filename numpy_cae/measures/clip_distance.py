@@ -1,4 +1,4 @@
-"""How far clips lie from one another: the ground of everything that is asked of samples.
+"""Distances between clips, on which the measures of samples are based.
 
     d(a, b) = √ mean_{t,k} (a_{t,k} - b_{t,k})²
 

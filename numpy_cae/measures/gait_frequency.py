@@ -1,8 +1,8 @@
-"""How often a walking person steps with the same foot, by autocorrelation.
+"""The frequency of strides, two steps each, by autocorrelation.
 
     s_t = (left ankle - right ankle) · forward,    r_l = mean_t (s_t - s̄)(s_{t+l} - s̄)
 
-The first peak of r at which one leg leads again is one stride, two steps.
+The first peak of r after it was negative is one stride.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
 
-SLOWEST = 0.4
-"""Strides a second; who is slower stands."""
+MIN_FREQUENCY = 0.4
+"""Strides a second; anything slower is standing."""
 
 
 def gait_frequency(positions: np.ndarray, rate: float) -> float:
@@ -28,13 +28,13 @@ def gait_frequency(positions: np.ndarray, rate: float) -> float:
     Returns
     -------
     float
-        nan where no stride is found: the legs do not alternate, or the clip is shorter than one.
+        nan where the legs do not alternate or the clip is shorter than a stride.
     """
     lead = _lead(np.asarray(positions, dtype=np.float64))
     lead = lead - lead.mean()
     frames = len(lead)
-    # The longest lag leaves a quarter of the clip to compare; each lag is a mean over what it has.
-    lags = np.arange(min(int(rate / SLOWEST) + 2, frames * 3 // 4 + 2))
+    # The longest lag leaves a quarter of the clip to compare.
+    lags = np.arange(min(int(rate / MIN_FREQUENCY) + 2, frames * 3 // 4 + 2))
     products = np.array([np.mean(lead[: frames - lag] * lead[lag:]) for lag in lags])
     below = np.flatnonzero(products < 0)
     if len(below) == 0:
@@ -48,14 +48,14 @@ def gait_frequency(positions: np.ndarray, rate: float) -> float:
     if not peaks:
         return float("nan")
     peak = peaks[0]
-    # A parabola through three values finds the peak between frames.
+    # The peak of a parabola through three values lies between frames.
     left, top, right = products[peak - 1 : peak + 2]
     shift = 0.5 * (left - right) / (left - 2 * top + right)
     return float(rate / (peak + shift))
 
 
 def _lead(positions: np.ndarray) -> np.ndarray:
-    """How far the left ankle is before the right, (F,), metres, along where the hips face."""
+    """How far the left ankle is in front of the right along the hips' direction, (F,), metres."""
     joint = {name: positions[:, JOINTS.index(name)] for name in
              ("left_hip", "right_hip", "left_ankle", "right_ankle")}  # fmt: skip
     across = joint["left_hip"] - joint["right_hip"]

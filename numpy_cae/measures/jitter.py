@@ -1,4 +1,4 @@
-"""How much joints tremble: the mean magnitude of their acceleration."""
+"""The mean magnitude of the joints' acceleration."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ def jitter(positions: np.ndarray, rate: float) -> float:
 
         mean_{t,j} ‖p_{t+1,j} - 2 p_{t,j} + p_{t-1,j}‖ · rate²
 
-    No motion is best at 0: what counts is how far it lies from the truth's. Noise, which changes
-    from frame to frame, adds to it far more than to the error of the position; what smooths too
-    much takes from it.
+    It is to be compared with the truth's, as it is not best at 0: noise that changes from frame to
+    frame increases it far more than the position error, and too much smoothing decreases it.
 
     Parameters
     ----------

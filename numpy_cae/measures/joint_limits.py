@@ -1,8 +1,8 @@
-"""Whether joints bend further than bodies do: limits measured on poses, and what leaves them.
+"""Joint limits measured on real poses, and the frames that exceed them.
 
-A clinician's limits (`data_synth.limits`) are for rotations about the axes of one rig; positions of
-twenty joints tell of less. What they tell is measured here, and the limits are those of the
-motion that a manifold was learned from, plus a margin.
+Clinical limits (`data_synth.limits`) are for rotations about the axes of one rig, which positions
+of twenty joints do not give. The angles that they give are measured here; the limits are those of
+the motion that a manifold was learned from, plus a margin.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 MARGIN = 5.0
-"""Degrees beyond what was seen that are still allowed."""
+"""Degrees beyond the range of the real poses that are still allowed."""
 _RARE = 1e-3
 """Share of the poses at either end that does not set a limit: captured motion has outliers."""
 _BENT = [j for j, parent in enumerate(PARENTS) if parent > 0 and PARENTS[parent] >= 0]
@@ -27,14 +27,14 @@ ANGLES: tuple[str, ...] = (
 
 
 def bends(positions: np.ndarray) -> np.ndarray:
-    """How far bones are bent against the bones above them.
+    """The angles between bones and the bones above them.
 
     With b_j = p_j - p_parent(j) the bone that ends at joint j, the angle between two of them
 
         arccos(b_j · b_parent(j) / ‖b_j‖ ‖b_parent(j)‖)
 
-    which has no sign. The knee alone has one, since it bends back but not forwards: seen along the
-    line a from the right hip to the left, the turn from thigh to shank is
+    which has no sign. Only the knee has one, since it bends back but not forwards: seen along the
+    line a from the right hip to the left, the rotation from thigh to shank is
 
         arctan2((b_thigh × b_shank) · a, b_thigh · b_shank)
 
@@ -77,7 +77,7 @@ class JointLimits:
 
     @classmethod
     def seen_in(cls, poses: np.ndarray, margin: float = MARGIN) -> JointLimits:
-        """The limits that poses (F, 20, 3) keep, but for one in a thousand, and a margin."""
+        """The range of poses (F, 20, 3), without one in a thousand at either end, and a margin."""
         seen = bends(poses)
         low, high = np.quantile(seen, [_RARE, 1 - _RARE], axis=0)
         return cls(low - margin, high + margin)

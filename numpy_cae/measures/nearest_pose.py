@@ -1,4 +1,4 @@
-"""How far a pose is from every pose that anyone was seen in."""
+"""The distance of a pose from the nearest real pose."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 
 from numpy_cae.motion.features import POSITIONS
 
-MOST = 12_000
-"""Poses that are kept. Poses a thirtieth of a second apart are nearly the same one."""
+MAX_POSES = 12_000
+"""Real poses kept; neighbouring frames are nearly equal."""
 
 
 class NearestPose:
@@ -17,17 +17,17 @@ class NearestPose:
         d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
 
     over the 60 position features, local to the body's place on the floor and its heading: the
-    `position_error` of each frame to the pose that suits it best, in centimetres.
+    smallest `position_error` of each frame to a real pose, in centimetres.
 
     Parameters
     ----------
     features : (N, 63) array of float
-        Real poses, on the bones of the poses that will be asked about. Evenly spread ones among
-        them are kept where there are more than `MOST`.
+        Real poses, on the same bones as the poses to measure. At most `MAX_POSES` of them, evenly
+        spread, are kept.
     """
 
     def __init__(self, features: np.ndarray):
-        step = -(-len(features) // MOST)
+        step = -(-len(features) // MAX_POSES)
         self._tree = cKDTree(np.asarray(features, dtype=np.float64)[::step, POSITIONS])
 
     def distances(self, features: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""How far joints are from where they should be, in centimetres."""
+"""The error of joint positions, in centimetres."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ def position_error(
 
         100 · √ mean((q̂ - q)²)
 
-    over the 60 position features, local to the body's place on the floor and its heading, so that
-    a slip of the integrated path does not drown the pose.
+    over the 60 position features, relative to the body's position on the floor and its heading, so
+    that drift of the integrated path does not hide errors of the pose.
 
     Parameters
     ----------
     features, truth : (…, F, 63) arrays of float
         In metres.
     real : (…, F) array of bool, optional
-        Frames to count; held ones are False.
+        Frames to count; padded ones are False.
     joint : str, optional
         The only joint to count, such as "left_wrist".
     """

@@ -1,6 +1,6 @@
-"""How well a distance finds what is alike: precision at 1, average precision, and how sure it is.
+"""Retrieval by a distance: precision at 1, average precision, and confidence intervals.
 
-A query looks through a gallery, nearest first. With rel(r) = 1 where the motion at rank r is alike
+A query searches a gallery, nearest first. With rel(r) = 1 where the motion at rank r is relevant,
 and R of them in the gallery,
 
     precision at 1      rel(1)
@@ -18,13 +18,12 @@ import numpy as np
 
 
 def precision_at_1(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
-    """1 where the nearest motion is alike, else 0; of equally near ones the first counts.
+    """1 where the nearest motion is relevant, else 0; of equally near ones the first counts.
 
     Parameters
     ----------
     distances : (Q, N) array of float
-        From each query to each motion of the gallery. Infinite where a motion must not be found,
-        such as the query itself.
+        From each query to each motion of the gallery; infinite for those that are left out.
     alike : (Q, N) array of bool
 
     Returns
@@ -36,12 +35,12 @@ def precision_at_1(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
 
 
 def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
-    """The precision at the rank of each motion that is alike, averaged over those.
+    """The precision at the rank of each relevant motion, averaged over those.
 
     Parameters
     ----------
     distances, alike
-        As `precision_at_1` takes them. What is infinitely far is out of the gallery.
+        As in `precision_at_1`.
 
     Returns
     -------
@@ -50,7 +49,7 @@ def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
     Raises
     ------
     ValueError
-        If nothing in the gallery is like one of the queries.
+        If nothing in the gallery is relevant to one of the queries.
     """
     alike = alike & np.isfinite(distances)
     order = np.argsort(distances, axis=1, kind="stable")
@@ -64,7 +63,7 @@ def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
 
 
 class Difference(NamedTuple):
-    """A difference of means and the interval that holds 95 of 100 resampled ones."""
+    """A difference of means and its 95 % interval by resampling."""
 
     mean: float
     low: float
@@ -72,7 +71,7 @@ class Difference(NamedTuple):
 
     @property
     def certain(self) -> bool:
-        """Whether the interval leaves 0 out."""
+        """Whether the interval excludes 0."""
         return self.low > 0 or self.high < 0
 
     def text(self) -> str:
@@ -85,8 +84,7 @@ def bootstrapped_difference(
 ) -> Difference:
     """mean(ours) - mean(theirs), measured on the same queries, with a 95 % percentile interval.
 
-    The queries are drawn anew, with replacement, and both methods are measured on the same draw:
-    a query that is hard for both says nothing of their difference.
+    The queries are resampled with replacement, the same ones for both methods.
 
     Parameters
     ----------

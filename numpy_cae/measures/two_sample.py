@@ -1,9 +1,8 @@
-"""Can samples be told from real clips? The 1-nearest-neighbour two-sample test.
+"""The 1-nearest-neighbour two-sample test: whether samples can be told from real clips.
 
-Real clips and as many samples are thrown together; each is classed as its nearest neighbour among
-all the others is. Where the two are drawn from one distribution half of the classes are right.
-More than half: the samples differ. Less: the samples are copies, each real clip's nearest
-neighbour being a sample of it.
+Each of equally many real clips and samples is classified as its nearest neighbour. If both have one
+distribution, half of the classes are right; more, if they differ; less, if samples are copies of
+real clips.
 
 Lopez-Paz and Oquab, "Revisiting classifier two-sample tests", ICLR 2017; as 1-NN in Xu et al.
 (2018).
@@ -17,12 +16,12 @@ from numpy_cae.measures.clip_distance import clip_distances
 
 
 def nearest_neighbour_accuracy(real: np.ndarray, samples: np.ndarray) -> float:
-    """The share that is classed rightly, 0.5 at best.
+    """The share of right classes, 0.5 at best.
 
     Parameters
     ----------
     real, samples : (N, F, C) arrays of float
-        As many of the one as of the other, or the more frequent kind would be nearer by number.
+        Equally many of both.
 
     Raises
     ------

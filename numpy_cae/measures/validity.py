@@ -1,10 +1,10 @@
-"""Whether a motion could be a person's: the measures of validity together.
+"""The measures of valid human motion together.
 
 holden2015 says of interpolation that it "creates motion which remains valid" (section 7) and of Φ†
-that it "always produces" motion "within the subspace of valid human motion" (section 3), and does
-not say what valid means. Here it means: bones keep their length, a standing foot stands, joints
-keep within the range that people were seen to use, the motion trembles as much as people's does,
-and every pose is near one that someone was seen in.
+that it "always produces" motion "within the subspace of valid human motion" (section 3), without a
+definition of valid. Here: bones keep their lengths, a standing foot does not slide, joints stay
+within the range of real motions, accelerations are as large as in real motion, and each pose is
+near a real one.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from numpy_cae.motion.features import FEATURES, POSITIONS, features_to_positions
 
 @dataclass(frozen=True)
 class Validity:
-    """What was measured on one motion, or its mean over several.
+    """The measures of one motion, or their means over several.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Validity:
     beyond_limits : float
         Per cent of the frames.
     jitter : float
-        m/s²; no motion is best at 0.
+        m/s².
     nearest_pose : float
         cm.
     """
@@ -64,17 +64,17 @@ class Validity:
 
     @classmethod
     def mean(cls, measured: Sequence[Validity]) -> Validity:
-        """The mean of each measure, every motion counting once."""
+        """The mean of each measure over motions."""
         return cls(*np.mean([astuple(one) for one in measured], axis=0).tolist())
 
 
 class ValidityMeasure:
-    """What is known of valid motion from real ones, ready to measure others.
+    """Measures motions by the joint limits and poses of real ones.
 
     Parameters
     ----------
     real : sequence of (F, 63) arrays of float
-        Features of real motions, all on the same bones, which are those of what is measured.
+        Features of real motions, on the same bones as the motions to measure.
     lengths : (20,) array of float
         The bones' lengths, metres.
     rate : float

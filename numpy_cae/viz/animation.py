@@ -19,7 +19,7 @@ def save_gif(
     azimuth: float = 40.0,
     seconds: float = 10.0,
 ) -> None:
-    """Motions side by side, each followed by its own camera over a floor that passes below.
+    """Write motions side by side as a GIF; a camera follows each of them over a floor.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def save_gif(
     azimuth : float
         Degrees from which the camera looks.
     seconds : float
-        Of a longer motion only the beginning is shown.
+        A longer motion is truncated.
     """
     from matplotlib.animation import FuncAnimation, PillowWriter
     from matplotlib.figure import Figure
@@ -56,14 +56,14 @@ def save_gif(
 
 
 def _half_width(actors: list[Actor], moments: range, azimuth: float) -> float:
-    """Metres to either side of a body that its panel shows: more for those who lie down."""
+    """Half the width of a panel in metres: more for a body that lies down."""
     shown = [actor.positions[moment] for actor in actors for moment in moments]
     reach = max(np.abs(seen(points - below(points), azimuth)[:, 0]).max() for points in shown)
     return float(np.clip(reach + 0.1, 0.9, 1.6))
 
 
 class _Panel:
-    """One motion's part of the picture."""
+    """The part of the picture with one motion."""
 
     _TILE = 0.5  # metres between two lines of the floor
 
@@ -89,7 +89,7 @@ class _Panel:
         return self.body, self.floor
 
     def _floor(self, followed: np.ndarray) -> np.ndarray:
-        """Lines of a square of floor around the body that stay where they are in the world."""
+        """Lines of the floor around the body, fixed in the world."""
         shift = np.mod(followed, self._TILE)
         lines = []
         for along in np.arange(-2, 3) * self._TILE:

@@ -1,4 +1,4 @@
-"""From three dimensions to the page: an orthographic camera, and paths for drawing bones."""
+"""An orthographic camera, and the lines of bones."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def seen(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> np.ndarray:
-    """Where points appear to a camera that looks at the origin from far away.
+    """Points as an orthographic camera sees them that looks at the origin.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def seen(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> n
 def bones(points: np.ndarray, parents: tuple[int, ...]) -> np.ndarray:
     """The line from each joint's parent to the joint: (J, D) to (bones, 2, D).
 
-    A root with a single child is a mark on the floor, as in Bandai's files, and has no bone.
+    A root with a single child is a point on the floor, as in Bandai's files, and has no bone.
     """
     on_floor = 0 if parents.count(0) == 1 and len(parents) > 2 else -1
     ends = [joint for joint, parent in enumerate(parents) if parent > on_floor]
@@ -40,5 +40,5 @@ def bones(points: np.ndarray, parents: tuple[int, ...]) -> np.ndarray:
 
 
 def below(points: np.ndarray) -> np.ndarray:
-    """The place on the floor under the middle of a body, (J, 3) to (3,)."""
+    """The point of the floor below the middle of a body, (J, 3) to (3,)."""
     return np.median(points, axis=0) * [1.0, 0.0, 1.0]

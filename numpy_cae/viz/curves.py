@@ -1,4 +1,4 @@
-"""Numbers as curves and as bars: what stands in a table, seen at a glance."""
+"""Curves and bars."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Curve:
     x, y : sequences of the same number of float
     label : str
     colour : str, optional
-        The next of matplotlib's where None.
+        Matplotlib's next colour if None.
     style : str
-        "-" or "--" or ":" or "o", as matplotlib has it.
+        Of Matplotlib, such as "--".
     """
 
     x: Sequence[float]
@@ -36,13 +36,13 @@ class Curve:
 def curves_figure(
     curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
 ) -> Figure:
-    """Curves over one axis, named beside the plot.
+    """Curves in one plot, with the legend beside it.
 
     Parameters
     ----------
     curves : sequence of Curve
     across, up : str
-        What the axes show, with units.
+        Labels of the axes, with units.
     size : (width, height) in inches
     """
     from matplotlib.figure import Figure
@@ -72,7 +72,7 @@ def bars_figure(
     groups : sequence of (label, heights, colour)
         One height for each name; the colour may be None.
     up : str
-        What the heights are, with the unit.
+        Label of the vertical axis, with the unit.
     size : (width, height) in inches
     """
     from matplotlib.figure import Figure

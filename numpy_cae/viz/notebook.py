@@ -1,4 +1,4 @@
-"""A motion as an animation inside a notebook, small enough to be stored with it."""
+"""An animation inside a notebook, small enough to be stored with it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COLOURS = 32
 
 @dataclass(frozen=True, repr=False)
 class Animation:
-    """A GIF that shows itself as a cell's result."""
+    """A GIF that is displayed as the result of a cell."""
 
     gif: bytes
     label: str
@@ -41,7 +41,7 @@ def in_notebook(
     Parameters
     ----------
     actors, rate, fps, azimuth, seconds
-        As `save_gif` has them. Three motions of three seconds take about 250 kB.
+        As in `save_gif`. Three motions of three seconds take about 250 kB.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "animation.gif")
@@ -50,7 +50,7 @@ def in_notebook(
 
 
 def _few_colours(path: Path) -> bytes:
-    """The same GIF in 32 colours, about half the size; lines on white need no more."""
+    """The GIF in 32 colours, which halves its size."""
     from PIL import Image, ImageSequence
 
     with Image.open(path) as gif:

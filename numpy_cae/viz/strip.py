@@ -1,4 +1,4 @@
-"""A strip: poses of a motion side by side, as on a roll of film."""
+"""A strip of poses of a motion, side by side."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
     """A row of poses for each motion, at the same moments in every row.
 
-    Each pose stands at its own place on the strip; where it travelled to is not shown.
+    Each pose is drawn at its place on the strip, without its path in the world.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     reach = np.concatenate([pose.reshape(-1, 2) for row in drawn for pose in row])
     wide = 1.12 * max(np.ptp(reach[:, 0]), 0.5)
     low, high = reach[:, 1].min() - 0.12, reach[:, 1].max() + 0.15
-    # A pose that reaches far to one side of its middle (a press-up) is not cut off at the edge.
+    # A pose may reach far to one side of its middle (a press-up).
     left = min(-0.55 * wide, reach[:, 0].min() - 0.05)
     right = max(0.55 * wide, reach[:, 0].max() + 0.05) + (len(moments) - 1) * wide
     width = 1.25 * len(moments)
@@ -69,6 +69,6 @@ def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
 
 
 def save_figure(figure: Figure, path: str | Path, dpi: int = 110) -> None:
-    """Write a figure as PNG, beside first and then moved into place."""
+    """Write a figure as a PNG file, atomically."""
     with atomic_write(path) as beside:
         figure.savefig(beside, format="png", dpi=dpi, facecolor="white")

@@ -77,6 +77,7 @@ def result_of(small_manifold, labelled):
                 patch.setattr(repair_baselines, constant, value)
             result = module.run(small_manifold, labelled, 0)
             figure = result.figure()
-            return replace(result, figure=lambda: figure)
+            short = result.animation and replace(result.animation, seconds=0.2)
+            return replace(result, figure=lambda: figure, animation=short)
 
     return run
