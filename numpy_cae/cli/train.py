@@ -12,7 +12,6 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options as options
 from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.cli.one_run import one_run, state_of
-from numpy_cae.training import Checkpoint
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -87,14 +86,15 @@ def _add_file_options(group: argparse._ArgumentGroup) -> None:
         help="time between two saved states within an epoch, in seconds (default: 60); a state is "
         "also saved after every epoch",
     )
-    add(
+    caching = group.add_mutually_exclusive_group()
+    caching.add_argument(
         "--cache",
         type=Path,
         metavar="FOLDER",
         help="folder for what was read of the files, by their content (default: a folder of the "
         "user's cache, for 20 MB of files or more)",
     )
-    add("--no-cache", action="store_true", help="read every file anew")
+    caching.add_argument("--no-cache", action="store_true", help="read every file anew")
     add("--strict", action="store_true", help="stop at a file that cannot be used, not skip it")
 
 
@@ -103,8 +103,6 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
     options.require_options_of_model(args, parser)
     if args.picture and not args.test:
         raise ValueError("--picture draws a test take: name the test takes with --test")
-    if args.cache and args.no_cache:
-        raise ValueError("--cache and --no-cache exclude each other")
     kinds.require_place(args.output)
     if args.resume and args.output.exists() and not state_of(args.output).exists():
         if args.json:
@@ -114,36 +112,36 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
         return 0
     from numpy_cae.manifold import save_manifold
 
-    learn = _learn_sequences if args.model == "sequential" else _learn_windows
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
-        manifold, summary, measure, draw = learn(args, checkpoint)
+        learn = _learn_sequences if args.model == "sequential" else _learn_windows
+        how = {"show_progress": not args.quiet, "checkpoint": checkpoint, "engine": args.engine}
+        manifold, summary, measure = learn(args, options.network_of(args) | how)
         manifold.settings["test"] = args.test
         save_manifold(manifold, args.output)
         checkpoint.remove()
-    table = measure() if args.test else None
-    if args.picture:
-        draw().save_picture(args.picture)
+    table, figure = measure() if args.test else (None, None)
+    if figure:
+        figure.save_picture(args.picture)
     if args.json:
-        print_json(
-            {"model": args.output, "settings": manifold.settings, "test": table and table.data()}
-        )
+        test = table.data() if table else None
+        print_json({"model": args.output, "settings": manifold.settings, "test": test})
         return 0
     print(f"{args.output}: learned from {summary}")
     if table:
         print(f"\n{table.text()}")
-    if args.picture:
+    if figure:
         print(f"\n{args.picture}: written")
     return 0
 
 
-Learned = tuple[Any, str, Callable[[], Any], Callable[[], Any]]
-"""A manifold, what it was learned from, and functions that measure and that draw."""
+Learned = tuple[Any, str, Callable[[], tuple]]
+"""A manifold, what it was learned from, and a function that measures it on the test files and draws
+the picture if one is requested: a table and a figure."""
 
 
-def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
+def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.cli.takes import read_takes
     from numpy_cae.experiments.material import is_test, unlabelled
-    from numpy_cae.experiments.repair import figure_1, half_zeroed
     from numpy_cae.manifold import learn_manifold
     from numpy_cae.motion import find_motion_files
     from numpy_cae.motion.io.cache import default_cache, is_worthwhile
@@ -155,9 +153,7 @@ def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
     if cache is None and not args.no_cache and is_worthwhile(paths):
         cache = default_cache()
     training, testing = read_takes(paths, mapping, args.unit, args.test, args.strict, cache)
-    manifold = learn_manifold(
-        training, schedule, args.seed, **options.network_of(args), **_how(args, checkpoint)
-    )
+    manifold = learn_manifold(training, schedule, args.seed, **how)
     manifold.settings["folders"] = [
         {
             "name": folder.resolve().name,
@@ -166,19 +162,19 @@ def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
         }
         for folder, paths in found.items()
     ]
-    return (
-        manifold,
-        f"{manifold.settings['windows']} windows",
-        lambda: half_zeroed.run(manifold, unlabelled(training, testing)),
-        lambda: figure_1.run(manifold, unlabelled(training, testing)),
-    )
+
+    def measure() -> tuple:
+        from numpy_cae.experiments.repair import figure_1, half_zeroed
+
+        material = unlabelled(training, testing)
+        figure = figure_1.run(manifold, material) if args.picture else None
+        return half_zeroed.run(manifold, material), figure
+
+    return manifold, f"{manifold.settings['windows']} windows", measure
 
 
-def _learn_sequences(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
+def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.actions import read_action
-    from numpy_cae.experiments.sequences.figure_3 import figure_3
-    from numpy_cae.experiments.sequences.reconstruction import reconstruction
-    from numpy_cae.experiments.sequences.study import Study
     from numpy_cae.manifold import learn_sequences
     from numpy_cae.motion import ANGLE_RATE
 
@@ -188,23 +184,19 @@ def _learn_sequences(args: argparse.Namespace, checkpoint: Checkpoint) -> Learne
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
-    seconds = sum(map(len, action.training)) / ANGLE_RATE
+    count, seconds = len(action.training), sum(map(len, action.training)) / ANGLE_RATE
     print(
-        f"{len(action.training)} motions to train on ({seconds / 60:.1f} min), "
-        f"{len(action.testing)} to test",
+        f"{count} motions to train on ({seconds / 60:.1f} min), {len(action.testing)} to test",
         file=sys.stderr,
     )
-    manifold = learn_sequences(
-        action.training, schedule, args.seed, **options.network_of(args), **_how(args, checkpoint)
-    )
-    study = Study(action, manifold)
-    return (
-        manifold,
-        f"clips of {args.frames} frames of {len(action.training)} motions",
-        lambda: reconstruction([study]),
-        lambda: figure_3(study),
-    )
+    manifold = learn_sequences(action.training, schedule, args.seed, **how)
 
+    def measure() -> tuple:
+        from numpy_cae.experiments.sequences.figure_3 import figure_3
+        from numpy_cae.experiments.sequences.reconstruction import reconstruction
+        from numpy_cae.experiments.sequences.study import Study
 
-def _how(args: argparse.Namespace, checkpoint: Checkpoint) -> dict[str, Any]:
-    return {"show_progress": not args.quiet, "checkpoint": checkpoint, "engine": args.engine}
+        study = Study(action, manifold)
+        return reconstruction([study]), figure_3(study) if args.picture else None
+
+    return manifold, f"clips of {args.frames} frames of {count} motions", measure
