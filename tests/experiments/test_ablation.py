@@ -46,10 +46,10 @@ def test_equal_sizes_are_equal_and_every_row_trains_its_own_network():
 
 def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
     evaluation = Evaluation(labelled)
-    kept, lines = tmp_path / "kept.json", []
+    cache, lines = tmp_path / "cache.json", []
     few = [each for n, each in enumerate(choices(1, 0, 1)) if n == 0 or each.name == UNTIED]
-    rows = measure_rows(evaluation, few, 2, kept, lines.append)
-    assert len(lines) == 2 * len(rows) == len(json.loads(kept.read_text()))
+    rows = measure_rows(evaluation, few, 2, cache, lines.append)
+    assert len(lines) == 2 * len(rows) == len(json.loads(cache.read_text()))
     for row in rows:
         assert np.isfinite(row.values("half_zeroed")).all()
         assert np.ptp(row.values("half_zeroed")) > 0  # the seeds differ
@@ -63,7 +63,7 @@ def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
         raise AssertionError("measured again")
 
     monkeypatch.setattr(ablation, "train_autoencoder", never)
-    again = measure_rows(evaluation, few, 2, kept)
+    again = measure_rows(evaluation, few, 2, cache)
     assert [row.cell("half_zeroed") for row in again] == [row.cell("half_zeroed") for row in rows]
 
     def diverges(*args, **kwargs):
@@ -71,9 +71,9 @@ def test_every_row_is_measured_once_and_kept(labelled, tmp_path, monkeypatch):
 
     monkeypatch.setattr(ablation, "train_autoencoder", diverges)
     assert measure_rows(evaluation, few[:1], 1)[0].measured == [None]
-    kept.write_text("{")
+    cache.write_text("{")
     with pytest.raises(ValueError, match="is damaged: remove it"):
-        measure_rows(evaluation, few, 2, kept)
+        measure_rows(evaluation, few, 2, cache)
 
 
 def with_errors(name, *errors):

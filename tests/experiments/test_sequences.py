@@ -50,7 +50,7 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     curve = studies[0].curve
     assert list(curve["steps"]) == [0, 1, 2, 3, 4]
     assert np.isfinite(curve["error"]).all() and (curve["discrepancy"] > 0).all()
-    x = studies[0].drawn(1000, 7, training=False)
+    x = studies[0].random_clips(1000, 7, training=False)
     manifold = studies[0].manifold
     error = angle_distance(
         manifold.denormalise(manifold.network.denoise(x)), manifold.denormalise(x)
@@ -87,7 +87,7 @@ def test_figure_3_draws_samples_of_each_source(studies):
         assert (result.animation is None) == (source != FITTED)
     assert len(result.png()) > 10_000
     z = fitted_latents(studies[0], 4000, 0)
-    encoded = studies[0].manifold.network.encode(studies[0].drawn(1000, 0))
+    encoded = studies[0].manifold.network.encode(studies[0].random_clips(1000, 0))
     assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)
 
 

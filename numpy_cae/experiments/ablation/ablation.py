@@ -28,7 +28,7 @@ def measure_rows(
     evaluation: Evaluation,
     choices: Sequence[Choice],
     seeds: int = SEEDS,
-    kept: Path | None = None,
+    cache: Path | None = None,
     progress: Callable[[str], None] = lambda line: None,
 ) -> list[Row]:
     """Train and measure every choice and every baseline, all of them from one seed after another.
@@ -39,7 +39,7 @@ def measure_rows(
     choices : sequence of Choice
         The paper's first.
     seeds : int
-    kept : path, optional
+    cache : path, optional
         A file in which each measurement is saved as soon as it is made. What it holds for the
         same windows and the same choice is not measured again.
     progress : function
@@ -52,13 +52,13 @@ def measure_rows(
     for name, repair in baselines(evaluation.split).items():
         rows.append(Row(name))
         jobs.append((name, partial(evaluation.measure, repair)))
-    known, data = _read(kept), _checksum(evaluation)
+    known, data = _read(cache), _checksum(evaluation)
     for seed in range(seeds):
         for row, (job, measure) in zip(rows, jobs, strict=True):
             key = f"{data} seed {seed}: {job}"
             if key not in known:
                 known[key] = measure(seed)
-                _write(kept, known)
+                _write(cache, known)
             row.measured.append(known[key])
             progress(f"seed {seed}: {row.status()}")
     return rows
@@ -82,16 +82,16 @@ def _checksum(evaluation: Evaluation) -> str:
     return "-".join(f"{zlib.crc32(np.ascontiguousarray(x)):08x}" for x in windows)
 
 
-def _read(kept: Path | None) -> dict[str, Measured | None]:
-    if kept is None or not kept.exists():
+def _read(cache: Path | None) -> dict[str, Measured | None]:
+    if cache is None or not cache.exists():
         return {}
     try:
-        return json.loads(kept.read_text(encoding="utf-8"))
+        return json.loads(cache.read_text(encoding="utf-8"))
     except ValueError:
-        raise ValueError(f"{kept} is damaged: remove it to measure again") from None
+        raise ValueError(f"{cache} is damaged: remove it to measure again") from None
 
 
-def _write(kept: Path | None, known: dict[str, Measured | None]) -> None:
-    if kept is not None:
-        with atomic_write(kept) as beside:
+def _write(cache: Path | None, known: dict[str, Measured | None]) -> None:
+    if cache is not None:
+        with atomic_write(cache) as beside:
             beside.write_text(json.dumps(known, indent=1), encoding="utf-8")

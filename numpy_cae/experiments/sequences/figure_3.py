@@ -23,7 +23,7 @@ COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
 
 def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
     """Draws (count, D) from the normal distribution fitted to the encoded training clips."""
-    z = study.manifold.network.encode(study.drawn(CLIPS, seed)).astype(np.float64)
+    z = study.manifold.network.encode(study.random_clips(CLIPS, seed)).astype(np.float64)
     rng = np.random.default_rng([seed, 1])
     drawn = rng.multivariate_normal(z.mean(axis=0), np.cov(z, rowvar=False), count)
     return drawn.astype(study.manifold.network.weights["state_w"].dtype)
@@ -36,7 +36,7 @@ def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray
         return network.decode(fitted_latents(study, count, seed), frames)
     if source == PRIOR:
         return network.sample(count, np.random.default_rng([seed, 2]), frames)
-    return study.drawn(count, seed, training=False)
+    return study.random_clips(count, seed, training=False)
 
 
 def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Result:

@@ -69,7 +69,7 @@ def _reconstructions(study: Study, seed: int) -> list[tuple[str, np.ndarray, np.
 
 def clip_pca(study: Study, size: int, seed: int) -> PCA:
     """The first `size` axes of whole clips; the full decomposition would take minutes."""
-    rows = study.drawn(PCA_CLIPS, seed).reshape(PCA_CLIPS, -1).astype(np.float64)
+    rows = study.random_clips(PCA_CLIPS, seed).reshape(PCA_CLIPS, -1).astype(np.float64)
     mean = rows.mean(axis=0)
     _, spread, axes = svds(rows - mean, size, random_state=seed)
     return PCA(mean, axes[::-1], spread[::-1] ** 2 / PCA_CLIPS)

@@ -30,7 +30,7 @@ def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 
         Chooses the clips and draws of the discrepancies.
     """
     manifold = with_it[0].manifold
-    floor = prior_discrepancy(manifold.network.latent, seed)
+    smallest = prior_discrepancy(manifold.network.latent, seed)
     rows = []
     for regularised, free in zip(with_it, without, strict=True):
         seeds = range(seed, seed + REPEATS)
@@ -42,7 +42,7 @@ def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 
                 free.squared_error(),
                 _mean_discrepancy(z, seed),
                 _mean_discrepancy(plain, seed),
-                floor,
+                smallest,
             ]
         )
     header = [
@@ -60,7 +60,7 @@ def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 
 
 def _claims(rows: Sequence[Sequence]) -> list[Claim]:
     cost = {name: error / free for name, error, free, *_ in rows}
-    closeness = {name: z / floor for name, _, _, z, _, floor in rows}
+    closeness = {name: z / smallest for name, _, _, z, _, smallest in rows}
     costs, distances = (
         ", ".join(f"{name} {ratio:.{digits}f}" for name, ratio in ratios.items())
         for ratios, digits in ((cost, 2), (closeness, 1))
@@ -86,7 +86,7 @@ def _claims(rows: Sequence[Sequence]) -> list[Claim]:
 
 
 def _latents(study: Study, seed: int) -> np.ndarray:
-    clips = study.drawn(CLIPS, seed, training=False)
+    clips = study.random_clips(CLIPS, seed, training=False)
     return study.manifold.network.encode(clips).astype(np.float64)
 
 

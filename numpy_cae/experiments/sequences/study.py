@@ -42,7 +42,7 @@ class Study:
         """All normalised clips of the test motions, (N, F, 54)."""
         return self.manifold.normalise(cut_clips(self.action.testing, frames=self.manifold.frames))
 
-    def drawn(self, count: int, seed: int, training: bool = True) -> np.ndarray:
+    def random_clips(self, count: int, seed: int, training: bool = True) -> np.ndarray:
         """Normalised clips with random first frames, (count, F, 54)."""
         sequences = self.action.training if training else self.action.testing
         clips = draw_clips(sequences, count, np.random.default_rng(seed), self.manifold.frames)

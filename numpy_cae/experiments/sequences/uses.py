@@ -46,7 +46,7 @@ def uses(study: Study, seed: int = 0) -> Result:
     seed : int
         Of noise, pairs and people.
     """
-    clips = study.drawn(2 * PAIRS, seed + 3, training=False)
+    clips = study.random_clips(2 * PAIRS, seed + 3, training=False)
     parts = [_denoising(study, clips, seed), _interpolation(study, clips, seed)]
     if {NEUTRAL, TIRED} <= set(study.action.styles):
         parts.append(_analogy(study, seed))
@@ -107,13 +107,13 @@ def _error(x: np.ndarray, truth: np.ndarray) -> float:
 
 def _interpolation(study: Study, clips: np.ndarray, seed: int) -> Part:
     network, one, other = study.manifold.network, clips[:PAIRS], clips[PAIRS:]
-    real = study.drawn(10 * PAIRS, seed + 4, training=False)
+    real = study.random_clips(10 * PAIRS, seed + 4, training=False)
     middle = network.interpolate(one, other, np.array([0.5]))[:, 0]
     made = {
         NETWORK: middle,
         STRAIGHT: (one + other) / 2,
         "the ends, decoded": network.denoise(clips),
-        TRAINING: study.drawn(2 * PAIRS, seed + 5),
+        TRAINING: study.random_clips(2 * PAIRS, seed + 5),
     }
     near = {name: nearest_distance(x, real) for name, x in made.items()}
     near = {name: distance / near[TRAINING] for name, distance in near.items()}
