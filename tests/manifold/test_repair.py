@@ -13,7 +13,6 @@ from numpy_cae.motion import (
     POSITIONS,
     TURN,
     VELOCITY,
-    body_of,
     body_positions,
     bone_lengths,
     find_joints,
@@ -31,8 +30,7 @@ class Identity(MotionManifold):
         return np.array(features)
 
 
-@pytest.mark.parametrize("rate", [30.0, 120.0, 25.0, 59.94])
-@pytest.mark.parametrize("frames", [1, 2, 37])
+@pytest.mark.parametrize(("rate", "frames"), [(30.0, 1), (120.0, 2), (25.0, 37), (59.94, 37)])
 def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
     motion = make_take("walk", 1, seconds=3.0, rate=rate).motion
     motion = replace(
@@ -45,11 +43,9 @@ def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
     assert fixed.skeleton is motion.skeleton
     assert (fixed.rate, fixed.unit, len(fixed)) == (motion.rate, 0.0254, frames)
     assert np.all(np.isfinite(fixed.rotations))
-    lengths = bone_lengths(body_positions(motion))
-    spine = [5, 6, 7, 9, 10, 11, 13, 14, 15, 17, 18, 19]  # bones without joints in between
-    np.testing.assert_allclose(
-        bone_lengths(body_positions(fixed))[spine], lengths[spine], atol=1e-9
-    )
+    single = [5, 6, 7, 9, 10, 11, 13, 14, 15, 17, 18, 19]  # bones without joints in between
+    before, after = (bone_lengths(body_positions(each))[single] for each in (motion, fixed))
+    np.testing.assert_allclose(after, before, atol=1e-9)
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])
@@ -65,12 +61,11 @@ def test_a_motion_on_the_manifold_comes_back(untrained_manifold, rate):
 def test_noise_between_the_poses_does_not_come_through(untrained_manifold):
     """Three of four frames at 120 a second are noisy; none of these is a pose at 30."""
     calm = make_take("walk", 2, seconds=2.0, rate=120.0).motion
-    shaken = replace(calm, rotations=calm.rotations.copy())
-    rng = np.random.default_rng(0)
-    shaken.rotations[np.arange(len(calm)) % 4 > 0] += rng.normal(0, 0.05, calm.rotations.shape)[
-        np.arange(len(calm)) % 4 > 0
-    ]
-    shaken.rotations[:] /= np.linalg.norm(shaken.rotations, axis=-1, keepdims=True)
+    noise = np.random.default_rng(0).normal(0, 0.05, calm.rotations.shape)
+    noise[::4] = 0
+    rotations = calm.rotations + noise
+    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
+    shaken = replace(calm, rotations=rotations)
 
     def jitter(motion):
         return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
@@ -97,15 +92,20 @@ def test_fingers_are_carried_along_and_a_wrong_pose_moves(untrained_manifold):
     for finger in ("lfingers", "rthumb", "lhand"):
         place = motion.skeleton.index(finger)
         np.testing.assert_array_equal(fixed.rotations[:, place], motion.rotations[:, place])
-    there = untrained_manifold.features(body_of(fixed))[0]
-    asked = untrained_manifold.project(untrained_manifold.features(body_of(motion))[0])
-    came = untrained_manifold.features(body_of(motion))[0]
-    assert position_error(there, asked) < position_error(came, asked)
+    before, after = (untrained_manifold.body(each).features for each in (motion, fixed))
+    target = untrained_manifold.project(before)
+    assert position_error(after, target) < position_error(before, target)
 
 
-def test_the_root_stays_on_the_trajectory_of_the_file(untrained_manifold):
+@pytest.fixture(scope="module")
+def walked(untrained_manifold):
+    body = untrained_manifold.body(make_take("walk", 1, seconds=6.0).motion)
+    return body.features, body.root
+
+
+def test_the_root_stays_on_the_trajectory_of_the_file(walked):
     """Sums of projected velocities drift; the trajectory of the file does not."""
-    features, start = untrained_manifold.features(body_of(make_take("walk", 1, seconds=6.0).motion))
+    features, start = walked
     rng = np.random.default_rng(0)
     drifting = features.copy()
     drifting[:, VELOCITY] += 0.005
@@ -120,8 +120,8 @@ def test_the_root_stays_on_the_trajectory_of_the_file(untrained_manifold):
     assert np.abs(there - floor)[30:-30].max() < 0.05
 
 
-def test_slow_motion_of_the_root_is_the_files_and_fast_motion_the_projections(untrained_manifold):
-    features, start = untrained_manifold.features(body_of(make_take("walk", 1, seconds=6.0).motion))
+def test_slow_motion_of_the_root_is_the_files_and_fast_motion_the_projections(walked):
+    features, start = walked
     shaken = features.copy()
     shaken[:, TURN] += 0.05 * (-1.0) ** np.arange(len(features))[:, None]
     kept, _ = keep_trajectory(shaken, features, start, 30.0)

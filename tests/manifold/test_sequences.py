@@ -1,4 +1,4 @@
-"""Motions of any length by blended clips: projected, sampled, and from the command line."""
+"""The manifold of clips: learned from motions of one rig, and used on motions of any length."""
 
 from dataclasses import replace
 
@@ -15,15 +15,66 @@ from numpy_cae.manifold import (
     save_manifold,
 )
 from numpy_cae.manifold.long_sequences import clip_starts
-from numpy_cae.motion import angles_of, body_positions, load_motion, write_bvh
+from numpy_cae.motion import angles_of, body_positions, cut_clips, load_motion, write_bvh
 from numpy_cae.training import SequenceSchedule
+
+SHORT = SequenceSchedule(epochs=1, steps=3, batch=4, directions=4)
 
 
 @pytest.fixture(scope="module")
-def manifold():
-    takes = [angles_of(make_take("walking", seed, 4.0, 25.0).motion) for seed in range(2)]
-    short = SequenceSchedule(epochs=1, steps=4, batch=8, directions=4)
-    return learn_sequences(takes, short, hidden=8, latent=4, show_progress=False)
+def sequences():
+    return [angles_of(make_take("walking", seed, 4.0, 50.0).motion) for seed in range(3)]
+
+
+@pytest.fixture(scope="module")
+def manifold(sequences):
+    return learn_sequences(sequences, SHORT, hidden=6, latent=3, show_progress=False)
+
+
+def test_numbers_are_standardised_and_come_back(manifold, sequences):
+    clips = cut_clips(sequences, 5)
+    x = manifold.normalise(clips)
+    assert x.dtype == np.float32
+    varying = clips.std(axis=(0, 1)) >= 1e-3
+    assert np.allclose(x.std(axis=(0, 1))[varying], 1, atol=1e-3)
+    assert np.abs(x.mean(axis=(0, 1))).max() < 1e-3
+    assert np.allclose(manifold.denormalise(x), clips, atol=1e-5)
+
+
+def test_the_same_seed_gives_the_same_bits_and_watching_changes_nothing(manifold, sequences):
+    steps = []
+
+    def watch(watched, step):
+        steps.append(step)
+        watched.network.denoise(watched.normalise(cut_clips(sequences)))
+
+    again = learn_sequences(sequences, SHORT, 0, 6, 3, watch=watch, show_progress=False)
+    other = learn_sequences(sequences, SHORT, 1, 6, 3, show_progress=False)
+    assert steps == [0, 1, 2, 3]
+    for name, weight in manifold.network.weights.items():
+        assert np.array_equal(weight, again.network.weights[name])
+    assert not np.array_equal(
+        manifold.network.weights["latent_w"], other.network.weights["latent_w"]
+    )
+
+
+def test_different_rigs_are_not_learned_together(sequences):
+    bent = replace(sequences[0], offsets=sequences[0].offsets[:, [1, 2, 0]])
+    with pytest.raises(ValueError, match="different rigs"):
+        learn_sequences([*sequences, bent], SHORT, hidden=6, latent=3)
+    with pytest.raises(ValueError, match="no motions"):
+        learn_sequences([])
+
+
+def test_a_sample_is_a_motion_that_stands_on_the_floor_and_can_be_written(manifold, tmp_path):
+    clip = manifold.network.sample(1, np.random.default_rng(0))[0]
+    motion = manifold.motion(clip)
+    assert motion.rate == 25.0 and len(motion) == 50
+    assert abs(motion.positions()[..., 1].min()) < 1e-9
+    write_bvh(motion, tmp_path / "sample.bvh")
+    assert np.allclose(
+        load_motion(tmp_path / "sample.bvh", unit=1.0).positions(), motion.positions(), atol=1e-4
+    )
 
 
 class Perfect:
