@@ -1,4 +1,4 @@
-"""Motion databases from where they are published: the standard library alone, and no half files."""
+"""Download motion databases from their own sites, with the standard library alone."""
 
 from numpy_cae.download.cmu import CmuSite, Tally, download_cmu
 from numpy_cae.download.fetch import DownloadError, fetch

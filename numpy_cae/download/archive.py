@@ -1,7 +1,7 @@
-"""A zip archive into a folder and nowhere else.
+"""Extract a zip archive into one folder.
 
-A name inside an archive is a stranger's: `../../.bashrc` climbs out of the folder, and so does an
-absolute one ("zip slip"). Nothing of such an archive is unpacked.
+Names in an archive are not trusted: `../../.bashrc` or an absolute path would be written outside
+the folder ("zip slip"). Of an archive with such a name nothing is extracted.
 """
 
 from __future__ import annotations
@@ -15,57 +15,52 @@ from pathlib import Path, PurePosixPath
 
 from numpy_cae.download.fetch import DownloadError
 
-LARGEST = 1 << 28
-"""Bytes of one file, unpacked: ten times the longest take of the CMU database."""
+MAX_FILE_BYTES = 1 << 28
+"""Ten times the longest take of the CMU database."""
 
 
-def members(archive: zipfile.ZipFile, wanted: re.Pattern) -> list[zipfile.ZipInfo]:
-    """The members whose last name matches, every name of the archive having been looked at.
+def find_members(archive: zipfile.ZipFile, wanted: re.Pattern) -> dict[str, zipfile.ZipInfo]:
+    """The members whose file name matches, by file name; every name of the archive is checked.
 
     Raises
     ------
     DownloadError
-        If a name leaves the folder, or a wanted member says that it is larger than `LARGEST`.
+        If a name leaves the folder, or a wanted member is larger than `MAX_FILE_BYTES`.
     """
-    chosen = []
+    found = {}
     for info in archive.infolist():
         name = info.filename.replace("\\", "/")
         path = PurePosixPath(name)
+        problem = None
         if path.is_absolute() or ".." in path.parts or re.match(r"[A-Za-z]:", name):
-            raise DownloadError(
-                f"{archive.filename}: holds {info.filename!r}, a path that leaves the folder; "
-                "nothing of it was unpacked"
-            )
-        if not info.is_dir() and wanted.fullmatch(path.name):
-            if info.file_size > LARGEST:
-                raise DownloadError(
-                    f"{archive.filename}: {info.filename!r} says that it is {info.file_size} "
-                    f"bytes, expected at most {LARGEST}; nothing was unpacked"
-                )
-            chosen.append(info)
-    return chosen
+            problem = "is a path that leaves the folder"
+        elif not info.is_dir() and wanted.fullmatch(path.name):
+            if info.file_size > MAX_FILE_BYTES:
+                problem = f"has {info.file_size} bytes, expected at most {MAX_FILE_BYTES}"
+            found[path.name] = info
+        if problem is not None:
+            where = f"{archive.filename}: {info.filename!r}"
+            raise DownloadError(f"{where} {problem}; nothing was extracted")
+    return found
 
 
-def unpack(
-    archive: zipfile.ZipFile, infos: list[zipfile.ZipInfo], folder: Path
+def extract(
+    archive: zipfile.ZipFile, members: dict[str, zipfile.ZipInfo], folder: Path
 ) -> Iterator[tuple[str, Path]]:
-    """Each member in turn as a part in `folder`: its own name and the part, for the caller to
-    check, move or remove.
+    """Extract each member to a temporary file in `folder`; yield its name and the file.
 
     Raises
     ------
     DownloadError
-        If the disk has no room for all of them.
+        If the disk has not enough space for all of them.
     zipfile.BadZipFile
         If a member is damaged.
     """
-    needed, free = sum(info.file_size for info in infos), shutil.disk_usage(folder).free
+    needed = sum(info.file_size for info in members.values())
+    free = shutil.disk_usage(folder).free
     if needed > free:
-        raise DownloadError(
-            f"{folder}: {needed / 1e9:.1f} GB are needed, the disk has {free / 1e9:.1f}"
-        )
-    for info in infos:
-        name = PurePosixPath(info.filename.replace("\\", "/")).name
+        raise DownloadError(f"{folder}: needs {needed / 1e9:.1f} GB, {free / 1e9:.1f} are free")
+    for name, info in members.items():
         part = folder / f".{name}.part"
         try:
             with archive.open(info) as packed, open(part, "wb") as file:

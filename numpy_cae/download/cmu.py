@@ -1,10 +1,10 @@
-"""The Carnegie Mellon Graphics Lab Motion Capture Database, as its site serves it.
+"""The Carnegie Mellon Graphics Lab Motion Capture Database, from its own site.
 
     subjects/02/02.asf, subjects/02/02_01.amc     a skeleton and its takes
     search.php?subjectnumber=02                   a page that links a subject's files
     allasfamc.zip                                 all of them
 
-The site asks not to be crawled, so the whole database is fetched as the one archive.
+The site asks not to be crawled, so the whole database is downloaded as one archive.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import re
 import time
 import urllib.parse
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from numpy_cae.download.archive import members, unpack
+from numpy_cae.download.archive import extract, find_members
 from numpy_cae.download.fetch import DownloadError, fetch
 from numpy_cae.lock import lock
 from numpy_cae.motion import MotionFileError, read_amc, read_asf
@@ -33,19 +33,20 @@ The database was created with funding from NSF EIA-0196217."
 """
 _FILE = re.compile(r"(?P<subject>\d{2,3})(?:_\d{2,3})?\.(?:asf|amc)", re.IGNORECASE)
 
-Said = Callable[[str, int, "int | None"], None]
+Progress = Callable[[str, int, "int | None"], None]
+"""Called with a file's name, its bytes so far, and its bytes in all, None if unknown."""
 
 
 @dataclass
 class Tally:
-    """What came of a download.
+    """The result of a download.
 
     Attributes
     ----------
     new, known : int
-        Files that came, and files that were there before.
+        Files that were downloaded, and files that were there before.
     refused : list of str
-        Files that came and do not parse, and why; none of them is in the folder.
+        Downloaded files that cannot be read, with the reason; they are not in the folder.
     """
 
     new: int = 0
@@ -55,14 +56,14 @@ class Tally:
 
 @dataclass(frozen=True)
 class CmuSite:
-    """Where to fetch from.
+    """The site to download from.
 
     Parameters
     ----------
     address : str
         Such as "http://mocap.cs.cmu.edu".
     pause : float
-        Seconds between two requests, to be a polite guest.
+        Seconds between two requests, to limit the load of the server.
     """
 
     address: str = SITE
@@ -70,135 +71,121 @@ class CmuSite:
 
     def __post_init__(self):
         if urllib.parse.urlsplit(self.address).scheme not in ("http", "https"):
-            raise ValueError(f"{self.address!r} is no address of a site, expected http://…")
+            raise ValueError(f"{self.address!r} is not the address of a site, expected http://…")
 
-    def url(self, path: str) -> str:
-        return f"{self.address.rstrip('/')}/{path}"
+    def fetch(self, path: str, part: Path, name: str, progress: Progress) -> None:
+        """Download one file of the site into `part`."""
+        time.sleep(self.pause)
+        url = f"{self.address.rstrip('/')}/{path}"
+        fetch(url, part, lambda done, total: progress(name, done, total), self.pause)
 
 
 def download_cmu(
     folder: str | Path,
     subjects: Sequence[int] | None = None,
     site: CmuSite | None = None,
-    said: Said | None = None,
+    progress: Progress | None = None,
 ) -> Tally:
-    """Fetch Acclaim files into `folder/02/02.asf`, `folder/02/02_01.amc`, …
+    """Download Acclaim files into `folder/02/02.asf`, `folder/02/02_01.amc`, …
 
-    A file stands under its name only when it has come whole and parses; it is then never fetched
-    again. What was cut off is continued by the next call.
+    A file gets its name only when it is complete and can be read; it is then never downloaded
+    again. An interrupted download is continued by the next call.
 
     Parameters
     ----------
     folder : path
-        Made if it is not there.
+        Created if it does not exist.
     subjects : sequence of int, optional
-        By default the whole database, as one archive.
+        The whole database, as one archive, by default.
     site : CmuSite, optional
-    said : (name, bytes so far, bytes in all or None) -> None, optional
+    progress : function, optional
 
     Raises
     ------
     DownloadError
-        If something does not come, or the archive is damaged or has paths that leave the folder.
-    MotionFileError
+        If a download fails, or the archive is damaged or has paths that leave the folder.
+    FileError
         If another process downloads into the folder.
     """
-    folder, site, tally = Path(folder), site or CmuSite(), Tally()
+    folder, site = Path(folder), site or CmuSite()
+    progress = progress or (lambda name, done, total: None)
     folder.mkdir(parents=True, exist_ok=True)
-    said = said or (lambda name, done, total: None)
+    tally = Tally()
     with lock(folder / "download"):
         if subjects is None:
-            _take_archive(folder, site, tally, said)
-        else:
-            for subject in subjects:
-                _take_subject(folder, site, f"{subject:02d}", tally, said)
+            _download_archive(folder, site, tally, progress)
+        for subject in subjects or ():
+            _download_subject(folder, site, f"{subject:02d}", tally, progress)
     return tally
 
 
-def _take_subject(folder: Path, site: CmuSite, subject: str, tally: Tally, said: Said) -> None:
-    place = _place(folder, subject)
-    page = place / ".page.part"
+def _download_subject(
+    folder: Path, site: CmuSite, subject: str, tally: Tally, progress: Progress
+) -> None:
+    target = _subject_folder(folder, subject)
+    page = target / ".page.part"
     page.unlink(missing_ok=True)
-    fetch(site.url(f"search.php?subjectnumber={int(subject)}"), page, pause=site.pause)
-    names = _named(page.read_text(encoding="latin-1"), subject)
+    site.fetch(f"search.php?subjectnumber={int(subject)}", page, "", lambda *_: None)
+    linked = _FILE.finditer(page.read_text(encoding="latin-1"))
     page.unlink()
-    if not any(name.endswith(".amc") for name in names):
-        raise DownloadError(f"{site.address}: names no takes of subject {int(subject)}")
-    # The skeleton first: the takes are read with it.
-    for name in [f"{subject}.asf", *(name for name in names if name.endswith(".amc"))]:
-        if (place / name).exists():
+    names = {match.group().lower() for match in linked if match["subject"] == subject}
+    takes = sorted(name for name in names if name.endswith(".amc"))
+    if not takes:
+        raise DownloadError(f"{site.address}: has no takes of subject {int(subject)}")
+    for name in [f"{subject}.asf", *takes]:  # the takes are read with the skeleton
+        if (target / name).exists():
             tally.known += 1
             continue
-        part = place / f".{name}.part"
-        time.sleep(site.pause)
-        fetch(
-            site.url(f"subjects/{subject}/{name}"),
-            part,
-            lambda done, total, name=name: said(name, done, total),
-            site.pause,
-        )
-        _settle(part, place / name, tally)
+        part = target / f".{name}.part"
+        site.fetch(f"subjects/{subject}/{name}", part, name, progress)
+        _accept(part, target / name, tally)
 
 
-def _named(page: str, subject: str) -> list[str]:
-    """The files of the subject that a page links, in order."""
-    found = {match.group().lower() for match in _FILE.finditer(page)}
-    return sorted(name for name in found if _FILE.fullmatch(name)["subject"] == subject)
-
-
-def _take_archive(folder: Path, site: CmuSite, tally: Tally, said: Said) -> None:
+def _download_archive(folder: Path, site: CmuSite, tally: Tally, progress: Progress) -> None:
     path = folder / ARCHIVE
     if not path.exists():
         part = folder / f".{ARCHIVE}.part"
-        fetch(site.url(ARCHIVE), part, lambda done, total: said(ARCHIVE, done, total), site.pause)
+        site.fetch(ARCHIVE, part, ARCHIVE, progress)
         if not zipfile.is_zipfile(part):
             part.unlink()
-            raise DownloadError(f"{site.url(ARCHIVE)}: what came is no zip archive")
+            raise DownloadError(f"{site.address}/{ARCHIVE}: the received file is no zip archive")
         os.replace(part, path)
     try:
         with zipfile.ZipFile(path) as archive:
-            for name, part in _unpacked(archive, folder, tally):
-                said(name, 0, None)
-                _settle(part, _place(folder, _FILE.fullmatch(name)["subject"]) / name, tally)
+            members = find_members(archive, _FILE)
+            missing = {}
+            for name in sorted(members, key=lambda name: not name.lower().endswith(".asf")):
+                if (folder / _FILE.fullmatch(name)["subject"] / name).exists():
+                    tally.known += 1
+                else:
+                    missing[name] = members[name]
+            for name, part in extract(archive, missing, folder):
+                progress(name, 0, None)
+                target = _subject_folder(folder, _FILE.fullmatch(name)["subject"])
+                _accept(part, target / name, tally)
     except zipfile.BadZipFile as error:
         path.unlink()
-        raise DownloadError(f"{path}: {error}; it was removed, to be fetched again") from None
+        raise DownloadError(f"{path}: {error}; it was removed, run the command again") from None
 
 
-def _unpacked(archive: zipfile.ZipFile, folder: Path, tally: Tally) -> Iterator[tuple[str, Path]]:
-    """The Acclaim files that the folder lacks, skeletons first."""
-    missing = []
-    for info in members(archive, _FILE):
-        name = Path(info.filename).name
-        if (folder / _FILE.fullmatch(name)["subject"] / name).exists():
-            tally.known += 1
-        else:
-            missing.append(info)
-    return unpack(archive, sorted(missing, key=lambda info: not _is_skeleton(info)), folder)
+def _subject_folder(folder: Path, subject: str) -> Path:
+    """The folder of a subject, which may not be a link to another one."""
+    path = folder / subject
+    path.mkdir(exist_ok=True)
+    if path.is_symlink() or not path.resolve().is_relative_to(folder.resolve()):
+        raise DownloadError(f"{path}: is a link, expected a folder")
+    return path
 
 
-def _is_skeleton(info: zipfile.ZipInfo) -> bool:
-    return info.filename.lower().endswith(".asf")
+def _accept(part: Path, path: Path, tally: Tally) -> None:
+    """Rename the part to `path` if it can be read as that file, otherwise remove it.
 
-
-def _place(folder: Path, subject: str) -> Path:
-    """The folder of a subject, which must lie where its name says: no link leads elsewhere."""
-    place = folder / subject
-    place.mkdir(exist_ok=True)
-    if place.is_symlink() or not place.resolve().is_relative_to(folder.resolve()):
-        raise DownloadError(f"{place}: is a link to another place, expected a folder of its own")
-    return place
-
-
-def _settle(part: Path, path: Path, tally: Tally) -> None:
-    """Read the part as what it is to be; into its place if that works, else away with it.
-
-    Acclaim does not say how many frames there are. A server that promises too few bytes is noticed
-    by a last line without an end or a frame that is not whole.
+    Acclaim does not state the number of frames. A truncated file is recognised by a last line
+    without a line end or by an incomplete frame.
     """
     try:
-        if not part.read_bytes()[-1:] == b"\n":
-            raise MotionFileError(part, None, "its last line has no end: is it cut off?")
+        if part.read_bytes()[-1:] != b"\n":
+            raise MotionFileError(part, None, "its last line has no end: is it truncated?")
         if path.suffix.lower() == ".asf":
             read_asf(part)
         else:
@@ -206,9 +193,9 @@ def _settle(part: Path, path: Path, tally: Tally) -> None:
     except MotionFileError as error:
         part.unlink()
         where = "" if error.line is None else f" line {error.line}:"
-        # The skeleton can be the one that is at fault.
-        culprit = path.name if error.path == part else f"{path.name} ({error.path.name})"
-        tally.refused.append(f"{culprit}:{where} {error.problem}")
+        # The skeleton may be the file that is damaged.
+        name = path.name if error.path == part else f"{path.name} ({error.path.name})"
+        tally.refused.append(f"{name}:{where} {error.problem}")
         return
     os.replace(part, path)
     tally.new += 1

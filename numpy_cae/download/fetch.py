@@ -1,8 +1,8 @@
-"""One file from a web server, whole: what was cut off is continued where it was cut off.
+"""One complete file from a web server; an interrupted download is continued.
 
-What has come so far stands in a part beside the file's place, `.NAME.part`, and outlives the
-program: the next run goes on from there. It asks for the last few kilobytes again and compares
-them, so that nothing is glued to the beginning of another version of the file.
+The received bytes are kept in a file `.NAME.part`, also when the program ends, and the next call
+continues there. It requests the last few kilobytes again and compares them, so that parts of two
+versions of a file are never joined.
 """
 
 from __future__ import annotations
@@ -15,144 +15,139 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 from numpy_cae.errors import NumpyCaeError
 
 CHUNK = 1 << 16
 OVERLAP = 4096
-"""Bytes that are asked for again, to see that the file is still the one that was begun."""
+"""Bytes that are requested again, to check that the server still has the same file."""
 TIMEOUT = 30.0
-"""Seconds without a byte after which a connection counts as cut."""
-TRIES = 5
-"""In a row that bring nothing before it is given up."""
+"""Seconds without a byte after which a connection counts as broken."""
+MAX_FAILURES = 5
+"""Attempts in a row without a new byte."""
+
+Progress = Callable[[int, "int | None"], None]
+"""Called with the bytes so far and the bytes in all, None if unknown."""
 
 
-class DownloadError(NumpyCaeError, OSError):
-    """A file that did not come, or not whole."""
+class DownloadError(NumpyCaeError):
+    """A file that could not be downloaded completely."""
 
 
-class _Cut(Exception):
-    """The connection ended early; what has come is kept."""
+class _Interrupted(Exception):
+    """The connection ended early; the received bytes are kept."""
 
 
 class _Changed(Exception):
-    """What has come does not belong to what the server has: begin again."""
+    """The received bytes do not belong to the server's file: start again."""
 
 
-def fetch(
-    url: str,
-    part: str | Path,
-    said: Callable[[int, int | None], None] | None = None,
-    pause: float = 1.0,
-) -> None:
-    """Bring a file into `part`, going on from what is there.
+def fetch(url: str, part: str | Path, progress: Progress | None = None, pause: float = 1.0) -> None:
+    """Download a file into `part`, continuing after the bytes that it has.
 
     Parameters
     ----------
     url : str
     part : path
-        Whole when the function returns; moving it into its place is the caller's.
-    said : (bytes so far, bytes in all or None) -> None, optional
-        Called as bytes come in.
+        Complete when the function returns; the caller renames it.
+    progress : function, optional
     pause : float
-        Seconds before a second try, doubled with each after it.
+        Seconds before the second attempt, doubled with each further one.
 
     Raises
     ------
     DownloadError
-        If the server has no such file, or `TRIES` tries in a row brought nothing.
+        If the server does not have the file, or `MAX_FAILURES` attempts in a row brought nothing.
     """
     part = Path(part)
-    fruitless = begun_again = 0
+    failures = restarts = 0
     while True:
         before = _size(part)
         try:
-            return _go_on(url, part, said or (lambda done, total: None))
+            return _request(url, part, progress or (lambda done, total: None))
         except urllib.error.HTTPError as error:
+            reason = f"the server answers {error.code} {error.reason}"
             if error.code < 500:
-                raise DownloadError(f"{url}: the server says {error.code} {error.reason}") from None
-            reason = f"the server says {error.code} {error.reason}"
+                raise DownloadError(f"{url}: {reason}") from None
         except _Changed as error:
             part.unlink(missing_ok=True)
-            begun_again += 1
+            restarts += 1
             reason = str(error)
-        except (_Cut, urllib.error.URLError, http.client.HTTPException, TimeoutError) as error:
+        except (_Interrupted, urllib.error.URLError, http.client.HTTPException, OSError) as error:
             reason = str(getattr(error, "reason", error))
-        except ConnectionError as error:
-            reason = error.strerror or "the connection was cut"
-        fruitless = 0 if _size(part) > before else fruitless + 1
-        # A server that contradicts itself would be asked for ever.
-        if TRIES in (fruitless, begun_again):
+        failures = 0 if _size(part) > before else failures + 1
+        if MAX_FAILURES in (failures, restarts):
             raise DownloadError(
-                f"{url}: {reason}; {TRIES} tries brought nothing more. What has come is kept: run "
-                "the command again to go on"
+                f"{url}: {reason}; {MAX_FAILURES} attempts brought nothing more. The received "
+                "bytes are kept: run the command again to continue"
             )
-        time.sleep(pause * 2 ** max(0, fruitless - 1))
+        time.sleep(pause * 2 ** max(0, failures - 1))
 
 
-def _size(path: Path) -> int:
-    return path.stat().st_size if path.exists() else 0
-
-
-def _go_on(url: str, part: Path, said: Callable[[int, int | None], None]) -> None:
-    """One request, from where the part ends, to its end."""
-    there = _size(part)
-    start = max(0, there - OVERLAP)
-    # Compressed on the way, its bytes could be neither counted nor continued.
-    headers = {"Accept-Encoding": "identity"}
-    if there:
+def _request(url: str, part: Path, progress: Progress) -> None:
+    """One request, from shortly before the end of the part to the end of the file."""
+    known = _size(part)
+    start = max(0, known - OVERLAP)
+    headers = {"Accept-Encoding": "identity"}  # compressed bytes could not be continued
+    if known:
         headers["Range"] = f"bytes={start}-"
-    request = urllib.request.Request(url, headers=headers)
     try:
-        answer = urllib.request.urlopen(request, timeout=TIMEOUT)
+        answer = urllib.request.urlopen(
+            urllib.request.Request(url, headers=headers), timeout=TIMEOUT
+        )
     except urllib.error.HTTPError as error:
         if error.code == 416:
-            raise _Changed("the server's file is shorter than what has come") from None
+            raise _Changed("the server's file is shorter than the received bytes") from None
         raise
     with answer:
-        length = _whole_number(answer.headers.get("Content-Length"))
+        text = answer.headers.get("Content-Length") or ""
+        length = int(text) if text.isdecimal() else None
         if answer.status == 206:
-            total = _check_range(answer.headers.get("Content-Range", ""), start, length)
-        else:  # 200: a server that knows no ranges sends everything
+            total: int | None = _total(answer.headers.get("Content-Range", ""), start, length)
+        else:  # a server without ranges sends the whole file
             start, total = 0, length
-        with open(part, "r+b" if there else "w+b") as file:
+        with open(part, "r+b" if known else "w+b") as file:
             file.seek(start)
-            _copy(answer, file, start, there, total, said)
-    if total is not None and _size(part) != total:
-        if _size(part) > total:
-            raise _Changed(f"{_size(part)} bytes came where {total} were promised")
-        raise _Cut(f"{_size(part)} of {total} bytes came")
+            _copy(answer, file, start, known, lambda done: progress(done, total))
+    size = _size(part)
+    if total is not None and size != total:
+        error = _Changed if size > total else _Interrupted
+        raise error(f"received {size} of {total} bytes")
 
 
-def _copy(answer, file, at: int, there: int, total: int | None, said) -> None:
-    """Bytes into the file; those below `there` are compared with what the file has."""
-    while True:
-        # read1 hands over what has come; read would lose it where the rest never comes.
-        chunk = answer.read1(CHUNK)
-        if not chunk:
-            break
-        known = min(len(chunk), max(0, there - at))
-        if known and file.read(known) != chunk[:known]:
-            raise _Changed("the server's file is another one than what has come")
-        file.seek(at + known)
-        file.write(chunk[known:])
+def _copy(
+    answer: http.client.HTTPResponse,
+    file: BinaryIO,
+    at: int,
+    known: int,
+    progress: Callable[[int], None],
+) -> None:
+    """Write the answer into the file; the bytes below `known` are compared instead."""
+    # read1 returns the bytes that have arrived; read would lose them if the connection breaks.
+    while chunk := answer.read1(CHUNK):
+        same = min(len(chunk), max(0, known - at))
+        if same and file.read(same) != chunk[:same]:
+            raise _Changed("the server's file differs from the received bytes")
+        file.seek(at + same)
+        file.write(chunk[same:])
         at += len(chunk)
         file.seek(at)
-        said(max(at, there), total)
+        progress(max(at, known))
     file.flush()
     os.fsync(file.fileno())
 
 
-def _check_range(text: str, start: int, length: int | None) -> int:
-    """The size of the whole file, from `bytes START-END/TOTAL`."""
+def _total(text: str, start: int, length: int | None) -> int:
+    """The size of the whole file, from a header `bytes START-END/TOTAL`."""
     match = re.fullmatch(r"bytes (\d+)-(\d+)/(\d+)", text.strip())
     if match is None:
-        raise _Changed(f"the server sent a part and does not say which ({text!r})")
+        raise _Changed(f"the server sent a part without a valid range ({text!r})")
     first, last, total = map(int, match.groups())
     if first != start or not first <= last < total or length not in (None, last - first + 1):
-        raise _Changed(f"the server sent bytes {text!r}, asked for {start} onwards")
+        raise _Changed(f"the server sent {text!r}, expected bytes from {start}")
     return total
 
 
-def _whole_number(text: str | None) -> int | None:
-    return int(text) if text is not None and text.isdecimal() else None
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.exists() else 0

@@ -22,7 +22,7 @@ fast_sequential_autoencoder  `SequentialAutoencoder` with these
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Any
 
 from numpy_cae.fast.convolution import conv1d
 from numpy_cae.fast.fast_conv_autoencoder import FastConvAutoencoder
@@ -31,10 +31,8 @@ from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 
 __all__ = ["FastConvAutoencoder", "FastSequentialAutoencoder", "accelerate", "conv1d"]
 
-Model = TypeVar("Model")
 
-
-def accelerate(model: Model, threads: int | None = None) -> Model:
+def accelerate(model: Any, threads: int | None = None) -> Any:
     """The same model, computed faster on the same weight arrays.
 
     The weights may be changed between two calls in any manner, in place or by assigning another
@@ -55,7 +53,7 @@ def accelerate(model: Model, threads: int | None = None) -> Model:
         Subclasses of the model's class.
     """
     if type(model) is ConvAutoencoder:
-        return FastConvAutoencoder(model, threads)  # type: ignore[return-value]
+        return FastConvAutoencoder(model, threads)
     if type(model) is SequentialAutoencoder:
-        return FastSequentialAutoencoder(model, threads)  # type: ignore[return-value]
+        return FastSequentialAutoencoder(model, threads)
     return model

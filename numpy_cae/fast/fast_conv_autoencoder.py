@@ -282,12 +282,12 @@ def _masks(
     worker: Worker, first: Sequence[np.ndarray | None] | None, layers: int
 ) -> list[np.ndarray | None]:
     """The worker's part of each mask, as rows of frames."""
-    if first is None:
-        return [None] * layers
-    own = [None if mask is None else mask[worker.windows] for mask in first]
-    return [
-        None if mask is None else mask.transpose(1, 0, 2).reshape(mask.shape[1], -1) for mask in own
-    ]
+    parts: list[np.ndarray | None] = [None] * layers
+    for k, mask in enumerate(first or ()):
+        if mask is not None:
+            own = mask[worker.windows].transpose(1, 0, 2)
+            parts[k] = own.reshape(len(own), -1)
+    return parts
 
 
 def _error(worker: Worker, decoded: np.ndarray, x: np.ndarray) -> float:

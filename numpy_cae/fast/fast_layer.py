@@ -23,12 +23,10 @@ class FastLayer:
         Where arctanh clips.
     y : (T/2, B·D) array
         Receives what the layer encodes: the input of the layer above.
-    halved : bool
-        Unpooling is even, and done by the convolution.
     """
 
-    def __init__(self, convolution: TiedConvolution, bound: float, y: np.ndarray, halved: bool):
-        self.convolution, self.bound, self.y, self.halved = convolution, bound, y, halved
+    def __init__(self, convolution: TiedConvolution, bound: float, y: np.ndarray):
+        self.convolution, self.bound, self.y = convolution, bound, y
         frames, width = y.shape
         self._clipped, self._slope, self._scratch = (
             buffer(frames, width, y.dtype) for _ in range(3)
@@ -51,10 +49,10 @@ class FastLayer:
         np.equal(y, self._clipped, out=self._inside)
         activated = np.arctanh(self._clipped, out=self._scratch)
         z = self.convolution.z
-        if self.halved:
+        self._first = first
+        if first is None:  # one row of z is both frames of a pair
             np.multiply(activated, 0.5, out=z)
         else:
-            self._first = first
             np.multiply(activated, first, out=z[0::2])
             np.subtract(activated, z[0::2], out=z[1::2])
         _for_each_window(z, b)[...] -= b
@@ -63,7 +61,7 @@ class FastLayer:
     def decode_pullback(self, db: np.ndarray, dy: np.ndarray) -> None:
         """From dx̂ in the convolution's `error` to dy; db gets the decoder's share."""
         dz, d_activated = self.convolution.convolve_transposed_pullback(), self._scratch
-        if self.halved:  # dz is that of both frames of a pair already
+        if self._first is None:  # dz is the sum for both frames of a pair
             np.multiply(dz, 0.5, out=d_activated)
         else:
             earlier, later = dz[0::2], dz[1::2]

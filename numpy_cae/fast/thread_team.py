@@ -57,9 +57,9 @@ class ThreadTeam:
                     # In the caller's context, which holds its settings of NumPy's warnings.
                     context = contextvars.copy_context()
                     self._jobs[worker].put((context, work))
-                failures = [self._guarded(work, 0)]
-                failures += [self._done.get() for _ in range(1, self.size)]
-            failures = [failure for failure in failures if failure is not None]
+                results = [self._guarded(work, 0)]
+                results += [self._done.get() for _ in range(1, self.size)]
+            failures = [failure for failure in results if failure is not None]
             if failures:
                 self._reset_arrivals()
                 raise next(each for each in failures if not isinstance(each, OtherWorkerFailed))

@@ -40,7 +40,6 @@ class Worker:
         windows: slice,
         convolutions: list[TiedConvolution],
         layers: Sequence[ConvLayer],
-        unpooled_evenly: tuple[bool, ...],
     ):
         self.number, self.windows = number, windows
         batch = windows.stop - windows.start
@@ -49,10 +48,8 @@ class Worker:
         self.top, self.d_top = (buffer(*top_shape, dtype) for _ in range(2))
         outputs = [above.x for above in convolutions[1:]] + [self.top]
         self.layers = [
-            FastLayer(convolution, layer.bound, output, evenly)
-            for convolution, layer, output, evenly in zip(
-                convolutions, layers, outputs, unpooled_evenly, strict=True
-            )
+            FastLayer(convolution, layer.bound, output)
+            for convolution, layer, output in zip(convolutions, layers, outputs, strict=True)
         ]
         self.dw = [np.empty((len(layer.w), layer.w[0].size), dtype) for layer in layers]
         self.db = [np.empty(layer.b.size, dtype) for layer in layers]
@@ -110,7 +107,7 @@ class Workspace:
             for convolution in of_one_layer[1:]:
                 convolution.share_spectra(of_one_layer[0])
         self.workers = [
-            Worker(number, each, own, layers, unpooled_evenly)
+            Worker(number, each, own, layers)
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
 
@@ -251,6 +248,7 @@ def _convolution(
     training: bool,
 ) -> TiedConvolution:
     """One layer's convolution for one thread; `together` windows determine the block length."""
-    longest = cheapest_length(*layer.w.shape, together, frames, training)
+    taps, channels, filters = layer.w.shape
+    longest = cheapest_length(taps, channels, filters, together, frames, training)
     batch = windows.stop - windows.start
     return TiedConvolution(layer.w.shape, batch, frames, longest, dtype, halved)

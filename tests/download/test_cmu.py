@@ -1,4 +1,4 @@
-"""The database as its site lays it out, and sites that are not to be trusted."""
+"""The CMU database from a correct site, and from sites that send wrong or dangerous files."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from misbehaving_site import Site, serve
 from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
+from numpy_cae.errors import FileError
 from numpy_cae.lock import lock
-from numpy_cae.motion import MotionFileError, find_motion_files, load_motion
+from numpy_cae.motion import find_motion_files, load_motion
 
 PAGE = """<TD><A HREF="http://other:8080/subjects/07/07.asf">asf</A>
 <a href="subjects/07/07_01.amc">amc</a><A HREF="subjects/07/07_02.amc">amc</A>
@@ -59,14 +60,14 @@ def names(folder):
 def test_a_subject_by_the_command(site, tmp_path, capsys):
     argv = ["download", "cmu", "--subjects", "7", "-o", str(tmp_path), "--site", site.address]
     assert main(argv) == 0
-    said = capsys.readouterr()
-    assert "NSF EIA-0196217" in said.out
-    assert "3 new files, 0 there before" in said.out
-    assert "07_02.amc" in said.err
+    printed = capsys.readouterr()
+    assert "NSF EIA-0196217" in printed.out
+    assert "3 new files, 0 downloaded before" in printed.out
+    assert "07_02.amc" in printed.err
     assert names(tmp_path) == ["07/07.asf", "07/07_01.amc", "07/07_02.amc"]
     assert [len(load_motion(path)) for path in find_motion_files(tmp_path)] == [60, 60]
     assert main(argv) == 0
-    assert "0 new files, 3 there before" in capsys.readouterr().out
+    assert "0 new files, 3 downloaded before" in capsys.readouterr().out
 
 
 def test_cuts_are_continued_and_no_part_is_left(site, tmp_path, acclaim):
@@ -105,7 +106,7 @@ def test_what_does_not_parse_is_left_out_and_said(site, tmp_path, capsys, acclai
     assert main(argv) == 2
     lines = capsys.readouterr().err.splitlines()
     assert any(line.startswith("left out: 07_01.amc: line 1") for line in lines)
-    assert "1 files came that cannot be read" in lines[-1]
+    assert "1 downloaded files cannot be read" in lines[-1]
     assert names(tmp_path) == ["07/07.asf", "07/07_02.amc"]
 
 
@@ -161,7 +162,7 @@ def test_a_link_in_the_folder_is_not_followed(site, tmp_path):
 
 
 def test_one_at_a_time_in_a_folder(site, tmp_path):
-    with lock(tmp_path / "download"), pytest.raises(MotionFileError, match="another"):
+    with lock(tmp_path / "download"), pytest.raises(FileError, match="another"):
         download_cmu(tmp_path, [7], polite(site))
     assert download_cmu(tmp_path, [7], polite(site)).new == 3
 
@@ -178,4 +179,4 @@ def test_a_subject_that_is_not_there_and_a_site_that_is_none(site, tmp_path, cap
     assert main([*argv, site.address]) == 2
     assert "404" in capsys.readouterr().err
     assert main([*argv, "ftp://x"]) == 2
-    assert "no address" in capsys.readouterr().err
+    assert "not the address" in capsys.readouterr().err
