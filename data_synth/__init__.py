@@ -1,4 +1,4 @@
-"""People that walk, wait and press up, made by formula, written as motion files."""
+"""Synthetic human motion of sixteen kinds, computed by formula, and typical damage to it."""
 
 from data_synth.body import Body, draw_body, make_body
 from data_synth.damage import Damaged, hold_poses, lose_marker, zero_values

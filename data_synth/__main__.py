@@ -1,6 +1,6 @@
 """`python -m data_synth OUT`: a folder of synthetic motion files and their labels.
 
-What a person can mend ends in one line on standard error and exit status 2.
+Errors of the user print one line on standard error; the exit status is 2.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ examples:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run with these arguments (the command line's where None); the exit status."""
+    """Run with these arguments, by default the command line's; return the exit status."""
     args = _parser().parse_args(argv)
     try:
         if args.cmu_scale:
             plans = plan_cmu_scale(args.seed, args.kinds)
         else:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
-        with _Progress(plans, shown=not args.quiet) as progress:
+        with _Progress(plans, visible=not args.quiet) as progress:
             labels = write_series(plans, args.out, args.rate, progress.take_done)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
@@ -51,26 +51,33 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m data_synth",
-        description="Make people that walk, wait and press up, and write them as motion files.",
+        description="Write synthetic motions (walks, gestures, …) as BVH files with labels.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("out", metavar="OUT", help="folder to write to; made if it is not there")
+    parser.add_argument("out", metavar="OUT", help="folder to write to, created if missing")
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--minutes", type=_above_zero, default=10.0, help="default: 10")
+    length.add_argument(
+        "--minutes", type=_above_zero, default=10.0, help="total duration in minutes, default: 10"
+    )
     length.add_argument(
         "--cmu-scale",
         action="store_true",
-        help="as much as the CMU database: 2605 takes that make 9673 windows",
+        help="as many takes as the CMU database: 2605, which make 9673 windows",
     )
-    parser.add_argument("--seed", type=_seed, default=0, help="default: 0")
+    parser.add_argument(
+        "--seed", type=_seed, default=0, help="seed of the random numbers, default: 0"
+    )
     parser.add_argument(
         "--rate", type=_above_zero, default=120.0, help="frames a second, default: 120"
     )
     parser.add_argument(
-        "--kinds", type=_kinds, metavar="KIND,…", help="only these kinds, separated by commas"
+        "--kinds",
+        type=_kinds,
+        metavar="KIND,…",
+        help="restrict to these kinds, separated by commas",
     )
-    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    parser.add_argument("--quiet", action="store_true", help="print no progress")
     return parser
 
 
@@ -98,13 +105,13 @@ def _kinds(text: str) -> list[str]:
 
 
 class _Progress:
-    """A bar of takes; where tqdm is not installed, a line every few seconds."""
+    """A progress bar; without tqdm, a line every few seconds."""
 
-    def __init__(self, plans: Sequence[Plan], shown: bool):
-        self.total, self.done, self.shown = len(plans), 0, shown
-        self.said = self.begun = time.monotonic()
+    def __init__(self, plans: Sequence[Plan], visible: bool):
+        self.total, self.done, self.visible = len(plans), 0, visible
+        self.printed = self.begun = time.monotonic()
         self.bar = None
-        if shown and tqdm is not None:
+        if visible and tqdm is not None:
             self.bar = tqdm(total=len(plans), unit=" takes", file=sys.stderr)
 
     def __enter__(self) -> _Progress:
@@ -115,14 +122,14 @@ class _Progress:
             self.bar.close()
 
     def take_done(self, plan: Plan, take: object) -> None:
-        """One more take is written."""
+        """Count one more take."""
         self.done += 1
         now = time.monotonic()
         if self.bar is not None:
             self.bar.set_postfix_str(plan.kind, refresh=False)
             self.bar.update()
-        elif self.shown and (now - self.said > 5 or self.done == self.total):
-            self.said = now
+        elif self.visible and (now - self.printed > 5 or self.done == self.total):
+            self.printed = now
             left = (now - self.begun) / self.done * (self.total - self.done)
             print(f"{self.done} of {self.total} takes, {left:.0f} s to go", file=sys.stderr)
 

@@ -1,6 +1,6 @@
-"""From what a person does (`Pose`) to the rotation of every joint.
+"""From a `Pose` to the rotation of every joint.
 
-Down the tree from the pelvis, each joint's rotation against its parent is R = G_parent⁻¹ · G.
+From the pelvis to the leaves, each joint's rotation is R = G_parent⁻¹ · G.
 Legs, and arms that hold on to something, bend by two-bone inverse kinematics.
 """
 
@@ -35,12 +35,12 @@ def about(axis: str, angles: np.ndarray) -> Rotation:
 
 
 def bent(forwards: np.ndarray, left: np.ndarray, twist: np.ndarray) -> Rotation:
-    """Bent forwards and to the left and twisted to the left, radians, each (F,)."""
+    """The rotation of a joint bent forwards, to the left and twisted to the left, radians (F,)."""
     return about("YXZ", np.stack([twist, forwards, -left], axis=-1))
 
 
 def assemble(body: Body, pose: Pose, rate: float) -> Motion:
-    """The motion of this body that does what the pose says.
+    """The motion of this body in these poses.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def assemble(body: Body, pose: Pose, rate: float) -> Motion:
 
 
 def _unbroken(rotations: np.ndarray) -> np.ndarray:
-    """The same rotations, each quaternion on the side of the sphere of the frame before."""
+    """The same rotations with the sign of each quaternion chosen nearest to the frame before."""
     agree = np.sum(rotations[1:] * rotations[:-1], axis=-1)
     flips = np.cumprod(np.where(agree < 0, -1.0, 1.0), axis=0)
     rotations[1:] *= flips[..., None]
@@ -79,7 +79,7 @@ def _unbroken(rotations: np.ndarray) -> np.ndarray:
 def bend_trunk(
     body: Body, place: np.ndarray, pelvis: Rotation, spine: np.ndarray
 ) -> tuple[np.ndarray, Rotation, dict[str, Rotation]]:
-    """Where the collar bones begin, (F, 3), how the chest is turned, and the spine's rotations."""
+    """The base of the collar bones (F, 3), the chest's global rotation, the spine's rotations."""
     bends = {name: bent(*(spine * np.array(share)).T) for name, share in _SPINE.items()}
     turned, at = pelvis, place
     for name, above in zip(_SPINE, ("upperback", "thorax", "lowerneck"), strict=True):
@@ -155,6 +155,6 @@ def frames_from_x(x: np.ndarray, y: np.ndarray) -> Rotation:
 
 
 def blend(start: Rotation, end: Rotation, weight: np.ndarray) -> Rotation:
-    """From one rotation (weight 0) to the other (weight 1) along the shortest way, per frame."""
+    """Interpolate from one rotation (weight 0) to the other (weight 1) in each frame."""
     way = (start.inv() * end).as_rotvec()
     return start * Rotation.from_rotvec(way * np.asarray(weight)[:, None])

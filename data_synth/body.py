@@ -1,4 +1,4 @@
-"""A person's body: the bones of the CMU database under their own names, in drawn proportions.
+"""A person's body: the bones of the CMU database under their own names, in random proportions.
 
 The fractions of stature are those of Drillis & Contini (1966) as drawn in Winter, *Biomechanics
 and Motor Control of Human Movement* (4th ed., 2009), figure 4.1. The tree of bones is that of the
@@ -81,7 +81,7 @@ class Body:
     stature: float
 
     def offset(self, name: str) -> np.ndarray:
-        """The way from the parent's joint to this one in the rest pose, (3,), in metres."""
+        """From the parent's joint to this one in the rest pose, (3,), in metres."""
         return self.skeleton.offsets[self.skeleton.index(name)]
 
     @cached_property
@@ -156,7 +156,7 @@ class Body:
 
 
 def draw_body(rng: np.random.Generator) -> Body:
-    """A person like few others: stature and the lengths of limbs are drawn.
+    """A person of random stature and limb lengths.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Smooth curves of time: ramps without a corner, drifts that never repeat, bridges between states.
+"""Smooth functions of time: ramps, random drift, and transitions.
 
 Every curve is a function of time in seconds, so that a motion can be sampled at any rate.
 """
@@ -14,7 +14,7 @@ Curve = Callable[[np.ndarray], np.ndarray]
 
 
 def ease(u: np.ndarray) -> np.ndarray:
-    """0 to 1 while u goes from 0 to 1, the minimum-jerk way: 10u³ - 15u⁴ + 6u⁵.
+    """Minimum-jerk transition from 0 to 1 for u from 0 to 1: 10u³ - 15u⁴ + 6u⁵.
 
     Hands and feet that move from rest to rest follow it closely (Flash & Hogan, 1985,
     *J. Neurosci.* 5:1688). Velocity and acceleration are 0 at both ends.
@@ -24,14 +24,14 @@ def ease(u: np.ndarray) -> np.ndarray:
 
 
 def fading(since: np.ndarray, over: float = 0.18) -> np.ndarray:
-    """s (1 - s/τ)², 0 from τ on: where something comes to that starts at speed 1 and is stopped."""
+    """s (1 - s/τ)², 0 from τ on: the path of a point that starts at speed 1 and stops."""
     return since * np.maximum(1 - since / over, 0.0) ** 2
 
 
 def drift(
     rng: np.random.Generator, size: float, slowest: float = 0.1, fastest: float = 0.6
 ) -> Curve:
-    """A wandering curve of standard deviation `size`: eight sines of drawn frequency and phase.
+    """Random drift of standard deviation `size`: eight sines of random frequency and phase.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
 
 
 def yielding(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
-    """The values themselves well within low..high, bent smoothly to stay within it.
+    """The values, limited smoothly to low..high.
 
     From `share` of the range before each end on: e + s tanh((x - e) / s).
     """

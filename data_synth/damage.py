@@ -1,7 +1,7 @@
-"""What happens to motion data, done on purpose, with the truth kept.
+"""Typical damage to motion data, with the ground truth.
 
-The damages of holden2015, section 7: values set to zero, a marker that is missing, stepped
-animation; what a Kinect does to a motion stands in `kinect`.
+The damage of holden2015, section 7: values set to zero, a missing marker, stepped animation; the
+errors of a Kinect are in `kinect`.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ Rng = int | np.random.Generator
 
 @dataclass(frozen=True)
 class Damaged:
-    """Damaged values beside the true ones.
+    """Damaged values and the true ones.
 
     Parameters
     ----------
     values : array
-        As they came out of the damage; NaN where nothing is left.
+        After the damage; NaN where nothing is left.
     truth : array of the same shape
-        As they were.
+        Before the damage.
     known : array of bool of the same shape
-        Where `values` still says something true, if only with noise.
+        Where `values` still holds a measurement, possibly with noise.
     """
 
     values: np.ndarray
@@ -39,7 +39,7 @@ def zero_values(values: np.ndarray, p: float, rng: Rng) -> Damaged:
     Parameters
     ----------
     values : array of float, any shape
-        Positions or features; around their mean zero says "average".
+        Positions or features; for centred values zero is the mean.
     p : float
         0 to 1; 0.1 for training, 0.5 in the paper's figure 1.
     rng : int or numpy.random.Generator

@@ -1,4 +1,4 @@
-"""Walking a dog: one arm holds the lead forwards, the dog tugs, and stops whenever it likes.
+"""Walking a dog: one arm holds the lead forwards, the dog tugs and stops at random times.
 
 One of the three actions of jang2018, after Human3.6M's "WalkDog".
 """
@@ -17,14 +17,14 @@ from numpy_cae.motion.heading import rotate_about_y
 def hold_lead(
     pose: Pose, body: Body, heading: np.ndarray, t: np.ndarray, rng: np.random.Generator
 ) -> None:
-    """Let one arm of a walk hold a lead; changes the pose in place.
+    """Make one arm of a walk hold a lead; changes the pose in place.
 
     Parameters
     ----------
     pose : Pose of F frames
     body : Body
     heading : (F,) array
-        Where the walker goes, radians.
+        Of the walker, radians.
     t : (F,) array
         Seconds.
     rng : numpy.random.Generator
@@ -47,7 +47,7 @@ def hold_lead(
     arm.elbow_side = np.array([sign * 0.55, -0.8, -0.45])
     arm.curl = np.full(len(t), np.radians(75))
     arm.forwards = arm.forwards + np.radians(9) * tug
-    # A tug comes through the shoulder into the trunk, and the head looks to the dog.
+    # A tug moves the shoulder and the trunk, and the head turns to the dog.
     pose.spine[:, 0] += np.radians(4.0) * tug
     pose.spine[:, 2] -= sign * np.radians(7.0) * tug
     pose.neck[:, 0] += np.radians(3.0) + np.radians(4.0) * drift(rng, 1.0, 0.08, 0.4)(t)
@@ -67,7 +67,7 @@ def _tugs(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def bouts(rng: np.random.Generator, begin: float, end: float) -> list[tuple[float, float]]:
-    """When the pair walks: every few seconds the dog stops to sniff."""
+    """The intervals of walking; every few seconds the dog stops."""
     walks, clock = [], begin
     while end - clock > 2.5:
         stop = min(clock + rng.uniform(3.0, 8.0), end)

@@ -1,4 +1,4 @@
-"""Exercises on the feet: squats and jumping jacks, each repetition a little unlike the last."""
+"""Exercises on the feet: squats and jumping jacks, every repetition slightly different."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 def bounce(t: np.ndarray, flights: list[tuple[float, float]], gather: float = 0.34) -> np.ndarray:
-    """How high a body is that jumps several times, (F,) in metres, 0 where its feet leave.
+    """The height of a body during several jumps, (F,) in metres, 0 at take-off.
 
     In the air it is a thrown body, g u (T - u) / 2 above the floor; on the floor it gives way and
     pushes off again along another parabola, of the same speed v = g T / 2 at both ends, or from

@@ -1,6 +1,6 @@
-"""Kicks and punches: hip, then trunk, then limb, each a few hundredths of a second later.
+"""Kicks and punches: hip, then trunk, then limb, with delays of a few hundredths of a second.
 
-The order from the middle outwards is that of measured strikes and throws (Putnam, 1993,
+This order is that of measured strikes and throws (Putnam, 1993,
 *J. Biomech.* 26 suppl. 1:125).
 """
 

@@ -1,6 +1,6 @@
-"""Feet that stand, and step from one place to another: for everything that is not a walk.
+"""Feet that stand and step, for everything but walking.
 
-A step from A to B is the minimum-jerk way along the floor and an arch above it. Heels may rise
+A step from A to B is a minimum-jerk path along the floor and an arch above it. Heels may rise
 while the ball of the foot stays where it is.
 """
 
@@ -19,7 +19,7 @@ from numpy_cae.motion.heading import rotate_about_y
 
 @dataclass
 class Foot:
-    """One foot's places over a take.
+    """The positions of one foot over a take.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Foot:
 
 
 def arch(u: np.ndarray) -> np.ndarray:
-    """0 at u = 0 and 1, 1 in the middle, without a corner: (4u(1-u))²."""
+    """A smooth arch, 0 at u = 0 and 1, 1 in the middle: (4u(1-u))²."""
     u = np.clip(u, 0.0, 1.0)
     return (4 * u * (1 - u)) ** 2
 

@@ -1,8 +1,8 @@
 """Walking and running: the laboratory's joint angles, corrected so that no standing foot slides.
 
-The angles of `gait_curves` give where each ankle would go under the moving pelvis. While a foot
-stands, its ankle is where the floor holds it (`stride`); while it swings, it follows the angles
-plus a correction that joins the two,
+The angles of `gait_curves` determine the path of each ankle under the moving pelvis. While a foot
+stands, the floor determines its ankle (`stride`); while it swings, it follows the angles plus a
+correction that joins the two,
 
     ankle(t) = nominal(t) + c(t),     c = stance - nominal, with equal speeds, at toe off and strike
 
@@ -26,7 +26,7 @@ from numpy_cae.motion.heading import rotate_about_y
 
 
 class Gait:
-    """Someone's legs and pelvis on a route.
+    """The legs and pelvis of a person on a route.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Gait:
     # -- the pelvis ------------------------------------------------------------------------
 
     def phase(self, t: np.ndarray) -> np.ndarray:
-        """Strides done at each time."""
+        """Number of strides at each time."""
         return np.interp(t, self.route.times, self._phase)
 
     def vigour(self, t: np.ndarray) -> np.ndarray:
@@ -72,7 +72,7 @@ class Gait:
         return self.route.speed(t) / self.full_speed
 
     def pelvis_angles(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Heading with the pelvis's own turning, tilt forwards and drop, radians."""
+        """Heading including the pelvis's own rotation, tilt forwards and drop, radians."""
         m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
         turn = -m.pelvis_turn * vigour * np.cos(angle - 0.10)
         drop = m.pelvis_drop * vigour * np.cos(angle - 2 * np.pi * 0.16)
@@ -80,7 +80,7 @@ class Gait:
         return self.route.heading(t) + turn, tilt, drop
 
     def pelvis(self, t: np.ndarray) -> tuple[np.ndarray, Rotation]:
-        """Where the root is, (F, 3), and how the pelvis is turned."""
+        """The position of the root, (F, 3), and the rotation of the pelvis."""
         m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
         sway = m.sway * vigour * np.cos(angle - 2 * np.pi * 0.30)
         sway = sway + 0.006 * (1 - vigour) * self._drifts[0](t)
@@ -96,7 +96,7 @@ class Gait:
         return place, Rotation.from_euler("YXZ", np.stack([yaw, tilt, drop], axis=-1))
 
     def _lowering(self):
-        """How far the pelvis sinks so that both standing feet are within reach, smoothed."""
+        """How far the pelvis sinks for the legs to reach both standing feet, smoothed."""
         rate = 100.0
         t = np.arange(self.route.times[0], self.route.times[-1] + 1 / rate, 1 / rate)
         place, pelvis = self.pelvis(t)

@@ -1,4 +1,4 @@
-"""How hip, knee and ankle turn over one stride, from the gait laboratory, as Fourier series.
+"""The angles of hip, knee and ankle over one stride, from the gait laboratory, as Fourier series.
 
 The values are those of healthy adults at their own speed: Winter, *The Biomechanics and Motor
 Control of Human Gait* (1991), with the phases as in Perry, *Gait Analysis* (1992), and, for running
@@ -86,7 +86,7 @@ def fourier_series(degrees: list[float], harmonics: int = 7) -> FourierSeries:
 
 @dataclass(frozen=True)
 class LegCurves:
-    """One way of going: the angles of the leg and when the foot touches what, in strides.
+    """One gait: the angles of the leg and the times of the foot's contacts, in strides.
 
     Parameters
     ----------

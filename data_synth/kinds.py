@@ -1,4 +1,4 @@
-"""The kinds of motion, by name, and the call that makes a take of one."""
+"""The kinds of motion by name, and `make_take`."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ HOLDEN2015_KINDS = (
     "walk", "confident_walk", "walk_with_turn", "old_mans_walk", "sidestep", "run", "press_ups",
     "squats", "jumping_jacks", "kick", "punch", "wave", "idle",
 )  # fmt: skip
-"""Motions that holden2015 shows or that the CMU database is full of."""
+"""Motions that holden2015 shows or that are frequent in the CMU database."""
 JANG2018_KINDS = ("walking", "waiting", "walking_dog")
-"""The three actions of jang2018, which takes them from Human3.6M."""
+"""The three actions of jang2018, from Human3.6M."""
 KINDS = (*HOLDEN2015_KINDS, *JANG2018_KINDS)
 
 _WALKS = {
@@ -50,11 +50,11 @@ _GESTURES = {
     "idle": idle,
     "waiting": waiting,
 }
-# How fast gestures go in each style.
+# The speed of gestures in each style.
 _TEMPOS = {"neutral": 1.0, "brisk": 1.18, "tired": 0.85}
-# Seconds of walking before the first frame of a take that begins in full stride.
+# Seconds of walking before the first frame of a take that does not begin at rest.
 _LEAD = 2.5
-# A take shorter than this has no time to set out and to stop.
+# In seconds; a shorter take begins and ends while walking.
 _TIME_TO_STOP = 6.0
 
 
@@ -91,21 +91,21 @@ def make_take(
     style: str | None = None,
     body: Body | None = None,
 ) -> Take:
-    """One take of a kind of motion, unlike that of any other seed.
+    """One take of a kind of motion; every seed gives another one.
 
     Parameters
     ----------
     kind : str
         One of `KINDS`.
     seed : int or numpy.random.Generator
-        The same number gives the same take; a generator goes on from where it is.
+        The same number gives the same take; a generator is advanced.
     seconds : float
     rate : float
         Frames a second.
     style : str, optional
-        One of `styles_of(kind)`; drawn from those that suit the kind where None.
+        One of `styles_of(kind)`; by default drawn from those that suit the kind.
     body : Body, optional
-        Drawn where None.
+        By default a random one.
 
     Returns
     -------
@@ -140,14 +140,14 @@ def _gesture(
     _GESTURES[kind](stage, seconds, tempo)
     pose, contacts = stage.pose()
     motion = assemble(body, pose, rate)
-    return Take(motion, kind, style, body, contacts, stage.asked(), stage.heading)
+    return Take(motion, kind, style, body, contacts, stage.target_path(), stage.heading)
 
 
 def _walk(
     kind: str, style: str, body: Body, seconds: float, rate: float, rng: np.random.Generator
 ) -> Take:
     manner = draw_manner(rng, style)
-    # Some takes begin and end standing, some in full stride, as recordings do.
+    # Some takes begin or end at rest, some while walking, as recordings do.
     stands = [kind != "run" and seconds > _TIME_TO_STOP and rng.random() < 0.5 for _ in range(2)]
     lead, trail = (0.0 if standing else _LEAD for standing in stands)
     times = grid(lead + seconds + trail)

@@ -1,6 +1,6 @@
-"""What a Kinect would have made of a motion, with the truth of what went wrong and when.
+"""A model of motion capture with a Kinect, with the ground truth and the kind of each error.
 
-One depth camera stands in front of the person. Published figures that the model is set to:
+One depth camera stands in front of the person. The model uses these published figures:
 
 - The random error of depth grows with its square, from a few millimetres near by to 4 cm at 5 m
   (Khoshelham & Elberink, *Sensors* 12 (2012) 1437): σ = 0.0016 Z² metres.
@@ -11,11 +11,11 @@ One depth camera stands in front of the person. Published figures that the model
   itself hides and the tracker guesses.
 - Seen from the side or with arms close together, left and right get mixed up for a few frames (a
   known issue in the notes of the OpenNI and Kinect trackers).
-- The sensor finds the floor anew all the time; its floor follows late, so a whole person rises
-  and sinks.
+- The sensor estimates the floor continuously and with a delay, so the whole person rises and
+  sinks.
 
-How often limbs swap, how far a guess misses and how late the floor is are our choice: the
-publications name these errors but give no rates. The choices stand below.
+The publications describe swapped limbs, guesses and the floor's delay without rates; the constants
+below are our choice.
 """
 
 from __future__ import annotations
@@ -49,22 +49,22 @@ SWAPS_A_SECOND = (0.05, 0.5)
 FLOOR = 0.015
 """σ of the steps of the floor's height, m; one every two seconds."""
 FLOOR_LAG = 0.6
-"""Seconds in which the floor has followed two thirds of the way."""
+"""Time constant of the floor estimate, seconds."""
 
 
 @dataclass(frozen=True)
 class Seen(Damaged):
-    """What the sensor saw; `known` is False where a joint was hidden.
+    """The output of the sensor; `known` is False for hidden joints.
 
     Parameters
     ----------
     sensor : (3,) array
-        Where it stood, in the world, metres.
+        Its position in the world, metres.
     hidden : (F, J) array of bool
     swapped : (F,) array of bool
         Left and right were exchanged.
     floor : (F,) array
-        By how much the whole person was seen too high, metres.
+        Error of the height of the whole person, metres.
     """
 
     sensor: np.ndarray
@@ -81,14 +81,14 @@ def see_with_kinect(
     rng: Rng,
     distance: float = 2.6,
 ) -> Seen:
-    """A motion as a Kinect would have captured it.
+    """A motion as captured by a Kinect.
 
     Parameters
     ----------
     positions : (F, J, 3) array of float
         World positions in metres, Y up, floor at 0.
     names : sequence of J str
-        Left and right ones told apart by their beginning, "left_" or "l" and "right_" or "r".
+        The prefixes "left_" or "l" and "right_" or "r" mark the sides.
     parents : sequence of J int
         -1 for the root.
     rate : float
@@ -181,7 +181,7 @@ def _hidden(positions: np.ndarray, parents: Sequence[int], sensor: np.ndarray) -
 
 
 def _breathe(positions, parents, rate, rng) -> np.ndarray:
-    """Every bone's length changes slowly; what hangs from it moves along."""
+    """Change every bone's length slowly; its descendants move along."""
     t = np.arange(len(positions)) / rate
     seen = positions.copy()
     for joint, parent in enumerate(parents):
@@ -193,7 +193,7 @@ def _breathe(positions, parents, rate, rng) -> np.ndarray:
 
 
 def _guesses(hidden: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """While a joint is hidden the tracker holds one wrong guess, and jumps back after."""
+    """A constant error for each interval in which a joint is hidden."""
     off = np.zeros((*hidden.shape, 3))
     for joint in range(hidden.shape[1]):
         runs, count = label(hidden[:, joint])

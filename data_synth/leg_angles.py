@@ -1,10 +1,10 @@
-"""What the laboratory's angles mean for one person: where the ankle is, and so where the pelvis is.
+"""The laboratory's angles applied to one person: the position of the ankle and so of the pelvis.
 
-With the thigh at α and the knee bent by β, the ankle lies from the hip
+With the thigh at α and the knee bent by β, the ankle is, relative to the hip,
 
     ahead  l₁ sin α + l₂ sin(α - β),      up  -l₁ cos α - l₂ cos(α - β)
 
-and the foot is pitched by α - β + ankle. How *full* the angles are, 0 standing still and 1 as
+and the foot is pitched by α - β + ankle. The *fullness* of the angles, 0 standing still and 1 as
 measured, depends on the length of the stride.
 """
 
@@ -26,7 +26,7 @@ _STEEPEST = np.radians(72.0)
 
 @dataclass(frozen=True)
 class Implied:
-    """What follows from the angles and the length of a stride.
+    """The consequences of the angles and the length of a stride.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Implied:
 
 
 class LegAngles:
-    """The laboratory's curves on one person's legs.
+    """The laboratory's curves applied to one person's legs.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class LegAngles:
         return ahead, -body.thigh * np.cos(thigh) - body.shank * np.cos(shank)
 
     def pitch(self, phase: np.ndarray, fullness) -> np.ndarray:
-        """The foot against the floor where nothing holds it, toes up positive, radians."""
+        """The pitch of a foot in the air, toes up positive, radians."""
         curves = self.manner.curves
         pitch = fullness * (curves.thigh(phase) + curves.ankle(phase))
         pitch = self.manner.roll * (pitch - _bending(fullness) * curves.knee(phase))
@@ -80,7 +80,7 @@ class LegAngles:
         return pitch / (1 + steep**4) ** 0.25
 
     def implied_by_stride(self, stride: float) -> Implied:
-        """How full the angles are in strides of a length, and where the pelvis then goes.
+        """The fullness of the angles in strides of a length, and the path of the pelvis.
 
         While a foot stands, its ankle is known and so is the way from the hip to it: their
         difference is where the pelvis is. By least squares over the stance,
@@ -116,5 +116,5 @@ class LegAngles:
 
 
 def _bending(fullness):
-    """How full the knee's angles are: they grow less with speed than the thigh's (Winter, 1991)."""
+    """The knee's fullness, which grows less with speed than the thigh's (Winter, 1991)."""
     return np.tanh(fullness) / np.tanh(1.0)

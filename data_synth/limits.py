@@ -1,4 +1,4 @@
-"""How far each joint goes: its angles as a clinician measures them, and their limits.
+"""The angles of each joint as a clinician measures them, and their limits.
 
 Ranges are those of the American Academy of Orthopaedic Surgeons (Greene & Heckman, *The Clinical
 Measurement of Joint Motion*, 1994) with the spread of healthy adults in Soucie et al.,
@@ -35,7 +35,7 @@ LIMITS: dict[str, dict[str, tuple[float, float]]] = {
     **{name: _TRUNK for name in ("lowerback", "upperback", "thorax")},
     **{name: _TRUNK for name in ("lowerneck", "upperneck", "head")},
 }
-"""Degrees. "other" is turning about an axis that the joint does not have."""
+"""Degrees. "other" is rotation about an axis that the joint does not have."""
 
 
 def joint_angles(motion: Motion) -> dict[tuple[str, str], np.ndarray]:
@@ -66,7 +66,7 @@ def joint_angles(motion: Motion) -> dict[tuple[str, str], np.ndarray]:
 
 
 def beyond_limits(motion: Motion) -> list[str]:
-    """One line for each angle that leaves its limits; empty where all is well."""
+    """One line for each angle that exceeds its limits."""
     found = []
     for (name, angle), values in joint_angles(motion).items():
         low, high = LIMITS[name if name in LIMITS else name[1:]][angle]

@@ -1,7 +1,7 @@
-"""How someone goes: the numbers that make a walk confident, old, tired or a run.
+"""The manner of a gait: the parameters of a confident, old or tired walk and of a run.
 
-Speeds and cadences are for a stature of 1.75 m; others follow the Froude number v²/(g·leg), under
-which gaits of people of different size are alike (Alexander, *J. Zool.* 1984).
+Speeds and cadences are for a stature of 1.75 m; they scale with the Froude number v²/(g·leg), at
+which gaits of people of different size are similar (Alexander, *J. Zool.* 1984).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _DEGREE = np.pi / 180
 
 @dataclass(frozen=True)
 class Manner:
-    """A manner of going. Angles in degrees, lengths in metres.
+    """The manner of a gait. Angles in degrees, lengths in metres.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""What a person does in every frame, in the words of anatomy: the plan that `assemble` fulfils.
+"""The pose of a person in every frame, in anatomical terms: the input of `assemble`.
 
-Angles are in radians. Legs are given by where the ankle is and how the foot is turned; arms by
-the angles of shoulder and elbow or, where a hand must be somewhere, by that place.
+Angles are in radians. Legs are given by the position of the ankle and the rotation of the foot;
+arms by the angles of shoulder and elbow or by a target position of the hand.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Press-ups: a straight body turns about the toes, hands stay on the floor, elbows bend.
+"""Press-ups: a straight body rotates about the toes, hands stay on the floor, elbows bend.
 
-How high the shoulders are follows from the slope of the body; the slope that brings them to a
-height is found by bisection (Brent's), and the arms reach down from there.
+The slope of the body determines the height of the shoulders; the slope for a given height is found
+by Brent's method, and the arms reach down to the floor.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def press_ups(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 class Plank:
-    """Someone face down on hands and toes.
+    """A person face down on hands and toes.
 
     Parameters
     ----------
@@ -78,12 +78,12 @@ class Plank:
         return (chest + trunk.apply(self.body.offset("lhumerus")))[0]
 
     def _level(self, slope: np.ndarray, roll: np.ndarray) -> Rotation:
-        """The pelvis of someone who faces +Z."""
+        """The rotation of the pelvis of a person who faces +Z."""
         tilt = np.pi / 2 - slope + 0.6 * self.sag
         return Rotation.from_euler("YXZ", np.stack([0 * roll, tilt, roll], axis=-1))
 
     def _place(self, slope: np.ndarray, level: Rotation) -> np.ndarray:
-        """The root, (F, 3), of someone who faces +Z."""
+        """The position of the root, (F, 3), of a person who faces +Z."""
         way = np.stack([0 * slope, np.sin(slope + self.sag), np.cos(slope + self.sag)], axis=-1)
         leg = _STRAIGHT * self.body.leg
         return self.ankle + leg * way - level.apply(self.body.hip(LEFT) * [0, 1, 1])

@@ -1,6 +1,6 @@
-"""Where a walker is to go: speed, heading and place on the floor as functions of time.
+"""The route of a walker: speed, heading and position on the floor as functions of time.
 
-place(t) = ∫ speed(τ) · (sin heading(τ), cos heading(τ)) dτ
+position(t) = ∫ speed(τ) · (sin heading(τ), cos heading(τ)) dτ
 """
 
 from __future__ import annotations
@@ -57,5 +57,5 @@ class Route:
 
 
 def grid(seconds: float) -> np.ndarray:
-    """The times at which a route is laid down, 200 a second."""
+    """The times at which a route is sampled, 200 a second."""
     return np.arange(int(np.ceil(seconds * _GRID)) + 1) / _GRID

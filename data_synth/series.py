@@ -1,7 +1,7 @@
-"""Many takes of many people, as a motion-capture session lays them down.
+"""Many takes of many people.
 
-Everything follows from one seed: take n of a series is drawn from (seed, n) alone and its person
-from (seed, number of the person), so any take can be made again without those before it.
+Everything is determined by one seed: take n of a series by (seed, n) and its person by (seed,
+number of the person), so that any take can be made again without those before it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _PEOPLE, _TAKES = 1, 2
 
 @dataclass(frozen=True)
 class Plan:
-    """A take before it is made.
+    """The parameters of a take.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Plan:
 
     @property
     def name(self) -> str:
-        """As the CMU database names its files: person, then trial: ``02_01``."""
+        """The name of its file, as in the CMU database: person and trial, ``02_01``."""
         trial = (self.number - 1) % TAKES_A_PERSON + 1
         return f"{self.person:02d}_{trial:02d}"
 
@@ -78,7 +78,7 @@ def plan_takes(minutes: float, seed: int = 0, kinds: Sequence[str] | None = None
     left, lengths = 60.0 * minutes, []
     while left > 1e-9:
         seconds = min(float(np.clip(np.exp(rng.normal(np.log(9.0), 0.35)), 5.0, 20.0)), left)
-        # Two takes rather than one and a scrap.
+        # A remainder of less than 3 s is added to the last take.
         seconds = left if left - seconds < 3.0 else seconds
         lengths.append(seconds)
         left -= seconds
@@ -86,7 +86,7 @@ def plan_takes(minutes: float, seed: int = 0, kinds: Sequence[str] | None = None
 
 
 def plan_cmu_scale(seed: int = 0, kinds: Sequence[str] | None = None) -> list[Plan]:
-    """What stands for the CMU database: 2605 takes that make 9673 windows.
+    """As many takes and windows as the CMU database: 2605 takes that make 9673 windows.
 
     A window has 160 frames at 30 Hz and starts 80 frames after the one before (holden2015,
     section 4); a take of n windows lasts between 80n and 80(n+1) frames, one shorter than a window
@@ -102,7 +102,7 @@ def plan_cmu_scale(seed: int = 0, kinds: Sequence[str] | None = None) -> list[Pl
 def make_takes(
     minutes: float, seed: int = 0, rate: float = 120.0, kinds: Sequence[str] | None = None
 ) -> Iterator[Take]:
-    """Takes that together last `minutes`, one after the other as they are asked for.
+    """Generate takes that together last `minutes`.
 
     Raises
     ------

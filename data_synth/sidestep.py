@@ -1,4 +1,4 @@
-"""Stepping sideways: one foot out, the other after it, several times, and perhaps back again."""
+"""Stepping sideways: one foot, then the other, several times, sometimes back again."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from data_synth.stage import Stage, bump
 
 
 def sidestep(stage: Stage, seconds: float, tempo: float) -> None:
-    """Go sideways, lead foot and trailing foot in turn; the way may change."""
+    """Step sideways with lead foot and trailing foot in turn; the direction may change."""
     rng, body, t = stage.rng, stage.body, stage.t
     half = 0.5 * body.hip_width + 0.015
     stage.feet = [Foot(sign * half, 0.0, sign * rng.uniform(3, 9)) for sign in SIGN]

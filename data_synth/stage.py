@@ -1,4 +1,4 @@
-"""Where gestures are played: a standing person whose every angle can be added to, one at a time.
+"""The base of all gestures: a standing person to whose angles gestures are added.
 
 Angles are in degrees and lengths in metres. Names of angles: ``turn tilt list`` (pelvis),
 ``bend side twist`` (spine), ``nod lean look`` (neck), an arm's angles as ``l.elbow`` and
@@ -27,7 +27,7 @@ _REACH = {"bend": (-45, 95), "side": (-60, 60), "twist": (-58, 58), "nod": (-45,
 
 
 class Stage:
-    """A person who stands at ease and sways, until told otherwise.
+    """A person who stands at ease and sways, and to whom gestures are added.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Stage:
         self.angles: dict[str, np.ndarray] = defaultdict(lambda: np.zeros(len(t)))
         self.heading = np.full(len(t), rng.uniform(-np.pi, np.pi))
         self.start = np.zeros(2)
-        # What of `aside` and `ahead` is the asked path and what is sway.
+        # The target path; `aside` and `ahead` add the sway.
         self.path = np.zeros((len(t), 2))
         half = 0.5 * body.hip_width + rng.uniform(0.0, 0.05)
         self.feet = [
@@ -52,7 +52,7 @@ class Stage:
         ]
         # Goals of the hands: fields of `Arm`.
         self.goals: list[dict] = [{}, {}]
-        # Who lies on hands and toes, where someone does; it has a `place` and a `pose()`.
+        # A person on hands and toes, if any; it has a `place` and a `pose()`.
         self.prone = None
         self._rest(lively)
 
@@ -73,7 +73,7 @@ class Stage:
         fall: float,
         lag: dict[str, float] | None = None,
     ) -> None:
-        """Go to a pose and back: each angle by its amount, some a little later than others."""
+        """Go to a pose and back: each angle by its amount, with a delay for some."""
         lag = lag or {}
         for name, amount in amounts.items():
             shape = bump(self.t - lag.get(name, 0.0), start, rise, hold, fall)
@@ -98,10 +98,8 @@ class Stage:
                 self.add(f"{side}.{name}", mean * np.exp(rng.normal(0, 0.15)) + lively * wander)
             self.add(f"{side}.splay", 4.0)
 
-    # -- from angles to a pose ---------------------------------------------------------------
-
     def _radians(self, name: str) -> np.ndarray:
-        # Gestures add up; where they would add up to too much the joint yields.
+        # The sum of several gestures is limited to the joint's range.
         angles = self.angles[name]
         reach = _REACH.get(name.removeprefix("l.").removeprefix("r."))
         return np.radians(angles if reach is None else yielding(angles, *reach))
@@ -124,8 +122,8 @@ class Stage:
         arms = tuple(self.arm(side) for side in (0, 1))
         return Pose(place, pelvis, spine, neck, legs, arms), ~(flying | free)
 
-    def asked(self) -> np.ndarray:
-        """x and z of the asked path, (F, 2), metres."""
+    def target_path(self) -> np.ndarray:
+        """x and z of the target path, (F, 2), metres."""
         if self.prone is not None:
             return rotate_about_y(self.prone.place, self.heading)[:, [0, 2]]
         way = np.stack([self.path[:, 0], np.zeros(len(self.t)), self.path[:, 1]], axis=-1)
@@ -151,7 +149,7 @@ class Stage:
         return ankle + [self.start[0], 0.0, self.start[1]], foot, toes, flying
 
     def _lowering(self, place, pelvis, planted, away) -> np.ndarray:
-        """How far the pelvis must sink for standing feet to be within reach, smoothed."""
+        """How far the pelvis must sink for the legs to reach standing feet, smoothed."""
         need = np.zeros(len(place))
         for side in (0, 1):
             hip = place + pelvis.apply(self.body.hip(side))

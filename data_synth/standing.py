@@ -1,4 +1,4 @@
-"""Standing about: idling, and waving to someone."""
+"""Standing: idling and waving."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def wave(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 def idle_quietly(stage: Stage, seconds: float) -> None:
-    """Now and then shift the weight, no more."""
+    """Shift the weight from time to time."""
     rng = stage.rng
     clock = rng.uniform(0.5, 2.0)
     before = 0.0

@@ -1,8 +1,8 @@
-"""When each foot stands where: the stances of a walk, and the foot that rolls over them.
+"""The stances of a walk, with their times and positions, and the foot that rolls over them.
 
-A stance has four times. From the strike to foot flat the foot turns about its heel, to heel off
-it stands flat, to toe off it turns about its ball while the toes stay on the floor: Perry's heel,
-ankle and forefoot rockers (1992, chapter 3). So some point of the foot is at rest at any time.
+A stance has four times. From the strike to foot flat the foot rotates about its heel, to heel
+off it stands flat, to toe off it rotates about its ball while the toes stay on the floor: Perry's
+heel, ankle and forefoot rockers (1992, chapter 3). So some point of the foot is always at rest.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Stances:
     yaw: np.ndarray
 
     def rolling(self, t: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """The share of its free pitch that the foot has: 1 at the strike, 0 flat, 1 at toe off."""
+        """The foot's pitch as a share of that in the air: 1 at the strike, 0 flat, 1 at toe off."""
         loading = 1 - ease((t - self.strike[k]) / (self.flat[k] - self.strike[k]))
         # The heel is free to rise as it would in two thirds of the time from heel off to toe off.
         span = np.maximum(self.toe_off[k] - self.heel_off[k], 1e-3)
@@ -55,7 +55,7 @@ class Stances:
 
 
 def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
-    """The ways (F, 3) with their front lifted by `pitch` radians: Rx(-pitch)."""
+    """The vectors (F, 3) with their front lifted by `pitch` radians: Rx(-pitch)."""
     c, s = np.cos(pitch), np.sin(pitch)
     x, y, z = np.moveaxis(np.broadcast_to(way, (*pitch.shape, 3)), -1, 0)
     return np.stack([x, c * y + s * z, c * z - s * y], axis=-1)

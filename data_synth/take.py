@@ -1,4 +1,4 @@
-"""A take: a motion with everything that is known about it, since it was made by formula."""
+"""A take: a synthetic motion with its labels and ground truth."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from numpy_cae.motion import Motion
 
 @dataclass(frozen=True)
 class Take:
-    """One synthetic recording and its truth.
+    """One synthetic recording and its ground truth.
 
     Parameters
     ----------
     motion : Motion
     kind, style : str
-        What the person does, and in which manner.
+        The action and its manner.
     body : Body
-        Who does it.
+        The person.
     contacts : (F, 2) array of bool
         Left and right: the ball of that foot (joints ``ltoes``, ``rtoes``) stands still on the
         floor; in a walk from foot flat to toe off. While it holds, the joint stays within 5 mm.
     path : (F, 2) array
-        The x and z that the pelvis was asked to follow, metres; it sways about it.
+        The target x and z of the pelvis, metres; the pelvis sways about it.
     heading : (F,) array
-        The direction that the pelvis was asked to face about Y, radians, 0 facing +Z and growing
-        towards +X; it turns to and fro about it.
+        The target heading of the pelvis about Y, radians, 0 facing +Z and growing towards +X;
+        the pelvis rotates about it during a step.
     """
 
     motion: Motion

@@ -1,8 +1,8 @@
-"""Two bones that must reach a point: the knee and the elbow by the law of cosines.
+"""Inverse kinematics of two bones: the knee and the elbow by the law of cosines.
 
     cos(interior angle) = (u² + l² - d²) / (2 u l),      d = |target - start|
 
-The plane in which the limb bends is given by its hinge; nothing is iterated, every frame at once.
+The hinge axis determines the plane in which the limb bends; all frames are computed at once.
 """
 
 from __future__ import annotations

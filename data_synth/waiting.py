@@ -1,7 +1,7 @@
-"""Waiting for someone, as in Human3.6M: stretching, twisting the legs, resting on a wall.
+"""Waiting, as in Human3.6M: stretching, twisting the legs, leaning on a wall.
 
-jang2018 samples such motions in its figure 3. The three come in drawn order and timing, with idle
-moments between them.
+jang2018 samples such motions in its figure 3. The three follow in random order and timing, with
+pauses between them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy_cae.motion.heading import rotate_about_y
 
 
 def waiting(stage: Stage, seconds: float, tempo: float) -> None:
-    """Fill the time with the three, shuffled, until it is over."""
+    """Repeat the three in random order until the end."""
     rng = stage.rng
     clock = rng.uniform(0.2, 1.2)
     while clock < seconds:
@@ -40,7 +40,7 @@ def _between(stage: Stage, clock: float, tempo: float) -> float:
 
 
 def stretch(stage: Stage, start: float, tempo: float) -> float:
-    """Both arms up, the back hollow, on the toes; then perhaps to one side and the other."""
+    """Arms up, back arched, on the toes; then sometimes to one side and the other."""
     rng = stage.rng
     rise, fall = rng.uniform(0.9, 1.3) / tempo, rng.uniform(0.9, 1.4) / tempo
     bends = int(rng.integers(0, 3))

@@ -1,7 +1,7 @@
-"""A whole walk: a drawn route, legs by `Gait`, and an upper body that works against them.
+"""A whole walk: a random route, legs by `Gait`, and the opposite movement of the upper body.
 
-The chest turns against the pelvis, each arm swings with the opposite leg, elbows follow the
-shoulders a little later, and the head undoes what the trunk does so that the eyes stay level
+The chest rotates against the pelvis, each arm swings with the opposite leg, elbows follow the
+shoulders with a delay, and the head compensates the trunk so that the eyes stay level
 (Pozzo, Berthoz & Lefort, 1990, *Exp. Brain Res.* 82:97).
 """
 
@@ -142,7 +142,7 @@ def _arm(gait: Gait, t: np.ndarray, side: int, rng: np.random.Generator) -> Arm:
 
 
 def bends(rng: np.random.Generator, times: np.ndarray, most: float) -> np.ndarray:
-    """A heading that wanders by up to about `most` radians, and the way it begins."""
+    """A heading that varies by up to about `most` radians, from a random start."""
     return rng.uniform(-np.pi, np.pi) + drift(rng, most / 2, 0.03, 0.15)(times)
 
 

@@ -1,4 +1,4 @@
-"""Windows without files: made, brought to the 63 features of holden2015 and cut, in memory."""
+"""Windows of the 63 features of holden2015 from synthetic takes, in memory."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _RATE = 30.0
 
 @dataclass(frozen=True)
 class Windows:
-    """Windows of features and where they come from.
+    """Windows of features and their sources.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A series of takes as a folder of motion files, one subfolder a person, and a table of labels."""
+"""Write a series of takes to a folder, with a subfolder for each person and a table of labels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def write_series(
     rate: float = 120.0,
     each: Callable[[Plan, Take], None] | None = None,
 ) -> Path:
-    """Make and write every planned take, then the labels.
+    """Write every planned take, then the labels.
 
     Files are in centimetres and named as in the CMU database: ``02/02_01.bvh``. A file of the same
     name is replaced; others are left alone.
@@ -32,7 +32,7 @@ def write_series(
     ----------
     plans : sequence of Plan
     folder : path
-        Made if it is not there.
+        Created if missing.
     rate : float
         Frames a second.
     each : function, optional

@@ -1,4 +1,4 @@
-"""Motion files, read as takes, with a word about each unit that was guessed."""
+"""Read motion files as takes and report files and guessed units."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def read_takes(
     ----------
     paths : sequence of paths
     mapping, unit
-        As `load_body` takes them.
+        See `load_body`.
     test : sequence of str
-        Patterns such as "*_005.bvh": files whose name matches one are kept for testing.
+        Patterns such as "*_005.bvh": files whose name matches one are for testing.
     strict : bool
-        Whether a file that cannot be used is raised; else it is listed and left out.
+        Whether a file that cannot be used is an error; otherwise it is reported and skipped.
     cache : path, optional
-        Where what was read is kept for the next time; None for nowhere.
+        Folder of the cache of `read_bodies`; None for no cache.
 
     Returns
     -------
@@ -43,17 +43,20 @@ def read_takes(
     Raises
     ------
     MotionFileError, UnknownRigError
-        As `load_body` does, where strict or where there is one file.
+        As `load_body`, if strict or if there is only one file.
     ValueError
         If a pattern leaves nothing to test, or all of them nothing to train on.
     """
     for pattern in test:
         if not any(is_test(path, [pattern]) for path in paths):
             raise ValueError(f"no file matches {pattern!r}, none is left to test")
-    training, testing, notes, left_out = [], [], Counter(), 0
-    following = _Following(len(paths))
+    training: list[np.ndarray] = []
+    testing: list[np.ndarray] = []
+    notes: Counter[str] = Counter()
+    left_out = 0
+    progress = _Progress(len(paths))
     for body in read_bodies(paths, mapping, unit, cache):
-        following.one_more()
+        progress.advance()
         if body.problem is not None:
             if strict or len(paths) == 1:
                 raise body.problem
@@ -68,10 +71,10 @@ def read_takes(
         raise ValueError("every file to test was left out, see above")
     if not training:
         raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
-    said = f", {left_out} left out" if left_out else ""
+    skipped = f", {left_out} left out" if left_out else ""
     seconds = sum(map(len, training)) / 30
     print(
-        f"{len(paths) - left_out} files read{said}: {len(training)} takes to train on "
+        f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
         f"({seconds / 60:.1f} min), {len(testing)} to test; lengths in "
         + ", ".join(f"{note} ({count})" for note, count in notes.most_common()),
         file=sys.stderr,
@@ -79,18 +82,18 @@ def read_takes(
     return training, testing
 
 
-class _Following:
-    """A line every few seconds while many files are read, with the time left."""
+class _Progress:
+    """Print the remaining time every few seconds while many files are read."""
 
     def __init__(self, files: int):
         self.files, self.read = files, 0
-        self.begun = self.said = time.monotonic()
+        self.begun = self.printed = time.monotonic()
 
-    def one_more(self) -> None:
-        """One more file was read."""
+    def advance(self) -> None:
+        """Count one more file."""
         self.read += 1
         now = time.monotonic()
-        if now - self.said > 5:
-            self.said = now
+        if now - self.printed > 5:
+            self.printed = now
             left = (now - self.begun) / self.read * (self.files - self.read)
             print(f"{self.read} of {self.files} files read, {left:.0f} s to go", file=sys.stderr)

@@ -15,7 +15,6 @@ from data_synth.body import NAMES
 from data_synth.curves import drift, ease, fading, smooth_over, yielding
 from data_synth.exercise import bounce
 from data_synth.gait_curves import _RUN, _WALK, RUN, WALK
-from data_synth.pictures import main as draw_pictures
 from data_synth.two_bones import reach
 from numpy_cae.motion import load_motion
 
@@ -165,11 +164,3 @@ def test_every_joint_that_moves_has_limits():
     assert measured == set(motion.skeleton.names) - stiff
     for limits in LIMITS.values():
         assert all(low < high for low, high in limits.values())
-
-
-def test_pictures_are_drawn(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("data_synth.pictures.KINDS", ("press_ups",))
-    assert draw_pictures([str(tmp_path / "new")]) == 0
-    assert (tmp_path / "new" / "press_ups.png").stat().st_size > 2000
-    assert draw_pictures([]) == 2
-    assert "usage" in capsys.readouterr().err
