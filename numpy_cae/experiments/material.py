@@ -34,9 +34,9 @@ class LabelledTake:
     positions : (F, 20, 3) array of float64
         World positions in metres at 30 frames a second.
     source : "synthetic", "bandai" or "other"
-        Where the labels are from: labels.csv of data_synth, a file name of Bandai Namco, nowhere.
+        Origin of the labels: labels.csv of data_synth, a file name of Bandai Namco, none.
     content, style : str
-        What is done, and how; empty where unknown.
+        Such as "walk" and "tired"; empty where unknown.
     """
 
     path: Path

@@ -25,13 +25,7 @@ TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
 class Split:
     """`fitting` and `choosing` are parts of `training`, by take; `testing` has other takes.
 
-    Parameters
-    ----------
-    fitting, choosing, training, testing : Clips
-    sample : str
-        The testing windows in a sentence.
-    takes : int
-        Number of training takes.
+    `sample` describes the testing windows in a sentence; `takes` is the number of training takes.
     """
 
     fitting: Clips

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from numpy_cae.motion import JOINTS, PARENTS, MotionFileError
+from numpy_cae.errors import FileError
+from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.viz import Actor, save_figure, save_gif, strip_figure
 from numpy_cae.viz.camera import bones, seen
 
@@ -72,7 +73,7 @@ def test_a_gif_has_the_asked_frames(tmp_path):
 
 
 def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
-    with pytest.raises(MotionFileError, match="no folder"):
+    with pytest.raises(FileError, match="no folder"):
         save_figure(strip_figure([actor()], 30), tmp_path / "no" / "a.png")
     assert not list(tmp_path.iterdir())
 

@@ -24,7 +24,7 @@ UNTRAINED = "the same of an untrained network"
 EUCLIDEAN = "Euclidean distance of windows"
 RAW_EXTREMES = "min and max of the features"
 WHITENED = "min and max of 20 PCA numbers, whitened"
-AXES, WINDOW_AXES = 20, 30
+AXES = 20
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,13 @@ def raw_extremes(manifold: MotionManifold) -> Distance:
 
 def euclidean(manifold: MotionManifold) -> Distance:
     """The paper's naive distance: between windows, frame by frame."""
-    return Distance(EUCLIDEAN, lambda features: _flat(raw_windows(manifold, features)))
+    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
+
+    def windows(features: np.ndarray) -> np.ndarray:
+        x = manifold.normalise(cut_windows(features, length, overlap)[0])
+        return x.reshape(len(x), -1)
+
+    return Distance(EUCLIDEAN, windows)
 
 
 def all_distances(
@@ -79,20 +85,12 @@ def all_distances(
 ) -> list[Distance]:
     """All of them; PCA is fitted to the features of training takes."""
 
-    def hidden_mean(features: np.ndarray) -> np.ndarray:
-        return hidden_units(manifold, features).mean(axis=0)[None]
-
-    def hidden_windows(features: np.ndarray) -> np.ndarray:
-        return _flat(manifold.network.encode(raw_windows(manifold, features)))
-
     def raw_mean(features: np.ndarray) -> np.ndarray:
         return manifold.normalise(features).mean(axis=0)[None]
 
     return [
         equation_4(manifold),
         equation_4(untrained(manifold, seed), UNTRAINED),
-        Distance("mean of the hidden units", hidden_mean),
-        Distance("hidden units of windows", hidden_windows),
         euclidean(manifold),
         raw_extremes(manifold),
         Distance("mean of the features", raw_mean),
@@ -101,36 +99,19 @@ def all_distances(
 
 
 def _of_pca(manifold: MotionManifold, training: Sequence[np.ndarray]) -> list[Distance]:
-    """PCA on frames, pooled, as it is and with axes of unit variance; and PCA on windows."""
+    """Equation 4 of PCA on frames, as it is and with axes of unit variance."""
     frames = np.concatenate([manifold.normalise(take) for take in training]).astype(np.float64)
     by_frame = PCA.fit(frames)
     axes = by_frame.axes[:AXES]
     spread = ((frames - by_frame.mean) @ axes.T).std(axis=0)
-    windows = np.concatenate([_flat(raw_windows(manifold, take)) for take in training])
-    by_window = PCA.fit(windows.astype(np.float64))
 
     def numbers(features: np.ndarray) -> np.ndarray:
         return (manifold.normalise(features) - by_frame.mean) @ axes.T
 
-    def of_windows(features: np.ndarray) -> np.ndarray:
-        rows = _flat(raw_windows(manifold, features))
-        return (rows - by_window.mean) @ by_window.axes[:WINDOW_AXES].T
-
     return [
         Distance(f"min and max of {AXES} PCA numbers", lambda x: signature(numbers(x))[None]),
         Distance(WHITENED, lambda x: signature(numbers(x) / spread)[None]),
-        Distance(f"{WINDOW_AXES} PCA numbers of windows", of_windows),
     ]
-
-
-def raw_windows(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """The normalised windows of a clip's features (F, 63), as in training: (N, T, 63)."""
-    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
-    return manifold.normalise(cut_windows(features, length, overlap)[0])
-
-
-def _flat(windows: np.ndarray) -> np.ndarray:
-    return windows.reshape(len(windows), -1)
 
 
 def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:

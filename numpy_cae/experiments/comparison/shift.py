@@ -9,7 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.experiments.comparison.distances import equation_4, euclidean, raw_extremes
+from numpy_cae.experiments.comparison.distances import (
+    EQUATION_4,
+    EUCLIDEAN,
+    RAW_EXTREMES,
+    equation_4,
+    euclidean,
+    raw_extremes,
+)
 from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
@@ -19,6 +26,13 @@ from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Curve, curves_figure
 TAKES = 80
 """At most, spread evenly over those that are long enough."""
 SHIFTS = (1, 2, 5, 10, 15, 20, 30, 40)
+CLAIMS = {
+    EUCLIDEAN: "G is temporally invariant where Euclidean distance is not (holden2015, section 7): "
+    "at every shift it changes less.",
+    RAW_EXTREMES: "The learned manifold, not the pooling alone, makes G temporally invariant "
+    "(implied by holden2015, section 7): at every shift it changes less than without a network.",
+}
+"""The distance that G is compared with, and the claim."""
 _COLOURS = (PROJECTED, CORRUPTED, PLAIN)
 
 
@@ -45,25 +59,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "many frames later, as a share of the median distance to other takes (and the share of "
         "takes for which it is nearer than every other take):"
     )
-    _, *others = moved
-    claims = [
-        _claim(
-            others[0],
-            "G is temporally invariant where Euclidean distance is not (holden2015, section 7): "
-            "at every shift it changes less.",
-            moved,
-            nearest,
-            seed,
-        ),
-        _claim(
-            others[1],
-            "The learned manifold, not the pooling alone, makes G temporally invariant (implied by "
-            "holden2015, section 7): at every shift it changes less than without a network.",
-            moved,
-            nearest,
-            seed,
-        ),
-    ]
 
     def figure():
         curves = [
@@ -75,7 +70,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result(
         "Motion comparison: a clip shifted in time",
         [Table(caption, ["frames later", *moved], rows)],
-        claims,
+        [_claim(other, sentence, moved, nearest, seed) for other, sentence in CLAIMS.items()],
         figure,
     )
 
@@ -109,15 +104,15 @@ def _claim(
     seed: int,
 ) -> Claim:
     """G, the first distance, against another."""
-    ours = next(iter(moved))
     gaps = [
-        bootstrapped_difference(moved[ours][:, n], moved[other][:, n], seed)
+        bootstrapped_difference(moved[EQUATION_4][:, n], moved[other][:, n], seed)
         for n in range(len(SHIFTS))
     ]
     figures = "; ".join(
-        f"{SHIFTS[n]} frames later {moved[ours][:, n].mean():.2f} of the distance to others "
+        f"{SHIFTS[n]} frames later {moved[EQUATION_4][:, n].mean():.2f} of the distance to others "
         f"against {moved[other][:, n].mean():.2f}, difference {gaps[n].text()}, nearer than every "
-        f"other take in {nearest[ours][:, n].mean():.0%} against {nearest[other][:, n].mean():.0%}"
+        f"other take in {nearest[EQUATION_4][:, n].mean():.0%} against "
+        f"{nearest[other][:, n].mean():.0%}"
         for n in (0, SHIFTS.index(10), len(SHIFTS) - 1)
     )
     return Claim(sentence, all(gap.high < 0 for gap in gaps), f"{figures}.")

@@ -32,7 +32,6 @@ from numpy_cae.viz import (
     CORRUPTED,
     PROJECTED,
     TRUTH,
-    Motions,
     local_actors,
     strip_figure,
     world_actors,
@@ -76,7 +75,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         tables.append(Table("", [source, "error, cm", "jitter, m/s²", "setting"], rows))
         claims += _claims(source, measured)
         sample.append(f"{len(takes)} {source} takes ({len(truth)} windows)")
-        motions = motions or _motions(repaired, truth)
+        if motions is None:
+            window = truth.typical()
+            colours = {SEEN: CORRUPTED, ALL_SHIFTS: PROJECTED, TRUE: TRUTH}
+            motions = {
+                name: (truth.features(repaired[name], window), colour)
+                for name, colour in colours.items()
+            }
     return Result(
         "Repair: a Kinect recording",
         tables,
@@ -129,18 +134,3 @@ def _claims(source: str, measured: Measured) -> list[Claim]:
             f"the network {after:.2f} cm, {best} {others[best]:.2f} cm.",
         ),
     ]
-
-
-def _motions(repaired: dict[str, np.ndarray], truth: Clips) -> Motions:
-    window = truth.typical()
-    alone = truth.where(np.arange(len(truth)) == window, truth.real)
-
-    def motion(name: str, colour: str) -> tuple[np.ndarray, str]:
-        return truth.features(repaired[name], window), colour
-
-    before, after = (alone.error(repaired[name][[window]]) for name in (SEEN, ALL_SHIFTS))
-    return {
-        f"Kinect, {before:.1f} cm off": motion(SEEN, CORRUPTED),
-        f"projected, {after:.1f} cm off": motion(ALL_SHIFTS, PROJECTED),
-        "truth": motion(TRUE, TRUTH),
-    }

@@ -25,15 +25,8 @@ Repair = Callable[[np.ndarray, object], np.ndarray]
 class RepairBaseline:
     """A method with one setting.
 
-    Parameters
-    ----------
-    name : str
-    settings : tuple
-        Possible settings.
-    trial : (windows, setting) -> windows
-        Fitted to `Split.fitting`, for choosing a setting on `Split.choosing`.
-    repair : (windows, setting) -> windows
-        Fitted to all training windows, for measuring.
+    `trial` is fitted to `Split.fitting`, for choosing one of the settings on `Split.choosing`;
+    `repair` to all training windows, for measuring. Both map windows and a setting to windows.
     """
 
     name: str
