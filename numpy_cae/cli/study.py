@@ -52,6 +52,8 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.experiments.sequences.sequential import sequential
     from numpy_cae.manifold import save_manifold
 
+    if args.frames < 3:
+        raise ValueError(f"--frames is {args.frames}, expected 3 or more")
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
     results, manifolds = sequential(

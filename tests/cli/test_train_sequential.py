@@ -33,11 +33,23 @@ def test_it_trains_on_exponential_map_text(tmp_path, run):
 
 
 def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, monkeypatch, run):
-    changes = {"reconstruction.PCA_CLIPS": 200, "uses.PAIRS": 10, "regulariser.REPEATS": 1}
-    for name, fewer in changes.items():
+    sizes = {"reconstruction.PCA_CLIPS": 200, "samples.SAMPLES": 20, "uses.PAIRS": 10}
+    for name, fewer in {**sizes, "regulariser.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
-    run("study", "--data", walks, "--test", "*_2.bvh", "-o", out, *NETWORK, "--json")
+    run(
+        "study",
+        "--data",
+        walks,
+        "--test",
+        "*_2.bvh",
+        "-o",
+        out,
+        *NETWORK,
+        "--frames",
+        "20",
+        "--json",
+    )
     tables = json.loads(capsys.readouterr().out)
     said = (out / "study.txt").read_text(encoding="utf-8")
     assert "held: " in said and "teacher-forced" in said

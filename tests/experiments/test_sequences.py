@@ -105,8 +105,9 @@ def test_reconstruction_beside_simpler_methods(studies):
     assert result.claims[0].held == (errors[NETWORK] < errors[LINEAR])
 
 
-def test_samples_are_measured_relative_to_real_clips(studies):
-    result = samples(studies, count=20)
+def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
+    monkeypatch.setattr("numpy_cae.experiments.sequences.samples.SAMPLES", 20)
+    result = samples(studies)
     for action in ("walking", "waiting"):
         assert result.tables[0].value(f"{action}: {REAL}", "near") == pytest.approx(1)
     assert 0.5 < result.tables[0].value(f"walking: {REAL}", "stride / real") < 2

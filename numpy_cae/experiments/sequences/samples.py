@@ -30,9 +30,9 @@ MAX_STRIDE_ERROR, MAX_ACCURACY = 0.10, 0.75
 HEADER = ("samples from", "near", "told apart", "diversity", "stride / real", "1/s")
 
 
-def samples(studies: Sequence[Study], seed: int = 0, count: int = SAMPLES) -> Result:
-    """Draw `count` clips from each source and study, and measure them."""
-    rows = [row for study in studies for row in _rows(study, seed, count)]
+def samples(studies: Sequence[Study], seed: int = 0) -> Result:
+    """Draw clips from each source and study, and measure them."""
+    rows = [row for study in studies for row in _rows(study, seed)]
     table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
     names = [study.action.name for study in studies]
     claims = _walking_claims(table) if "walking" in names else []
@@ -77,17 +77,17 @@ def _walking_claims(table: Table) -> list[Claim]:
     ]
 
 
-def _rows(study: Study, seed: int, count: int) -> list[list]:
+def _rows(study: Study, seed: int) -> list[list]:
     held_out, training = (
-        study.random_clips(count, seed, training=False),
-        study.random_clips(count, seed + 1),
+        study.random_clips(SAMPLES, seed, training=False),
+        study.random_clips(SAMPLES, seed + 1),
     )
     real_near, real_diversity = nearest_distance(training, held_out), diversity(held_out)
     walks = study.action.name in WALKING
     real_strides = _strides(study, held_out) if walks else np.nan
     rows = []
     for source in (FITTED, PRIOR, REAL):
-        clips = training if source == REAL else sample_clips(study, source, count, seed)
+        clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
         strides = _strides(study, clips) if walks else np.nan
         rows.append(
             [

@@ -69,6 +69,7 @@ def _denoising(study: Study, clips: np.ndarray, seed: int) -> Part:
     rng = np.random.default_rng([seed, 5])
     network = study.manifold.network
     pca = clip_pca(study, network.latent, rng.integers(2**31))
+    lengths = [n for n in FILTER_FRAMES if n <= study.manifold.frames] or [3]
     errors, noisy = {}, {}
     for sigma in SIGMAS:
         x = clips + sigma * rng.standard_normal(clips.shape).astype(clips.dtype)
@@ -76,7 +77,7 @@ def _denoising(study: Study, clips: np.ndarray, seed: int) -> Part:
         errors[sigma] = {
             NOTHING: _error(x, clips),
             LINEAR: _error(project_clips(pca, x), clips),
-            LOW_PASS: min(_error(savitzky_golay(x, n, 2), clips) for n in FILTER_FRAMES),
+            LOW_PASS: min(_error(savitzky_golay(x, n, 2), clips) for n in lengths),
             NETWORK: _error(network.denoise(x), clips),
         }
     table = Table(
