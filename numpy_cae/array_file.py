@@ -1,4 +1,4 @@
-"""Model files as plain arrays: what every kind of them is read and checked by."""
+"""Files of named arrays (.npz): models and checkpoints are written, read and checked here."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from numpy_cae.errors import NumpyCaeError
 Model = TypeVar("Model")
 
 
-MOST = 200
-"""Times its own size that a model unpacks to: text and biases of zero pack well, weights hardly."""
+MAX_EXPANSION = 200
+"""Times its own size that a file may unpack to: text and zeros pack well, weights hardly."""
 
 _UNREADABLE = (
     ValueError,
@@ -32,7 +32,7 @@ _UNREADABLE = (
     AttributeError,
     IndexError,
     SyntaxError,
-    RuntimeError,  # encrypted; NotImplementedError, packed in another way, is one too
+    RuntimeError,  # encrypted, or (NotImplementedError) an unknown compression
     MemoryError,
     OverflowError,
     struct.error,
@@ -43,7 +43,7 @@ _UNREADABLE = (
 
 
 class ModelFileError(NumpyCaeError, ValueError):
-    """A model file that cannot be used as it stands."""
+    """A model file that cannot be used."""
 
 
 def save_arrays(arrays: dict[str, np.ndarray], path: str | Path, compressed: bool = True) -> None:
@@ -81,7 +81,7 @@ def load_arrays(
         If the file is missing, has another format, or its arrays do not fit together.
     """
     try:
-        arrays = _arrays(Path(path))
+        arrays = _read_arrays(Path(path))
     except OSError as error:
         raise ModelFileError(f"{path}: {error.strerror or error}") from None
     except _UNREADABLE:
@@ -100,24 +100,25 @@ def load_arrays(
         raise ModelFileError(f"{path}: {problem[:500]}") from None
 
 
-def _arrays(path: Path) -> dict[str, np.ndarray]:
-    """Every array of the file. `np.load` believes a header that says how large an array is; here it
-    is held against the bytes that are there, and those against the size of the file, first.
+def _read_arrays(path: Path) -> dict[str, np.ndarray]:
+    """Every array of the file. `np.load` trusts the size of an array that its header states; here
+    it is first compared with the bytes that are there, and those with the size of the file.
     """
     arrays = {}
     with zipfile.ZipFile(path) as archive:
-        if sum(info.file_size for info in archive.infolist()) > MOST * (path.stat().st_size + 4096):
+        limit = MAX_EXPANSION * (path.stat().st_size + 4096)
+        if sum(info.file_size for info in archive.infolist()) > limit:
             raise ValueError("unpacks to more than any model")
         for info in archive.infolist():
             with archive.open(info) as file:
                 version = np.lib.format.read_magic(file)
                 if version != (1, 0):
-                    raise ValueError("an array of another form")
+                    raise ValueError("an array in another format")
                 shape, _, dtype = np.lib.format.read_array_header_1_0(file)
                 if dtype.hasobject or math.prod(shape) * dtype.itemsize != (
                     info.file_size - file.tell()
                 ):
-                    raise ValueError("an array of another size than its header says")
+                    raise ValueError("the size of an array differs from its header")
             with archive.open(info) as file:
                 name = info.filename.removesuffix(".npy")
                 arrays[name] = np.lib.format.read_array(file, allow_pickle=False)
@@ -125,15 +126,15 @@ def _arrays(path: Path) -> dict[str, np.ndarray]:
 
 
 def text(arrays: dict[str, np.ndarray], name: str) -> dict:
-    """The array of that name as a text of JSON that holds an object; else ValueError."""
+    """The JSON object in the text array of that name; ValueError if it is none."""
     found = json.loads(str(arrays[name]))
     if not isinstance(found, dict):
-        raise ValueError(f"{name} is no JSON object")
+        raise ValueError(f"{name} is not a JSON object")
     return found
 
 
 def checked(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """The array of that name if it has the shape and holds finite numbers; else ValueError."""
+    """The array of that name; ValueError unless it has this shape and holds finite numbers."""
     array = arrays[name]
     if array.shape != shape:
         raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
@@ -143,7 +144,7 @@ def checked(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) ->
 
 
 def positive(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """The same, its numbers above 0."""
+    """As `checked`, and ValueError unless all numbers are above 0."""
     array = checked(arrays, name, shape)
     if np.any(array <= 0):
         raise ValueError(f"{name} holds values that are not above 0")
@@ -151,7 +152,7 @@ def positive(arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -
 
 
 def whole(arrays: dict[str, np.ndarray], name: str, least: int, most: int) -> int:
-    """The whole number of that name if it is from `least` to `most`; else ValueError."""
+    """The whole number of that name; ValueError unless it is from `least` to `most`."""
     array = arrays[name]
     if array.shape != () or array.dtype.kind != "i" or not least <= array <= most:
         raise ValueError(f"{name} is not a whole number from {least} to {most}")

@@ -1,7 +1,7 @@
-"""One process at a time writes to a place.
+"""A lock that lets one process at a time write to a path.
 
-The lock is the operating system's, on a file beside the place, so it ends with the process that
-holds it, whichever way that ends: there is no stale lock to clear away by hand.
+It is the operating system's lock on a file beside the path, so it ends with the process that holds
+it, even if that is killed: no stale lock has to be removed by hand.
 """
 
 from __future__ import annotations
@@ -15,36 +15,36 @@ from numpy_cae.errors import FileError
 
 try:
     import fcntl
-except ImportError:  # Windows has another call for it
-    fcntl = None
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
     import msvcrt
 
 
 @contextmanager
 def lock(path: str | Path) -> Iterator[None]:
-    """Hold `path` for this process while the block runs.
+    """Lock `path` for this process while the block runs.
 
     Raises
     ------
     FileError
-        If another process holds it, or no file can be made beside it.
+        If another process holds the lock, or no file can be created beside the path.
     """
     path = Path(path)
     beside = path.with_name(f".{path.name}.lock")
-    held = _held(path, beside)
+    descriptor = _acquire(path, beside)
     try:
         yield
     finally:
         # Windows cannot remove an open file, POSIX must not remove one that another may hold.
         if fcntl is None:
-            os.close(held)
+            os.close(descriptor)
         with suppress(OSError):
             beside.unlink()
         if fcntl is not None:
-            os.close(held)
+            os.close(descriptor)
 
 
-def _held(path: Path, beside: Path) -> int:
+def _acquire(path: Path, beside: Path) -> int:
     while True:
         try:
             file = os.open(beside, os.O_RDWR | os.O_CREAT, 0o666)

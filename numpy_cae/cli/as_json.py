@@ -1,5 +1,4 @@
-"""`--json`: what a command found, for a script. One JSON value on standard output and nothing else
-there; progress and complaints stay on standard error."""
+"""`--json`: print results as one JSON value on standard output; messages go to standard error."""
 
 from __future__ import annotations
 
@@ -13,22 +12,18 @@ import numpy as np
 
 
 def add_json_argument(parser: argparse.ArgumentParser) -> None:
-    """The option, the same everywhere."""
+    """Add the option `--json`."""
     parser.add_argument("--json", action="store_true", help="print JSON instead of text")
 
 
 def print_json(value: object) -> None:
-    """Print what `plain` makes of a result."""
+    """Print a result as JSON."""
     print(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False))
 
 
 def plain(value: object) -> object:
-    """A result in what JSON knows: dataclasses and paths too, null for what is not finite.
-
-    Raises
-    ------
-    TypeError
-        If there is anything else in it.
+    """A result in types that JSON knows, with null for numbers that are not finite; TypeError for
+    anything but these types, dataclasses, arrays and paths.
     """
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}

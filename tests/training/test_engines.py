@@ -1,9 +1,11 @@
-"""The definitions (`ops`) and the fast engine train alike."""
+"""The definitions (`ops`) and the fast engine train alike, on any number of threads."""
+
+from functools import partial
 
 import numpy as np
 import pytest
 
-from numpy_cae.fast import accelerate
+from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
     Schedule,
@@ -53,3 +55,16 @@ def test_both_engines_train_the_sequential_model_alike(optimiser):
         train_sequential(engine(model), draw, schedule, np.random.default_rng(1), False)
     for name, weight in models[0].weights.items():
         np.testing.assert_allclose(models[1].weights[name], weight, atol=2e-4, err_msg=name)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("name", ["paper", "momentum"])
+def test_runs_on_as_many_threads_are_equal_to_the_bit_others_but_for_rounding(
+    monkeypatch, threads, name
+):
+    monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
+    runs = [partial(accelerate, threads=count) for count in (threads, threads, 1)]
+    one, two, single = (trained(STAGES[name], engine)[0] for engine in runs)
+    for a, b, c in zip(one, two, single, strict=True):
+        np.testing.assert_array_equal(a, b)
+        np.testing.assert_allclose(a, c, atol=1e-4)
