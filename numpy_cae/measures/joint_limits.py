@@ -76,7 +76,7 @@ class JointLimits:
     high: np.ndarray
 
     @classmethod
-    def seen_in(cls, poses: np.ndarray, margin: float = MARGIN) -> JointLimits:
+    def of_poses(cls, poses: np.ndarray, margin: float = MARGIN) -> JointLimits:
         """The range of poses (F, 20, 3), without one in a thousand at either end, and a margin."""
         seen = bends(poses)
         low, high = np.quantile(seen, [_RARE, 1 - _RARE], axis=0)

@@ -84,7 +84,7 @@ class ValidityMeasure:
     def __init__(self, real: Sequence[np.ndarray], lengths: np.ndarray, rate: float):
         frames = np.concatenate(list(real))
         self.lengths, self.rate = lengths, rate
-        self.limits = JointLimits.seen_in(frames[:, POSITIONS].reshape(len(frames), -1, 3))
+        self.limits = JointLimits.of_poses(frames[:, POSITIONS].reshape(len(frames), -1, 3))
         self.nearest = NearestPose(frames)
 
     def of(self, features: np.ndarray) -> Validity:

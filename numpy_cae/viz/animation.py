@@ -8,7 +8,7 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.actor import Actor
-from numpy_cae.viz.camera import below, bones, seen
+from numpy_cae.viz.camera import bones, camera_view, floor_point
 
 
 def save_gif(
@@ -58,7 +58,9 @@ def save_gif(
 def _half_width(actors: list[Actor], moments: range, azimuth: float) -> float:
     """Half the width of a panel in metres: more for a body that lies down."""
     shown = [actor.positions[moment] for actor in actors for moment in moments]
-    reach = max(np.abs(seen(points - below(points), azimuth)[:, 0]).max() for points in shown)
+    reach = max(
+        np.abs(camera_view(points - floor_point(points), azimuth)[:, 0]).max() for points in shown
+    )
     return float(np.clip(reach + 0.1, 0.9, 1.6))
 
 
@@ -83,9 +85,11 @@ class _Panel:
 
     def draw(self, frame: int) -> tuple:
         points = self.actor.positions[frame]
-        followed = below(points)
-        self.body.set_segments(bones(seen(points - followed, self.azimuth), self.actor.parents))
-        self.floor.set_segments(seen(self._floor(followed), self.azimuth))
+        followed = floor_point(points)
+        self.body.set_segments(
+            bones(camera_view(points - followed, self.azimuth), self.actor.parents)
+        )
+        self.floor.set_segments(camera_view(self._floor(followed), self.azimuth))
         return self.body, self.floor
 
     def _floor(self, followed: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 
-def seen(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> np.ndarray:
+def camera_view(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> np.ndarray:
     """Points as an orthographic camera sees them that looks at the origin.
 
     Parameters
@@ -39,6 +39,6 @@ def bones(points: np.ndarray, parents: tuple[int, ...]) -> np.ndarray:
     return np.stack([points[starts], points[ends]], axis=1)
 
 
-def below(points: np.ndarray) -> np.ndarray:
+def floor_point(points: np.ndarray) -> np.ndarray:
     """The point of the floor below the middle of a body, (J, 3) to (3,)."""
     return np.median(points, axis=0) * [1.0, 0.0, 1.0]

@@ -9,7 +9,7 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.actor import Actor
-from numpy_cae.viz.camera import below, bones, seen
+from numpy_cae.viz.camera import bones, camera_view, floor_point
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
 
 def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
     points = actor.positions[frame]
-    return bones(seen(points - below(points), azimuth), actor.parents)
+    return bones(camera_view(points - floor_point(points), azimuth), actor.parents)
 
 
 def save_figure(figure: Figure, path: str | Path, dpi: int = 110) -> None:

@@ -1,4 +1,4 @@
-"""What each filter leaves exactly as it is, and what it removes."""
+"""What each filter preserves exactly, and what it removes."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from numpy_cae.baselines import median, savitzky_golay
 
 
-def test_the_median_drops_an_outlier_and_keeps_an_edge():
+def test_the_median_removes_an_outlier_and_keeps_an_edge():
     step = np.repeat([0.0, 1.0], 10)
     x = np.tile(step[:, None], (2, 1, 1))
     spoilt = x.copy()
@@ -26,7 +26,7 @@ def test_features_and_windows_do_not_mix(smooth):
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
-def test_polynomials_up_to_its_order_pass_savitzky_golay(order):
+def test_savitzky_golay_preserves_polynomials_of_its_order(order):
     t = np.linspace(-1, 1, 31)[:, None]
     x = sum((k + 1) * t**k for k in range(order + 1))
     np.testing.assert_allclose(savitzky_golay(x, 9, order), x, atol=1e-9)

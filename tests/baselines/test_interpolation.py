@@ -1,4 +1,4 @@
-"""Interpolation is exact where it must be: lines and cubics."""
+"""Interpolation is exact for lines and cubics."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ T = np.arange(40.0)
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_lines_come_back_from_any_holes_between_known_ends(seed):
+def test_lines_are_restored_from_any_holes(seed):
     rng = np.random.default_rng(seed)
     x = rng.normal(size=(2, 1, 3)) * T[:, None] + rng.normal(size=(2, 1, 3))
     known = rng.random(x.shape) < 0.3
@@ -19,7 +19,7 @@ def test_lines_come_back_from_any_holes_between_known_ends(seed):
     np.testing.assert_allclose(interpolate_linearly(np.where(known, x, 0), known), x, atol=1e-9)
 
 
-def test_ends_are_held_and_what_is_never_known_stays():
+def test_ends_are_repeated_and_unknown_features_unchanged():
     x = np.array([[9.0, 5.0], [1.0, 5.0], [2.0, 5.0], [9.0, 5.0]])
     known = np.array([[0, 0], [1, 0], [1, 0], [0, 0]], dtype=bool)
     assert interpolate_linearly(x, known)[:, 0].tolist() == [1, 1, 2, 2]
@@ -27,12 +27,12 @@ def test_ends_are_held_and_what_is_never_known_stays():
     assert x[0, 0] == 9.0
 
 
-def test_known_must_say_something_of_each_value():
+def test_known_must_have_the_shape_of_x():
     with pytest.raises(ValueError, match="known has shape"):
         interpolate_linearly(np.zeros((4, 2)), np.ones(4, dtype=bool))
 
 
-def test_cubics_come_back_from_their_keys_and_the_last_is_held():
+def test_cubics_are_restored_from_their_keys():
     keys = np.arange(0, 40, 9)
     t = T[:, None] / 10
     x = np.stack([1 + t - 2 * t**2 + 0.5 * t**3, t**2], axis=0)
@@ -41,6 +41,6 @@ def test_cubics_come_back_from_their_keys_and_the_last_is_held():
     np.testing.assert_allclose(spline[:, keys[-1] :], np.repeat(x[:, [keys[-1]]], 4, axis=1))
 
 
-def test_one_key_is_no_spline():
+def test_one_key_is_refused():
     with pytest.raises(ValueError, match="1 key frames, expected at least 2"):
         interpolate_cubically(np.zeros((10, 2)), np.array([0]))

@@ -1,4 +1,4 @@
-"""PCA against what it must be: exact on its own subspace, the best linear projection."""
+"""PCA is exact on its own subspace and the best linear projection."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from numpy_cae.baselines import PCA
 
 
-def test_rows_of_low_rank_come_back_exactly():
+def test_rows_of_low_rank_are_exact():
     rng = np.random.default_rng(0)
     rows = rng.normal(size=(40, 3)) @ rng.normal(size=(3, 9)) + rng.normal(size=9)
     pca = PCA.fit(rows)
@@ -22,7 +22,7 @@ def test_error_is_the_variance_of_the_axes_left_out():
     assert np.sum((pca.project(rows, 2) - rows) ** 2) / 60 == pytest.approx(left)
 
 
-def test_missing_entries_of_rows_of_low_rank_come_back():
+def test_missing_entries_of_rows_of_low_rank_are_restored():
     rng = np.random.default_rng(2)
     rows = rng.normal(size=(80, 3)) @ rng.normal(size=(3, 9)) + rng.normal(size=9)
     known = np.ones(rows.shape, bool)
@@ -31,7 +31,7 @@ def test_missing_entries_of_rows_of_low_rank_come_back():
     np.testing.assert_allclose(PCA.fit(rows).fill(damaged, known, 3), rows, atol=1e-4)
 
 
-def test_what_is_missing_is_the_conditional_mean_of_a_gaussian():
+def test_missing_entries_are_the_conditional_mean_of_a_gaussian():
     rng = np.random.default_rng(3)
     rows = rng.normal(size=(4000, 3)) @ rng.normal(size=(3, 3))
     pca = PCA.fit(rows)
@@ -41,7 +41,7 @@ def test_what_is_missing_is_the_conditional_mean_of_a_gaussian():
     assert filled[0, 2] == pytest.approx(expected, rel=1e-4)
 
 
-def test_a_row_of_which_nothing_is_known_is_the_mean():
+def test_an_unknown_row_is_the_mean():
     rng = np.random.default_rng(4)
     rows = rng.normal(size=(20, 4))
     pca = PCA.fit(rows)

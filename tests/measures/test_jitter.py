@@ -1,4 +1,4 @@
-"""Jitter is the magnitude of acceleration, in m/s², whatever the rate."""
+"""Jitter is the magnitude of acceleration, in m/s², at any frame rate."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from numpy_cae.measures import jitter
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])
-def test_a_stone_falls_with_the_acceleration_of_gravity(rate):
+def test_a_falling_body_has_the_acceleration_of_gravity(rate):
     t = np.arange(20) / rate
     positions = np.zeros((20, 2, 3))
     positions[:, :, 1] = -9.81 / 2 * t[:, None] ** 2
@@ -15,7 +15,7 @@ def test_a_stone_falls_with_the_acceleration_of_gravity(rate):
     assert jitter(positions, rate) == pytest.approx(9.81)
 
 
-def test_white_noise_trembles_by_the_square_of_the_rate():
+def test_white_noise_grows_with_the_square_of_the_rate():
     noise = 0.01 * np.random.default_rng(0).normal(size=(5000, 4, 3))
     # Second differences of noise have variance 1 + 4 + 1 = 6 along each axis; the mean length of a
     # normal vector in space is σ · 2 · √(2 / π).
@@ -24,7 +24,7 @@ def test_white_noise_trembles_by_the_square_of_the_rate():
     )
 
 
-def test_what_cannot_accelerate_is_refused():
+def test_fewer_than_three_frames_are_refused():
     with pytest.raises(ValueError, match=r"\(2, 20, 3\), expected \(3 frames or more"):
         jitter(np.zeros((2, 20, 3)), 30.0)
     with pytest.raises(ValueError, match="expected"):

@@ -12,7 +12,7 @@ def test_a_centimetre_everywhere_is_one():
     assert position_error(truth + 0.01, truth) == pytest.approx(1.0)
 
 
-def test_velocities_and_held_frames_do_not_count():
+def test_velocities_and_padded_frames_do_not_count():
     truth = np.zeros((2, 8, 63))
     off = truth.copy()
     off[..., POSITIONS.stop :] = 5.0

@@ -1,4 +1,4 @@
-"""Retrieval, worked out by hand, and how sure a difference is."""
+"""Retrieval computed by hand, and the interval of a difference."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_average_precision_by_hand():
     np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
 
 
-def test_what_is_infinitely_far_is_out_of_the_gallery():
+def test_an_infinite_distance_leaves_a_motion_out():
     itself = DISTANCES.copy()
     itself[0, 1] = np.inf
     # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
@@ -34,7 +34,7 @@ def test_what_is_infinitely_far_is_out_of_the_gallery():
         average_precision(alone, np.array([[True, False]]))
 
 
-def test_a_perfect_distance_scores_1_and_a_drawn_one_its_share():
+def test_a_perfect_and_a_random_distance():
     labels = np.arange(400) % 4
     alike = labels[:, None] == labels
     np.testing.assert_array_equal(average_precision(1.0 - alike, alike), 1.0)

@@ -1,4 +1,4 @@
-"""Measures of samples, on sets of which the answer is known."""
+"""Measures of samples, on sets with known answers."""
 
 import numpy as np
 import pytest
@@ -25,21 +25,21 @@ def test_the_distance_is_the_root_mean_square():
     assert nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
 
 
-def test_diversity_of_copies_is_none_and_grows_with_the_spread():
+def test_diversity_is_zero_for_copies_and_grows_with_the_spread():
     a = drawn(50, 0)
     assert diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
     assert diversity(3 * a) == pytest.approx(3 * diversity(a))
     assert diversity(a[:2]) == pytest.approx(clip_distances(a, a)[0, 1])
 
 
-def test_the_two_sample_test_knows_equal_different_and_copied():
+def test_the_two_sample_test_of_equal_different_and_copied_sets():
     real = drawn(400, 0)
     assert nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(0.5, abs=0.05)
     assert nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
     assert nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
 
 
-def test_the_two_sample_test_wants_as_many_of_both():
+def test_the_two_sample_test_needs_equal_numbers():
     with pytest.raises(ValueError, match="3 real clips and 2 samples"):
         nearest_neighbour_accuracy(drawn(3, 0), drawn(2, 0))
 
@@ -62,7 +62,7 @@ def test_the_frequency_of_a_stride(stride):
     assert gait_frequency(walker(stride), 25.0) == pytest.approx(stride, rel=0.04)
 
 
-def test_a_real_walk_has_one_and_a_stander_has_none():
+def test_a_walk_has_a_stride_and_standing_has_none():
     take = make_take("walking", 3, seconds=5.0, style="brisk", rate=50.0)
     stride = gait_frequency(body_positions(take.motion)[100:], 50.0)
     assert 0.7 < stride < 1.3

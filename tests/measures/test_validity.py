@@ -1,4 +1,4 @@
-"""The measures of validity have answers that can be worked out by hand."""
+"""The measures of validity, where the answer can be computed by hand."""
 
 from __future__ import annotations
 
@@ -48,22 +48,22 @@ def test_bones_of_the_right_length_have_no_error(walk):
 
 
 @given(st.floats(0.5, 2.0))
-def test_a_body_that_grows_has_the_error_of_its_growth(size):
+def test_a_scaled_body_has_the_error_of_its_scale(size):
     expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
     assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
 
 
 @given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
-def test_a_statue_that_is_pushed_slides_as_fast_as_it_is_pushed(speed, direction):
+def test_a_translated_pose_slides_at_its_speed(speed, direction):
     pushed = standing()
-    way = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
-    pushed[..., [0, 2]] += way[:, None]
+    path = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
+    pushed[..., [0, 2]] += path[:, None]
     assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
     assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
     assert foot_sliding(pushed + [0, 1.0, 0], 30.0, floor=0.0) == 0
 
 
-def test_only_the_foot_that_stands_counts():
+def test_only_the_lower_foot_counts():
     hopping = standing()
     hopping[:, RIGHT_TOE, 1] += 0.02  # near the floor too, and fast
     hopping[:, RIGHT_TOE, 2] += np.arange(20)
@@ -72,14 +72,14 @@ def test_only_the_foot_that_stands_counts():
     assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
 
 
-def test_a_walk_hardly_slides_and_one_with_another_speed_does(walk):
+def test_a_walk_slides_little_unless_its_speed_is_changed(walk):
     stood = foot_sliding(walk, 30.0)
     faster = walk + np.arange(len(walk))[:, None, None] / 30 * np.array([0, 0, 0.5])
     assert stood < 8
     assert foot_sliding(faster, 30.0) > 40
 
 
-def test_bends_are_angles_that_were_set():
+def test_bends_of_known_angles():
     pose = standing(3)
     straight = dict(zip(ANGLES, bends(pose)[0], strict=True))
     assert straight["left_hip to left_knee"] == pytest.approx(np.degrees(np.arctan2(0.77, 0.64)))
@@ -95,13 +95,13 @@ def test_bends_are_angles_that_were_set():
         assert bent["right_knee to right_ankle"] == pytest.approx(abs(degrees))
 
 
-def test_bends_do_not_depend_on_where_a_body_stands_and_faces(walk):
+def test_bends_do_not_depend_on_position_and_heading(walk):
     turned = walk[..., [2, 1, 0]] * [1, 1, -1] + [3, 0, 2]
     np.testing.assert_allclose(bends(turned), bends(walk), atol=1e-6)
 
 
-def test_limits_hold_where_they_come_from_and_not_for_a_knee_that_bends_forwards(walk):
-    limits = JointLimits.seen_in(walk)
+def test_limits_hold_for_their_poses_and_not_for_a_knee_bent_forwards(walk):
+    limits = JointLimits.of_poses(walk)
     assert beyond_limits(walk, limits) == 0
     broken = walk.copy()
     knee, ankle = JOINTS.index("left_knee"), JOINTS.index("left_ankle")
@@ -113,18 +113,18 @@ def test_limits_hold_where_they_come_from_and_not_for_a_knee_that_bends_forwards
     assert beyond_limits(broken, limits) == pytest.approx(100 * half / len(walk))
 
 
-def test_the_nearest_pose_is_the_one_that_a_search_of_all_finds(walk):
+def test_the_nearest_pose_equals_an_exhaustive_search(walk):
     rng = np.random.default_rng(0)
     features, _ = positions_to_features(walk, 30.0)
-    asked = features[::7] + rng.normal(0, 0.02, features[::7].shape)
-    apart = (asked[:, None, :60] - features[None, :, :60]) ** 2
+    queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
+    apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
     expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
     nearest = NearestPose(features)
-    np.testing.assert_allclose(nearest.distances(asked), expected)
+    np.testing.assert_allclose(nearest.distances(queries), expected)
     assert nearest.mean_distance(features) == 0
 
 
-def test_validity_puts_them_together(walk):
+def test_validity_is_all_measures(walk):
     features, _ = positions_to_features(walk, 30.0)
     measure = ValidityMeasure([features], bone_lengths(walk), 30.0)
     real = measure.of(features)
@@ -138,7 +138,7 @@ def test_validity_puts_them_together(walk):
     assert len(real.cells()) == len(Validity.HEADER)
 
 
-def test_what_is_no_motion_of_twenty_joints_is_refused():
+def test_other_shapes_are_refused():
     with pytest.raises(ValueError, match=r"\(5, 19, 3\)"):
         bone_length_error(np.zeros((5, 19, 3)), LENGTHS)
     with pytest.raises(ValueError, match=r"2 frames or more"):

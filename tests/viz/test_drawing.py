@@ -1,4 +1,4 @@
-"""Drawing: what the camera sees, and pictures that appear whole or not at all."""
+"""Strips, animations, curves and bars, and pictures written atomically."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,17 @@ from PIL import Image
 
 from numpy_cae.errors import FileError
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import Actor, save_figure, save_gif, strip_figure
-from numpy_cae.viz.camera import bones, seen
+from numpy_cae.viz import (
+    Actor,
+    Curve,
+    bars_figure,
+    curves_figure,
+    save_figure,
+    save_gif,
+    strip_figure,
+)
+from numpy_cae.viz.camera import bones, camera_view
+from numpy_cae.viz.matrix import matrix_figure
 
 
 def actor(frames=30, label=""):
@@ -15,19 +24,18 @@ def actor(frames=30, label=""):
     return Actor(rng.uniform(0, 1.7, size=(frames, len(JOINTS), 3)), PARENTS, label)
 
 
-def test_the_camera_in_front_sees_the_left_hand_on_its_right_and_up_as_up():
-    left, up, near = np.eye(3)
-    assert seen(left, azimuth=0, elevation=0) == pytest.approx([1, 0])
-    assert seen(up, azimuth=0, elevation=0) == pytest.approx([0, 1])
-    assert seen(near, azimuth=0, elevation=0) == pytest.approx([0, 0])
-
-
-def test_the_camera_at_ninety_degrees_looks_along_x():
-    assert seen(np.array([5.0, 2.0, 1.0]), azimuth=90, elevation=0) == pytest.approx([-1, 2])
-
-
-def test_a_higher_camera_sees_what_is_near_lower():
-    assert seen(np.array([0.0, 0.0, 1.0]), azimuth=0, elevation=30)[1] == pytest.approx(-0.5)
+@pytest.mark.parametrize(
+    ("point", "azimuth", "elevation", "expected"),
+    [
+        ([1, 0, 0], 0, 0, [1, 0]),  # from the front the left hand is on the right
+        ([0, 1, 0], 0, 0, [0, 1]),
+        ([0, 0, 1], 0, 0, [0, 0]),
+        ([5, 2, 1], 90, 0, [-1, 2]),
+        ([0, 0, 1], 0, 30, [0, -0.5]),
+    ],
+)
+def test_the_camera(point, azimuth, elevation, expected):
+    assert camera_view(np.array(point), azimuth, elevation) == pytest.approx(expected)
 
 
 def test_a_bone_for_each_joint_but_the_root():
@@ -41,7 +49,7 @@ def test_a_root_on_the_floor_has_no_bone():
     assert len(bones(np.zeros((4, 2)), (-1, 0, 1, 1))) == 2
 
 
-def test_a_strip_has_a_row_a_motion_and_shows_every_pose_once():
+def test_a_strip_has_a_row_for_each_motion():
     figure = strip_figure([actor(label="one"), actor(label="two")], rate=30, poses=5)
     assert len(figure.axes) == 2
     for axes in figure.axes:
@@ -63,7 +71,7 @@ def test_a_motion_of_one_frame_makes_a_strip_of_one_pose():
     assert len(strip_figure([actor(frames=1)], rate=30).axes[0].collections) == 1
 
 
-def test_a_gif_has_the_asked_frames(tmp_path):
+def test_a_gif_has_the_requested_frames(tmp_path):
     file = tmp_path / "a.gif"
     save_gif([actor(), actor()], file, rate=30, fps=15)
     with Image.open(file) as picture:
@@ -85,3 +93,39 @@ def test_an_animation_is_as_wide_as_a_body_that_lies_down(tmp_path):
         save_gif([Actor(positions, PARENTS)], tmp_path / f"{name}.gif", rate=30, azimuth=0)
     widths = [Image.open(tmp_path / f"{name}.gif").size[0] for name in ("narrow", "wide")]
     assert widths[1] == pytest.approx(widths[0] * 1.4 / 0.9, abs=2)
+
+
+def test_curves_have_their_values_and_labels():
+    figure = curves_figure(
+        [Curve([0, 1], [2.0, 3.0], "a", "#112233", "--"), Curve([0, 1], [1, 1], "b")], "x", "y, cm"
+    )
+    first, second = figure.axes[0].lines
+    np.testing.assert_array_equal(first.get_ydata(), [2, 3])
+    assert (first.get_color(), first.get_linestyle(), second.get_label()) == ("#112233", "--", "b")
+    assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("x", "y, cm")
+
+
+def test_bars_are_grouped_by_name():
+    figure = bars_figure(["p", "q"], [("a", [1, 2], None), ("b", [3, 4], "#445566")], "cm")
+    bars = figure.axes[0].patches
+    assert [bar.get_height() for bar in bars] == [1, 2, 3, 4]
+    centres = np.array([bar.get_x() + bar.get_width() / 2 for bar in bars]).reshape(2, 2)
+    np.testing.assert_allclose(centres.mean(axis=0), [0, 1])
+    assert np.all(centres[0] < centres[1])
+
+
+def test_a_matrix_is_ordered_by_its_clusters():
+    places = np.array([0.0, 10.0, 0.5, 10.2, 0.1])
+    figure = matrix_figure(np.abs(places[:, None] - places), ["a", "B", "c", "D", "e"])
+    matrix = figure.axes[1]
+    shown = [label.get_text() for label in matrix.get_yticklabels()]
+    assert sorted(shown) == ["B", "D", "a", "c", "e"]
+    letters = "".join(shown)
+    assert "BD" in letters or "DB" in letters
+    drawn = matrix.images[0].get_array()
+    np.testing.assert_array_equal(drawn, drawn.T)
+
+
+def test_a_matrix_needs_two_motions():
+    with pytest.raises(ValueError, match="two motions"):
+        matrix_figure(np.zeros((1, 1)), ["alone"])
