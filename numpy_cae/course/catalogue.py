@@ -20,28 +20,12 @@ CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
 
 
 def properties(name: str) -> tuple[Property, ...]:
-    """The properties of an operation or of an exercise.
-
-    Raises
-    ------
-    ValueError
-        If there is no such operation or exercise.
-    """
+    """The properties of an operation or of an exercise; ValueError if there is none."""
     return find_task(CATALOGUE, name).properties
 
 
 def report(name: str, function: Callable) -> Report:
     """Test a student's function for every property of an operation or an exercise.
-
-    Parameters
-    ----------
-    name : str
-        The operation or exercise.
-    function : callable
-
-    Returns
-    -------
-    Report
 
     Raises
     ------
@@ -54,10 +38,10 @@ def report(name: str, function: Callable) -> Report:
     from numpy_cae.verify.reporting import report_on
 
     task = find_task(CATALOGUE, name)
+    called = None
     if hasattr(function, "stands_in"):
-        print(f"{name} is the package's own at present: run the cell with yours again first")
-        function = _unsolved
-    called = name if function is _unsolved else None
+        print(f"{name} is the package's own now: run the cell with your function again first")
+        function, called = _unsolved, name
     made = report_on(task, function, called)
     if os.environ.get("NBGRADER_EXECUTION") and not made.held:
         raise AssertionError(str(made))
@@ -67,45 +51,21 @@ def report(name: str, function: Callable) -> Report:
 def solved(name: str, function: Callable) -> Callable:
     """What later cells use: the student's function if every property holds, else the package's own.
 
-    Prints which of the two it is.
-
-    Parameters
-    ----------
-    name : str
-        The exercise.
-    function : callable
-        The student's.
-
-    Raises
-    ------
-    ValueError
-        If there is no such exercise.
+    Prints which of the two it is; raises ValueError if there is no such exercise.
     """
     from numpy_cae.verify.reporting import holds
 
     if name not in EXERCISES:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
     if holds(EXERCISES[name], function):
-        print(f"{name}: from here on, yours")
+        print(f"{name}: the next cells use your function")
         return function
-    print(f"{name}: from here on, the package's own; run this cell again when yours holds")
+    print(f"{name}: the next cells use the package's own; run this cell again when yours is right")
     return _stand_in(EXERCISES[name].solution, name)
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
-    """The arguments of a counterexample that a report names.
-
-    Parameters
-    ----------
-    name : str
-        The operation or exercise.
-    seed : int
-    **sizes : int
-        Such as frames=2: every size that the report names.
-
-    Returns
-    -------
-    dict of argument names to arrays and numbers
+    """The arguments by name of a counterexample; a report prints the call, with all sizes.
 
     Raises
     ------

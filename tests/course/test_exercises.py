@@ -69,14 +69,14 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
         return ops.conv1d(x, w, b)
 
     assert course.solved("conv1d", mine) is mine
-    assert capsys.readouterr().out == "conv1d: from here on, yours\n"
+    assert capsys.readouterr().out == "conv1d: the next cells use your function\n"
 
 
 def test_a_stand_in_is_never_taken_for_the_students(capsys):
     stand_in = course.solved("conv1d", unsolved)
     report = course.report("conv1d", stand_in)
     assert report.unsolved and report.points == 0
-    assert "run the cell with yours again first" in capsys.readouterr().out
+    assert "run the cell with your function again first" in capsys.readouterr().out
 
 
 def test_no_such_exercise_is_an_error_with_the_names():

@@ -30,16 +30,9 @@ def operation_exercise(
 ) -> Exercise:
     """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
 
-    Parameters
-    ----------
-    operation : str or Operation
-        The name of an operation of `numpy_cae.ops`, or one that only the lesson has.
-    hint : str
-    solution : callable, optional
-        By default the function of this name in `numpy_cae.ops`.
-    hints : mapping of property name to str, optional
-    given : tuple of str, optional
-        Functions of earlier lessons that a solution may call: operations, or other exercises.
+    `operation` is the name of one of `numpy_cae.ops`, whose function is the default solution, or
+    one that only the lesson has. `given` names functions of earlier lessons that a solution may
+    call: operations, or other exercises.
     """
     if isinstance(operation, str):
         operation = OPERATIONS[operation]
@@ -70,13 +63,10 @@ def exercise(
     ----------
     solution : callable
         The package's own, with the name of the exercise.
-    hint, hints, given
-        As in `operation_exercise`.
     arguments : callable
         Makes the arguments from a case, by name, in the order of the call.
     sizes : mapping of str to tuple of int
         The sizes from which a case is drawn, the simplest first.
-    *claims : Claim
     value : str
         The claim that the function returns what the definition returns, if there is one.
     definition : callable, optional
@@ -110,16 +100,7 @@ def differentiated_exercise(
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
 
-    Parameters
-    ----------
-    function : Differentiated
-        Its arguments, definition and inputs.
-    value : str
-        The claim that the value is that of the definition.
-    gradients : mapping of claim name to (points, names of arrays)
-        By default all arrays.
-    float32 : bool
-        Whether to claim that float32 stays float32.
+    `gradients` has by claim name the points and the names of the arrays, by default all.
     """
     claims = (
         function.value(value),

@@ -40,26 +40,17 @@ SUMMED = "The same map writes every frame: sum over the steps"
 
 
 def self_fed(h, frames, w, u, b, c, frame_w, frame_b):
-    """The decoder's loop and its pullback, as in `SequentialAutoencoder.decode_with_pullback`."""
-    y = np.zeros((len(h), len(frame_b)), h.dtype)
-    written, step_backs, frame_backs = [], [], []
-    for _ in range(frames):
-        h, step_back = ops.gru_step(y, h, w, u, b, c)
-        y, frame_back = ops.linear(h, frame_w, frame_b)
-        written.append(y)
-        step_backs.append(step_back)
-        frame_backs.append(frame_back)
+    """The package's decoder without its map from z, whose frames are in reverse order."""
+    identity = {"state_w": np.eye(h.shape[1], dtype=h.dtype), "state_b": np.zeros_like(h[0])}
+    learned = dict(zip((*DECODER_GRU, *FRAME), (w, u, b, c, frame_w, frame_b), strict=True))
+    model = SequentialAutoencoder.from_weights(identity | learned)
+    clips, back = model.decode_with_pullback(h, frames)
 
     def pullback(d_written):
-        totals = [np.zeros_like(each) for each in (w, u, b, c, frame_w, frame_b)]
-        dy_fed, dh = np.zeros_like(y), np.zeros_like(h)
-        for k in reversed(range(frames)):
-            dh_of_frame, *d_frame = frame_backs[k](d_written[:, k] + dy_fed)
-            dy_fed, dh, *d_step = step_backs[k](dh + dh_of_frame)
-            totals = [total + d for total, d in zip(totals, d_step + d_frame, strict=True)]
-        return (dh, *totals)
+        dh, gradients = back(d_written[:, ::-1])
+        return dh, *(gradients[name] for name in learned)
 
-    return np.stack(written, axis=1), pullback
+    return clips[:, ::-1], pullback
 
 
 def read_clips(weights, x):
