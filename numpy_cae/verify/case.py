@@ -1,8 +1,8 @@
 """One example to try a property on: a few sizes and a seed.
 
-The sizes are what hypothesis draws and shrinks, so that a counterexample reads "batch 1, frames 2,
-taps 3"; the arrays follow from them and the seed. Their entries are a shuffled even grid: distinct
-and never 0, so that no pair ties and no entry sits on a kink, and short to write down.
+Hypothesis draws and shrinks the sizes, so that a counterexample reads "batch 1, frames 2, taps 3".
+The arrays follow from them and the seed. Their entries are a shuffled even grid: distinct and never
+0, so that no pair ties and no entry is at a kink, and short to write down.
 """
 
 from __future__ import annotations
@@ -45,16 +45,7 @@ def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0)
 
 
 def described(name: str, case: Case, arguments: Mapping[str, object]) -> str:
-    """The case and its arrays, something to type in and try; where they are long, how to get them.
-
-    Parameters
-    ----------
-    name : str
-        Of the operation or exercise.
-    case : Case
-    arguments : mapping of str to object
-        Those that the case makes.
-    """
+    """A case of an operation or exercise with its arrays; if they are long, a call to get them."""
     arrays = [a for a in arguments.values() if isinstance(a, np.ndarray)]
     if sum(a.size for a in arrays) > WORTH_PRINTING:
         numbers = ", ".join(f"{size}={number}" for size, number in case.sizes)
@@ -64,13 +55,7 @@ def described(name: str, case: Case, arguments: Mapping[str, object]) -> str:
 
 
 def example_of(stated: Property, seed: int, sizes: Mapping[str, int]) -> dict[str, object]:
-    """The arguments of a case of a property.
-
-    Raises
-    ------
-    ValueError
-        If these are not the sizes of the property.
-    """
+    """The arguments of a case of a property; a ValueError if it has other sizes than these."""
     if set(sizes) != set(stated.sizes):
         known, got = ", ".join(stated.sizes), ", ".join(sizes)
         raise ValueError(f"{stated.operation} has the sizes {known}, got {got}")

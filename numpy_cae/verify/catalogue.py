@@ -67,13 +67,7 @@ def load_catalogue(module: str) -> Catalogue:
 
 
 def find_task(catalogue: Catalogue, name: str) -> Task:
-    """The task of this name.
-
-    Raises
-    ------
-    ValueError
-        If there is none; the message lists the names there are.
-    """
+    """The task of this name; if there is none, a ValueError that lists the names there are."""
     if name not in catalogue:
         raise ValueError(f"no operation is called {name!r}; there are {', '.join(catalogue)}")
     return catalogue[name]

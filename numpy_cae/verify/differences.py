@@ -1,14 +1,14 @@
-"""One directional derivative by central differences, and what to make of it.
+"""One directional derivative by central differences, and its comparison with a pullback's.
 
 Along a direction v the scalar L = Σ dy ∘ f(x) has the slope
 
     (L(x + h v) - L(x - h v)) / 2h      off by h² L'''/6 and by rounding, about ε|L|/h
 
-so the best step is about the cube root of ε, times the scale of x. Where the slope disagrees with
-the pullback there are three suspects, told apart by shrinking the step: a derivative that bends
-quickly (the slopes settle on the pullback's number), a wrong derivative (they settle on another
-number), and a kink such as that of max or |x| (they do not settle, or the slope to the left and
-the slope to the right stay apart however small the step).
+so the best step is about the cube root of ε, times the scale of x. If the slope disagrees with the
+pullback there are three possible reasons, distinguished by shrinking the step: large higher
+derivatives (the slopes converge to the pullback's number), a wrong derivative (they converge to
+another number), and a kink such as that of max or |x| (they do not converge, or the slopes to the
+left and to the right stay apart however small the step).
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ class Verdict:
 
 
 def step_scale(x: np.ndarray) -> np.ndarray:
-    """The size of the numbers in x, entry by entry: what a step is measured against.
+    """The scale of each entry of x, which its step is relative to.
 
     The larger of the entry itself and the median entry, so that neither a zero nor a single huge
-    entry spoils the others' steps.
+    entry makes the others' steps useless.
     """
     magnitude = np.abs(x)
     present = magnitude[magnitude > 0]
@@ -82,17 +82,10 @@ def measure(
 def judge(
     slope_at: Callable[[float], Slope], analytic: float, tolerance: float, floor: float
 ) -> Verdict:
-    """Compare the pullback's number with slopes at shrinking steps.
+    """Compare the pullback's number for a direction, `analytic`, with slopes at shrinking steps.
 
-    Parameters
-    ----------
-    slope_at : step -> Slope
-    analytic : float
-        The pullback's number for this direction.
-    tolerance : float
-        Relative to the larger of both numbers and `floor`.
-    floor : float
-        The size of a typical gradient, below which a difference is not worth a word.
+    The tolerance is relative to the larger of both numbers and `floor`, the size of a typical
+    gradient.
     """
     slopes: list[Slope] = []
     settled = False

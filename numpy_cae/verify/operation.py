@@ -50,31 +50,32 @@ def _window(case: Case) -> tuple[int, int, int]:
     return case["batch"], case["frames"], case["channels"]
 
 
+def _drawn(rng: np.random.Generator, reach: float = 2.0, **shapes: tuple[int, ...]) -> dict:
+    """Arrays by name."""
+    return {name: spread(rng, shape, reach) for name, shape in shapes.items()}
+
+
 def _conv1d(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    filters = case["filters"]
-    return {
-        "x": spread(rng, _window(case)),
-        "w": spread(rng, (case["taps"], case["channels"], filters)),
-        "b": spread(rng, (filters,)),
-    }
+    channels, filters = case["channels"], case["filters"]
+    w = (case["taps"], channels, filters)
+    return _drawn(case.rng(), x=_window(case), w=w, b=(filters,))
 
 
 def _transpose_filters(case: Case) -> dict[str, object]:
-    return {"w": spread(case.rng(), (case["taps"], case["channels"], case["filters"]))}
+    return _drawn(case.rng(), w=(case["taps"], case["channels"], case["filters"]))
 
 
 def _pool(case: Case) -> dict[str, object]:
     batch, frames, channels = _window(case)
-    return {"x": spread(case.rng(), (batch, 2 * frames, channels))}
+    return _drawn(case.rng(), x=(batch, 2 * frames, channels))
 
 
 def _window_x(case: Case) -> dict[str, object]:
-    return {"x": spread(case.rng(), _window(case))}
+    return _drawn(case.rng(), x=_window(case))
 
 
 def _window_y(case: Case) -> dict[str, object]:
-    return {"y": spread(case.rng(), _window(case))}
+    return _drawn(case.rng(), y=_window(case))
 
 
 def _unpool_random(case: Case) -> dict[str, object]:
@@ -84,30 +85,20 @@ def _unpool_random(case: Case) -> dict[str, object]:
 
 def _arctanh(case: Case) -> dict[str, object]:
     rng = case.rng()
-    return {
-        "y": spread(rng, _window(case), ARCTANH_REACH),
-        "bound": float(rng.choice([0.5, 0.9, 0.99])),
-    }
+    y = spread(rng, _window(case), ARCTANH_REACH)
+    return {"y": y, "bound": float(rng.choice([0.5, 0.9, 0.99]))}
 
 
 def _linear(case: Case) -> dict[str, object]:
-    rng = case.rng()
     leading = (case["batch"], case["frames"])[: case["axes"]]
-    return {
-        "x": spread(rng, (*leading, case["channels"])),
-        "w": spread(rng, (case["channels"], case["features"])),
-        "b": spread(rng, (case["features"],)),
-    }
+    channels, features = case["channels"], case["features"]
+    return _drawn(case.rng(), x=(*leading, channels), w=(channels, features), b=(features,))
 
 
 def _gru_weights(case: Case, rng: np.random.Generator) -> dict[str, object]:
-    gates = 3 * case["hidden"]
-    return {
-        "w": spread(rng, (case["channels"], gates), WEIGHT_REACH),
-        "u": spread(rng, (case["hidden"], gates), WEIGHT_REACH),
-        "b": spread(rng, (gates,), WEIGHT_REACH),
-        "c": spread(rng, (gates,), WEIGHT_REACH),
-    }
+    hidden, gates = case["hidden"], 3 * case["hidden"]
+    w, u = (case["channels"], gates), (hidden, gates)
+    return _drawn(rng, WEIGHT_REACH, w=w, u=u, b=(gates,), c=(gates,))
 
 
 def _gru_step(case: Case) -> dict[str, object]:
@@ -125,8 +116,7 @@ def _gru(case: Case) -> dict[str, object]:
 
 
 def _mean_squared_error(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    return {"x_hat": spread(rng, _window(case)), "x": spread(rng, _window(case))}
+    return _drawn(case.rng(), x_hat=_window(case), x=_window(case))
 
 
 def _sliced_wasserstein(case: Case) -> dict[str, object]:

@@ -20,14 +20,14 @@ from numpy_cae.verify.operation import Operation, Sizes
 
 EXACT = 1e-9
 EXAMPLES = 25
-"""How many cases are drawn, where a property does not say otherwise."""
+"""The number of cases drawn, unless a property states another."""
 BEYOND_FLOAT32 = 1 + 2**-35  # times a short number, one that float32 cannot hold
 GRADIENT_POINTS = VALUE_POINTS = 2
 
 
 @dataclass(frozen=True)
 class Property:
-    """One sentence about one operation, that any implementation can be held to."""
+    """One sentence about one operation, that any implementation can be tested for."""
 
     operation: str
     name: str
@@ -78,17 +78,17 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         )
     yield stated(
         "linearity",
-        "the pullback is linear: of 2 dy - 3 dy' it makes 2 and -3 times what it makes of each",
+        "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times what it does for each",
         _linearity,
     )
-    yield stated("dtype", "float32 stays float32, float64 is float64 through and through", _dtype)
+    yield stated("dtype", "float32 stays float32, and float64 is float64 throughout", _dtype)
     yield stated("purity", "no argument and no upstream gradient is altered", _purity)
     yield stated(
         "independence",
-        "a pullback gives the same again when called again, whatever was called in between",
+        "a pullback called again returns the same, whatever was called in between",
         _independence,
     )
-    yield stated("strides", "views in any memory order give what their copies give", _strides)
+    yield stated("strides", "views in any memory order give the same as copies", _strides)
 
 
 def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
@@ -98,7 +98,7 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
 
 
 def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray:
-    """An upstream gradient for a value, as drawn as the arguments and never all ones."""
+    """An upstream gradient for a value, drawn like the arguments and never all ones."""
     rng = np.random.default_rng([case.seed, 1])
     return spread(rng, np.shape(value)) if np.ndim(value) else np.float64(rng.uniform(1.5, 2.5))
 

@@ -21,25 +21,8 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
         dL/dW = (as encoding returns it) + (dL/dW̃, transposed back)
         dL/db = (as encoding returns it) - Σ dL/d(y - b)
 
-    Parameters
-    ----------
-    x : (B, T, C) array of float
-    w : (K, C, D) array of float
-    b : (D,) array of float
-
-    Returns
-    -------
-    x_hat : (B, T, C) array
-    pullback : dx_hat -> (dx, dw, db)
-
-    Raises
-    ------
-    ValueError
-        If a shape does not fit.
-
-    References
-    ----------
-    holden2015, section 5, equations 1 and 2.
+    x and x̂ are (B, T, C), w (K, C, D), b (D,); the pullback returns (dx, dw, db). Raises a
+    ValueError if a shape does not fit. holden2015, section 5, equations 1 and 2.
     """
     a, of_encoding = conv1d(x, w, b)
     y, of_tanh = tanh(a)

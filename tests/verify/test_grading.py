@@ -1,4 +1,4 @@
-"""Files of strangers: whatever they do, the grader survives it and says what it was."""
+"""Files that do all they can to disturb the grading: each ends in a report that says what it did."""
 
 from __future__ import annotations
 

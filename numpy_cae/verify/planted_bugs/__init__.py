@@ -61,23 +61,11 @@ class PlantedBug:
     replacements: tuple[Replacement, ...]
 
     def function(self) -> Callable:
-        """The wrong operation, compiled.
-
-        Raises
-        ------
-        PatchError
-            If a line to be replaced is not in the operation's source exactly once.
-        """
+        """The wrong operation; a PatchError if the patch does not fit the operation's source."""
         return _compiled(self)
 
     def source(self, called: str = "suspect") -> str:
-        """The source of the wrong operation, under another name and without its docstring.
-
-        Raises
-        ------
-        PatchError
-            As for `function`.
-        """
+        """The source of the wrong operation, under another name and without its docstring."""
         lines = _source_lines(self.operation)
         for old, new in self.replacements:
             lines = _replaced(lines, old, new, self.name)

@@ -32,14 +32,9 @@ class ProcessEnded(NumpyCaeError):
 
 
 class StudentProcess:
-    """A process that tests the functions of a file. Use as a context.
+    """A process that does a request of `child.main`, to be used as a context.
 
-    Parameters
-    ----------
-    request : dict
-        What `child.main` is to do.
-    deadline : float
-        On the clock of `time.monotonic`.
+    The deadline is on the clock of `time.monotonic`.
     """
 
     def __init__(self, request: dict, deadline: float) -> None:
@@ -75,13 +70,7 @@ class StudentProcess:
         self._folder.cleanup()
 
     def reply(self) -> dict:
-        """The next reply.
-
-        Raises
-        ------
-        ProcessEnded
-            If there is none in time, the process has ended, or the reply is not one of ours.
-        """
+        """The next reply; ProcessEnded if none comes in time, or one that is not ours."""
         wait = min(self._deadline - time.monotonic(), STARTUP_SECONDS + 2 * EXERCISE_SECONDS)
         try:
             line = self._lines.get(timeout=max(wait, 0.001))
