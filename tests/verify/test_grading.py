@@ -1,4 +1,4 @@
-"""Files that do all they can to disturb the grading: each ends in a report that says what it did."""
+"""Files that disturb the grading as they can: each ends in a report that says what it did."""
 
 from __future__ import annotations
 
