@@ -52,10 +52,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fill in the motion."""
-    if args.joint is None and (args.frames or args.fit):
-        raise ValueError(f"{'--frames' if args.frames else '--fit'} requires --joint")
-    if args.data and not args.fit:
-        raise ValueError("--data requires --fit")
+    for option, required in (("frames", "joint"), ("fit", "joint"), ("data", "fit")):
+        if getattr(args, option) and not getattr(args, required):
+            raise ValueError(f"--{option} requires --{required}")
     manifold = one_motion.load_model(args)
     if args.joint is None:
         filled = partial(fill_motion_keyframes, manifold=manifold, every=args.keyframes)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -55,9 +54,19 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     manifold = one_motion.load_model(args, sequential=True)
+    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
     mapping = kinds.chosen_mapping(args) if args.like else None
-    made = list(_sequences(args, manifold) if isinstance(manifold, SequenceManifold)
-                else _motions(args, manifold, mapping))  # fmt: skip
+    if isinstance(manifold, SequenceManifold):
+        if args.data or args.like:
+            raise ValueError(
+                f"{args.model}: --data and --like have no effect on a sequential model"
+            )
+        made = [sample_sequence(manifold, frames, rng) for _ in range(args.number)]
+    else:
+        prior = _prior(args, manifold)
+        rig = load_body(args.like, mapping, args.unit)[1] if args.like else None
+        features = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
+        made = [_motion(manifold, each, rig, mapping) for each in features]
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
         path = args.output.with_stem(stem)
@@ -70,29 +79,18 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _sequences(args: argparse.Namespace, manifold: SequenceManifold) -> Iterator[Motion]:
-    for option in ("data", "like"):
-        if getattr(args, option):
-            raise ValueError(f"{args.model}: --{option} has no effect on a sequential model")
-    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
-    for _ in range(args.number):
-        yield sample_sequence(manifold, frames, rng)
+def _prior(args: argparse.Namespace, manifold: Manifold) -> NeighbourPrior | None:
+    if args.prior == "uniform":
+        return None
+    if not args.data:
+        raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
+    return NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
 
 
-def _motions(
-    args: argparse.Namespace, manifold: Manifold, mapping: dict[str, str] | None
-) -> Iterator[Motion]:
-    prior = None
-    if args.prior == "fitted":
-        if not args.data:
-            raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
-        prior = NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
-    rig = load_body(args.like, mapping, args.unit)[1] if args.like else None
-    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
-    for _ in range(args.number):
-        features = sample(manifold, frames, rng, prior)
-        if rig is None:
-            yield fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
-        else:
-            body = manifold.body(hold_first_pose(rig, frames), mapping)
-            yield body.to_rig(features, RootTransform())
+def _motion(
+    manifold: Manifold, features: np.ndarray, rig: Motion | None, mapping: dict[str, str] | None
+) -> Motion:
+    if rig is None:
+        return fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
+    body = manifold.body(hold_first_pose(rig, len(features)), mapping)
+    return body.to_rig(features, RootTransform())

@@ -6,7 +6,7 @@ import pytest
 from data_synth import make_take
 from numpy_cae.baselines import interpolate_linearly
 from numpy_cae.beyond import Pins, constraints, pose_pca, project_constrained, project_observed
-from numpy_cae.beyond.observed import initial_fill
+from numpy_cae.beyond.observed import fill_observed, initial_fill
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.measures import position_error
 from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
@@ -54,8 +54,7 @@ def test_known_values_stay_and_holes_are_filled_better_than_by_a_line(walked):
     known = np.ones(features.shape, bool)
     gap = slice(20, 50), joint_slice("left_ankle")
     known[gap] = False
-    damaged = features.copy()
-    damaged[gap] = np.nan
+    damaged = np.where(known, features, np.nan)
     filled = project_observed(manifold, damaged, known)
     np.testing.assert_array_equal(filled[known], features[known])
 
@@ -63,6 +62,7 @@ def test_known_values_stay_and_holes_are_filled_better_than_by_a_line(walked):
         return np.sqrt(np.mean((x[gap] - features[gap]) ** 2))
 
     assert error(filled) < error(interpolate_linearly(damaged, known)) / 2
+    np.testing.assert_array_equal(fill_observed(manifold, damaged, "left_ankle"), filled)
     with pytest.raises(ValueError, match="nothing is known"):
         project_observed(manifold, features, np.zeros(features.shape, bool))
 
@@ -76,15 +76,10 @@ def test_pca_of_poses_improves_a_joint_that_is_never_observed(walked):
         for seed in range(6, 10)
     ]
     poses = pose_pca(manifold, takes)
-    without, told = (
-        position_error(project_observed(manifold, features, known, steps=20, poses=each), features,
-                       joint="left_wrist")
-        for each in (None, poses)
-    )  # fmt: skip
-    assert told < without
-    line, by_more = initial_fill(manifold, features, known)
-    assert not by_more
-    np.testing.assert_array_equal(line[known], features[known])
-    start, by_more = initial_fill(manifold, features, known, poses)
-    assert by_more
-    np.testing.assert_allclose(start[known], features[known], atol=1e-6)
+    filled = [project_observed(manifold, features, known, 0.1, 20, each) for each in (None, poses)]
+    without, by_pca = (position_error(each, features, joint="left_wrist") for each in filled)
+    assert by_pca < without
+    for each, expected in ((None, False), (poses, True)):
+        start, used = initial_fill(manifold, features, known, each)
+        assert used == expected
+        np.testing.assert_allclose(start[known], features[known], atol=1e-6)

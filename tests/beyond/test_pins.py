@@ -15,9 +15,7 @@ from numpy_cae.motion import (
     JOINTS,
     MotionFileError,
     RootTransform,
-    body_of,
     body_positions,
-    bone_lengths,
     change_lengths,
     write_bvh,
 )
@@ -47,25 +45,20 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("text", "said"), WRONG.items())
-def test_what_is_wrong_with_pins_is_said(motion, tmp_path, text, said):
+@pytest.mark.parametrize(("text", "message"), WRONG.items())
+def test_an_error_names_the_pin(motion, tmp_path, text, message):
     file = tmp_path / "pins.json"
     file.write_text(text, encoding="utf-8")
     with pytest.raises(MotionFileError, match="pins") as raised:
         read_pins(file, motion)
-    assert said in str(raised.value)
+    assert message in str(raised.value)
 
 
 def test_pins_are_in_the_unit_and_frames_of_the_file(motion, untrained_manifold, tmp_path):
     file = tmp_path / "pins.json"
-    file.write_text(
-        json.dumps(
-            [
-                {"joint": "left_wrist", "frames": [41, 41], "at": [10, 120, None]},
-                {"joint": "hips", "frames": [0, 100], "path": [[0, None, 0], [50, None, 200]]},
-            ]
-        )
-    )
+    wrist = {"joint": "left_wrist", "frames": [41, 41], "at": [10, 120, None]}
+    hips = {"joint": "hips", "frames": [0, 100], "path": [[0, None, 0], [50, None, 200]]}
+    file.write_text(json.dumps([wrist, hips]))
     pins = read_pins(file, motion)
     targets = pins_on_mean_skeleton(pins, untrained_manifold.body(motion))
     # Every fourth frame of 120 Hz is a pose; the nearest to frame 41 is the tenth.
@@ -73,10 +66,10 @@ def test_pins_are_in_the_unit_and_frames_of_the_file(motion, untrained_manifold,
     np.testing.assert_allclose(targets.targets[10, WRIST], [0.1, 1.2, 0])
     np.testing.assert_allclose(targets.targets[[0, 25], 0], [[0, 0, 0], [0.5, 0, 2.0]])
     assert not targets.weights[26:].any() and not targets.weights[:, 0, 1].any()
-    positions = body_of(motion)
-    mean = change_lengths(positions, bone_lengths(positions), untrained_manifold.lengths)
+    body = untrained_manifold.body(motion)
+    mean = change_lengths(body.positions, body.lengths, untrained_manifold.lengths)
     back = np.einsum("jk,fkx->fjx", targets.body, mean)
-    np.testing.assert_allclose(back, positions, atol=1e-9)
+    np.testing.assert_allclose(back, body.positions, atol=1e-9)
     assert targets.root(RootTransform(1.0, 2.0, 3.0)) == RootTransform(0.0, 0.0, 3.0)
 
 
@@ -85,12 +78,10 @@ def brief(motion):
     return replace(motion, rotations=motion.rotations[:80], translations=motion.translations[:80])
 
 
-def test_the_rig_goes_where_it_is_pinned(brief, untrained_manifold):
-    motion = brief
-    own = body_positions(motion)
-    pin = Pin("left_wrist", 20, 60, own[[40], WRIST] + [0.0, 0.05, 0.0])
+def test_a_pinned_joint_of_a_rig_moves_to_its_target(brief, untrained_manifold):
+    pin = Pin("left_wrist", 20, 60, body_positions(brief)[[40], WRIST] + [0.0, 0.05, 0.0])
     before, after = (
-        pin.errors(repair_constrained(motion, untrained_manifold, pins=pins)).mean()
+        pin.errors(repair_constrained(brief, untrained_manifold, pins=pins)).mean()
         for pins in ([], [pin])
     )
     assert after < before / 2

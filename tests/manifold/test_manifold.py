@@ -6,13 +6,7 @@ import pytest
 from data_synth import make_take
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.measures import position_error
-from numpy_cae.motion import (
-    POSITIONS,
-    TURN,
-    VELOCITY,
-    body_of,
-    bone_lengths,
-)
+from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_of, bone_lengths
 from numpy_cae.training import Schedule, Stage
 
 TINY = {"window": 32, "overlap": 16, "filters": (4,), "taps": 3, "show_progress": False}

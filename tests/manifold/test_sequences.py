@@ -66,15 +66,10 @@ def test_different_rigs_are_not_learned_together(sequences):
         learn_sequences([])
 
 
-def test_a_sample_is_a_motion_that_stands_on_the_floor_and_can_be_written(manifold, tmp_path):
-    clip = manifold.network.sample(1, np.random.default_rng(0))[0]
-    motion = manifold.motion(clip)
+def test_a_sampled_clip_stands_on_the_floor(manifold):
+    motion = manifold.motion(manifold.network.sample(1, np.random.default_rng(0))[0])
     assert motion.rate == 25.0 and len(motion) == 50
     assert abs(motion.positions()[..., 1].min()) < 1e-9
-    write_bvh(motion, tmp_path / "sample.bvh")
-    assert np.allclose(
-        load_motion(tmp_path / "sample.bvh", unit=1.0).positions(), motion.positions(), atol=1e-4
-    )
 
 
 class Perfect:
