@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from dataclasses import dataclass
 
@@ -23,7 +22,7 @@ EPOCHS = 25
 
 @dataclass(frozen=True)
 class PaperRun:
-    """The time and memory of a run.
+    """The time of a run.
 
     Parameters
     ----------
@@ -32,8 +31,6 @@ class PaperRun:
     minutes : dict, stage to float
     once : float
         Minutes that do not grow with the epochs: encoding the fixed lower layers.
-    memory : int or None
-        Peak memory of the process so far, bytes; None where the system does not report it.
     """
 
     batch: int
@@ -41,7 +38,6 @@ class PaperRun:
     epochs: int
     minutes: dict[str, float]
     once: float
-    memory: int | None
 
     @property
     def total(self) -> float:
@@ -60,8 +56,6 @@ class PaperRun:
         for stage, minutes in self.minutes.items():
             lines.append(f"| {stage:11} | {minutes:12.1f} | {MINUTES[stage]:20} |")
         lines.append(f"| all         | {self.total:12.1f} | {sum(MINUTES.values()):20} |")
-        if self.memory is not None:
-            lines.append(f"\npeak memory of the process: {self.memory / 1e9:.2f} GB")
         return "\n".join(lines)
 
 
@@ -93,14 +87,4 @@ def run_paper(
     seconds = time.perf_counter() - start
     minutes = {name: each * EPOCHS / epochs / 60 for name, each in history.seconds.items()}
     once = (seconds - sum(history.seconds.values())) / 60
-    return PaperRun(batch, windows, epochs, minutes, once, peak_of_process())
-
-
-def peak_of_process() -> int | None:
-    """Peak memory of this process so far, bytes."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else peak * 1024
+    return PaperRun(batch, windows, epochs, minutes, once)

@@ -7,8 +7,8 @@ runs that on all workers.
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class FastConvAutoencoder(ConvAutoencoder):
     def __init__(self, model: ConvAutoencoder, threads: int | None = None):
         self.layers = model.layers
         self._model, self._threads = model, threads
-        self._workspaces: OrderedDict[tuple, Workspace] = OrderedDict()
+        self._make_workspace = lru_cache(MAX_WORKSPACES)(Workspace)
         self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
 
     def __reduce__(self):
@@ -194,17 +194,8 @@ class FastConvAutoencoder(ConvAutoencoder):
         """The buffers for arguments of these sizes, from the last few that were used."""
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
-        team, comparing_team = self._teams(layers, batch, frames)
-        sizes = team.size, comparing_team.size
-        key = (shapes, batch, frames, dtype, unpooled_evenly, sizes, training)
-        if key not in self._workspaces:
-            if len(self._workspaces) == MAX_WORKSPACES:
-                self._workspaces.popitem(last=False)
-            self._workspaces[key] = Workspace(
-                layers, batch, frames, dtype, unpooled_evenly, team, comparing_team, training
-            )
-        self._workspaces.move_to_end(key)
-        return self._workspaces[key]
+        teams = self._teams(layers, batch, frames)
+        return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, *teams, training)
 
     def _teams(
         self, layers: Sequence[ConvLayer], batch: int, frames: int
@@ -263,7 +254,9 @@ def _encode_pullback(worker: Worker) -> None:
     """From d_top to the filters. The lowest layer's input is data: its gradient is not computed."""
     d = worker.d_top
     for k in reversed(range(len(worker.layers))):
-        d = worker.layers[k].encode_pullback(d, worker.db[k], with_dx=k > 0)
+        dx = worker.layers[k].encode_pullback(d, worker.db[k], with_dx=k > 0)
+        if dx is not None:
+            d = dx
 
 
 def _place_windows(x: np.ndarray, rows: np.ndarray) -> None:

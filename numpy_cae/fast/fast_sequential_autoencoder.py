@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,14 +42,14 @@ class SequenceWorkspace:
 
     def __init__(
         self,
-        weights: Weights,
+        features: int,
+        hidden: int,
         batch: int,
         frames: int,
         dtype: np.dtype,
         training: bool,
         team: ThreadTeam,
     ):
-        features, hidden = len(weights["frame_b"]), len(weights["state_b"])
         self.team = team
         self.encoder = GruMatrices("encoder", features, hidden, dtype)
         self.decoder = GruMatrices("decoder", features, hidden, dtype)
@@ -85,7 +85,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
     def __init__(self, model: SequentialAutoencoder, threads: int | None = None):
         self.weights = model.weights
         self._model, self._threads = model, threads
-        self._workspaces: OrderedDict[tuple, SequenceWorkspace] = OrderedDict()
+        self._make_workspace = lru_cache(MAX_WORKSPACES)(SequenceWorkspace)
         self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
 
     def __reduce__(self):
@@ -191,16 +191,8 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         self, batch: int, frames: int, dtype: np.dtype, training: bool
     ) -> SequenceWorkspace:
         """The buffers for arguments of these sizes, from the last few that were used."""
-        team = self._team(batch)
-        key = (self.weights["frame_w"].shape, batch, frames, dtype, training, team.size)
-        if key not in self._workspaces:
-            if len(self._workspaces) == MAX_WORKSPACES:
-                self._workspaces.popitem(last=False)
-            self._workspaces[key] = SequenceWorkspace(
-                self.weights, batch, frames, dtype, training, team
-            )
-        self._workspaces.move_to_end(key)
-        return self._workspaces[key]
+        sizes = self.features, self.hidden, batch, frames
+        return self._make_workspace(*sizes, dtype, training, self._team(batch))
 
     def _team(self, batch: int) -> ThreadTeam:
         by_clips = batch * MAX_UNITS_PER_CLIP // self.hidden

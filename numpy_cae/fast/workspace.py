@@ -16,6 +16,9 @@ from numpy_cae.fast.thread_team import ThreadTeam, share
 from numpy_cae.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
 from numpy_cae.models.conv_layer import ConvLayer
 
+LayerShape = tuple[tuple[int, int, int], float]
+"""(taps, channels, filters) and the bound of arctanh."""
+
 
 class Worker:
     """The buffers of one thread.
@@ -39,20 +42,20 @@ class Worker:
         number: int,
         windows: slice,
         convolutions: list[TiedConvolution],
-        layers: Sequence[ConvLayer],
+        shapes: Sequence[LayerShape],
     ):
         self.number, self.windows = number, windows
         batch = windows.stop - windows.start
         dtype = convolutions[-1].w_hat.dtype
-        top_shape = len(convolutions[-1].x) // 2, batch * layers[-1].b.size
+        top_shape = len(convolutions[-1].x) // 2, batch * shapes[-1][0][2]
         self.top, self.d_top = (buffer(*top_shape, dtype) for _ in range(2))
         outputs = [above.x for above in convolutions[1:]] + [self.top]
         self.layers = [
-            FastLayer(convolution, layer.bound, output)
-            for convolution, layer, output in zip(convolutions, layers, outputs, strict=True)
+            FastLayer(convolution, bound, output)
+            for convolution, (_, bound), output in zip(convolutions, shapes, outputs, strict=True)
         ]
-        self.dw = [np.empty((len(layer.w), layer.w[0].size), dtype) for layer in layers]
-        self.db = [np.empty(layer.b.size, dtype) for layer in layers]
+        self.dw = [np.empty((taps, below * above), dtype) for (taps, below, above), _ in shapes]
+        self.db = [np.empty(above, dtype) for (_, _, above), _ in shapes]
         self.loss = 0.0
 
 
@@ -61,8 +64,7 @@ class Workspace:
 
     Parameters
     ----------
-    layers : sequence of ConvLayer
-        Only their shapes and bounds are used.
+    shapes : tuple of (shape of w, bound), one for each layer
     batch, frames : int
     dtype : dtype
     unpooled_evenly : tuple of bool, one for each layer
@@ -81,7 +83,7 @@ class Workspace:
 
     def __init__(
         self,
-        layers: Sequence[ConvLayer],
+        shapes: Sequence[LayerShape],
         batch: int,
         frames: int,
         dtype: np.dtype,
@@ -98,8 +100,8 @@ class Workspace:
         together = batch if training else -(-batch // team.size)
         convolutions = [
             [
-                _convolution(layer, each, together, frames >> k, dtype, evenly, training)
-                for k, (layer, evenly) in enumerate(zip(layers, unpooled_evenly, strict=True))
+                _convolution(shape, each, together, frames >> k, dtype, evenly, training)
+                for k, ((shape, _), evenly) in enumerate(zip(shapes, unpooled_evenly, strict=True))
             ]
             for each in windows
         ]
@@ -107,7 +109,7 @@ class Workspace:
             for convolution in of_one_layer[1:]:
                 convolution.share_spectra(of_one_layer[0])
         self.workers = [
-            Worker(number, each, own, layers)
+            Worker(number, each, own, shapes)
             for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
         ]
 
@@ -239,7 +241,7 @@ def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def _convolution(
-    layer: ConvLayer,
+    shape: tuple[int, int, int],
     windows: slice,
     together: int,
     frames: int,
@@ -248,7 +250,6 @@ def _convolution(
     training: bool,
 ) -> TiedConvolution:
     """One layer's convolution for one thread; `together` windows determine the block length."""
-    taps, channels, filters = layer.w.shape
-    longest = cheapest_length(taps, channels, filters, together, frames, training)
+    longest = cheapest_length(*shape, together, frames, training)
     batch = windows.stop - windows.start
-    return TiedConvolution(layer.w.shape, batch, frames, longest, dtype, halved)
+    return TiedConvolution(shape, batch, frames, longest, dtype, halved)

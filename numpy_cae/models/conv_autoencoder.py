@@ -23,6 +23,8 @@ Gradients = list[tuple[np.ndarray, np.ndarray]]
 class ConvAutoencoder:
     """Φ and Φ† of section 5, a stack of `ConvLayer`.
 
+    Every method raises ValueError, naming the argument, if a shape does not fit.
+
     Parameters
     ----------
     features : int
@@ -91,11 +93,6 @@ class ConvAutoencoder:
         -------
         y : (B, T/8, 256) array, within [-1, 1]
             Hidden units.
-
-        Raises
-        ------
-        ValueError
-            If the shape does not fit.
         """
         require_windows("x", x, self.layers)
         for layer in self.layers:
@@ -112,11 +109,6 @@ class ConvAutoencoder:
         Returns
         -------
         x_hat : (B, T, features) array
-
-        Raises
-        ------
-        ValueError
-            If the shape does not fit.
         """
         x_hat, _ = self.decode_with_pullback(y)
         return x_hat
@@ -183,11 +175,6 @@ class ConvAutoencoder:
         -------
         loss : float
         gradients : list of (dw, db), one for each layer used, lowest first
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or there is no window.
 
         References
         ----------

@@ -55,6 +55,8 @@ class Losses(NamedTuple):
 class SequentialAutoencoder:
     """Clips of any length to a latent vector z each, and back; the prior of z is standard normal.
 
+    Every method raises ValueError, naming the argument, if a shape does not fit or is empty.
+
     Parameters
     ----------
     features : int
@@ -107,24 +109,12 @@ class SequentialAutoencoder:
         return self.weights["latent_b"].size
 
     def encode(self, x: np.ndarray) -> np.ndarray:
-        """Normalised clips (B, T, features), in the order of time, to z (B, latent).
-
-        Raises
-        ------
-        ValueError
-            If the features do not fit or there is no frame.
-        """
+        """Normalised clips (B, T, features), in the order of time, to z (B, latent)."""
         z, _ = self.encode_with_pullback(x)
         return z
 
     def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
-        """z (B, latent) to clips (B, frames, features) in the order of time.
-
-        Raises
-        ------
-        ValueError
-            If z does not fit or `frames` is below 1.
-        """
+        """z (B, latent) to clips (B, frames, features) in the order of time."""
         x_hat, _ = self.decode_with_pullback(z, frames)
         return x_hat
 
@@ -292,11 +282,6 @@ class SequentialAutoencoder:
             `total`, `reconstruction` and `discrepancy`.
         gradients : dict of name to array
             In the order of `weights`.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or there is no clip.
 
         References
         ----------
