@@ -52,7 +52,6 @@ def train_autoencoder(
     windows : (N, T, C) array in the dtype of the model
         Normalised windows; T is a multiple of `model.frames_per_unit`.
     schedule : Schedule, optional
-        The paper's by default.
     rng : numpy.random.Generator, optional
         Draws the order of the windows, the corruption and the unpooling. Runs from the same seed
         on the same number of threads are equal to the bit.
@@ -74,12 +73,11 @@ def train_autoencoder(
     callbacks: list[Callback] = [DivergenceCheck(ADVICE, checkpoint), history]
     if show_progress:
         callbacks.append(Progress())
-    weights = _weights(dict(enumerate(model.layers)))
-    loop = Loop(weights, rng, history, callbacks)
+    loop = Loop(model.parameters, rng, history, callbacks)
     if checkpoint is not None:
         bounds = [layer.bound for layer in model.layers]
         settings = schedule, bounds, rng.bit_generator.state
-        checkpoint.attach(loop, fingerprint([*weights.values(), windows], *settings))
+        checkpoint.attach(loop, fingerprint([*loop.parameters.values(), windows], *settings))
 
     inputs = windows
     for number, layer in enumerate(model.layers):
@@ -94,35 +92,21 @@ def _task(
     model: Any, inputs: np.ndarray, stage: Stage, rng: np.random.Generator, layer: int | None
 ) -> Task:
     """The training of one layer, or (None) of all; its examples are the windows of `inputs`."""
-    trained = dict(enumerate(model.layers))
+    name, weights = "fine tuning", model.parameters
     if layer is not None:
-        trained = {layer: model.layers[layer]}
-    weights = _weights(trained)
+        name, weights = f"layer {layer + 1}", model.layers[layer].parameters
     optimiser = make_optimiser(stage, weights)
-    name = "fine tuning" if layer is None else f"layer {layer + 1}"
 
     def step(chosen: np.ndarray, rate: float) -> float:
         return denoising_step(model, inputs[chosen], stage, rate, rng, optimiser, layer)
 
     def culprit(chosen: np.ndarray) -> str:
-        windows = ", ".join(str(number + 1) for number in chosen[:8]) + ", …" * (len(chosen) > 8)
-        part = f"the output of {name}"
-        if not np.isfinite(inputs[chosen]).all():
-            part = "the input"
-        elif nonfinite(weights):
-            part = f"the weights {nonfinite(weights)[0]}"
-        return f"{part}, window{'s' * (len(chosen) > 1)} {windows}"
+        windows = ", ".join(str(number + 1) for number in chosen[:8])
+        finite = np.isfinite(inputs[chosen]).all()
+        part = ", ".join(nonfinite(weights)) or f"the output of {name}"
+        return f"{part if finite else 'the input'}, windows {windows}{', …' * (len(chosen) > 8)}"
 
     return Task(name, stage, len(inputs), True, step, culprit, optimiser)
-
-
-def _weights(layers: dict[int, ConvLayer]) -> dict[str, np.ndarray]:
-    """The weights of layers by name: "w1", "b1", …; the layers are numbered from 0."""
-    return {
-        f"{letter}{number + 1}": array
-        for number, layer in layers.items()
-        for letter, array in layer.parameters.items()
-    }
 
 
 def _encode(layer: ConvLayer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:

@@ -180,7 +180,7 @@ def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_stat
         train_conv(path, schedule=schedule)
     said = str(failure.value)
     assert said.startswith("fine tuning, epoch 1")
-    assert "first in the output of fine tuning, window" in said
+    assert "first in the output of fine tuning, windows" in said
     assert f"the last good state is in {path} (stage " in said
     with np.load(path) as file:
         assert all(np.isfinite(file[name]).all() for name in file.files if "array" in name)
@@ -189,5 +189,5 @@ def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_stat
 def test_a_window_that_is_not_finite_is_named(tmp_path):
     windows = WINDOWS.copy()
     windows[4] = np.nan
-    with pytest.raises(DivergedError, match=r"the loss is nan.* the input, window 5; there is no"):
+    with pytest.raises(DivergedError, match=r"the loss is nan.* the input, windows 5; there is no"):
         train_conv(None, windows=windows, schedule=Schedule(Stage(epochs=1), Stage(epochs=1)))

@@ -105,7 +105,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         before = model.layers[0].w.copy()
         rng = np.random.default_rng(0)
         stage = Stage(alpha=0.0, zeroed=0.0)
-        optimiser = make_optimiser(stage, layerwise._weights(dict(enumerate(model.layers))))
+        optimiser = make_optimiser(stage, model.parameters)
         layerwise.denoising_step(model, windows[chosen], stage, rate, rng, optimiser)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)

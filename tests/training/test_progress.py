@@ -84,7 +84,7 @@ def test_divergence_names_the_place_the_rate_and_what_may_help(monkeypatch):
 def test_a_loss_that_is_not_finite_changes_no_weight():
     network, windows = model(), np.full((2, 8, 3), np.nan, np.float32)
     before = [array.copy() for layer in network.layers for array in (layer.w, layer.b)]
-    with pytest.raises(DivergedError, match=r"first in the input, window [12];"):
+    with pytest.raises(DivergedError, match=r"first in the input, windows [12];"):
         train_autoencoder(network, windows, show_progress=False)
     after = [array for layer in network.layers for array in (layer.w, layer.b)]
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
