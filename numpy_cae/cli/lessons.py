@@ -17,42 +17,44 @@ from numpy_cae.course import (
 
 EXAMPLE = """\
 examples: numpy-cae lessons student/              write the student's copy of every lesson
-          numpy-cae lessons --execute             run the instructor's copies and store the outputs
+          numpy-cae lessons --execute             execute the instructor's copies
           numpy-cae lessons --execute --only 03   of one lesson
-          numpy-cae lessons --gallery             one picture a lesson, from the stored outputs"""
+          numpy-cae lessons --gallery             pictures from the stored outputs"""
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Notebooks in, notebooks out."""
+    """Add the subcommand."""
     parser = subparsers.add_parser(
         "lessons",
-        help="write the student's copies of the lessons, or run the instructor's",
+        help="write the student's copies of the lessons, or execute the instructor's",
         description="Write the student's copy of every lesson: a stub in place of each solution, "
-        "no outputs. With --execute, run the instructor's copies from a fresh kernel instead and "
-        "store what they show, and the picture of the gallery with it. With --gallery, make the "
-        "pictures of the outputs that are stored.",
+        "no outputs. With --execute, run the instructor's copies in a fresh kernel instead and "
+        "store their outputs and the pictures of the gallery. With --gallery, make the pictures from "
+        "the stored outputs.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("folder", type=Path, nargs="?", help="where the student's copies go")
+    parser.add_argument("folder", type=Path, nargs="?", help="folder for the student's copies")
     parser.add_argument(
         "--from",
         dest="source",
         type=Path,
         default=Path("lessons"),
         metavar="FOLDER",
-        help="the instructor's copies; default lessons, as in a clone",
+        help="folder of the instructor's copies (default: lessons, as in a clone)",
     )
-    parser.add_argument("--execute", action="store_true", help="run the instructor's copies")
+    parser.add_argument("--execute", action="store_true", help="execute the instructor's copies")
     parser.add_argument(
-        "--gallery", action="store_true", help="make the pictures of what is stored, run nothing"
+        "--gallery",
+        action="store_true",
+        help="make the pictures from stored outputs, without execution",
     )
-    parser.add_argument("--only", metavar="NN", help="only the lesson with this number")
+    parser.add_argument("--only", metavar="NN", help="number of the only lesson to process")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write or execute, saying which file."""
+    """Write, execute or make pictures, and print each file."""
     if [args.execute, args.gallery, args.folder is not None].count(True) != 1:
         raise ValueError(
             "expected either a folder for the student's copies or --execute or --gallery"
@@ -96,8 +98,8 @@ def _write_copies(lessons: list[Path], folder: Path) -> int:
     there = [path.name for path in lessons if (folder / path.name).exists()]
     if there:
         raise ValueError(
-            f"{folder} has {', '.join(there)} already, with someone's work perhaps: "
-            "name another folder or move them away"
+            f"{folder} has {', '.join(there)} already, perhaps with a student's work: "
+            "name another folder or move the files"
         )
     for path in lessons:
         write_notebook(student_copy(read_notebook(path)), folder / path.name)

@@ -1,4 +1,4 @@
-"""Running a lesson from a fresh kernel, and telling whether its outputs are of its source."""
+"""Execute a lesson in a fresh kernel; the hash of the source that its outputs belong to."""
 
 from __future__ import annotations
 
@@ -17,20 +17,15 @@ def source_hash(notebook: dict) -> str:
 
 
 def execute(notebook: dict) -> dict:
-    """The notebook with the outputs of a run from a fresh kernel, stopping at an error.
+    """A copy of the notebook with the outputs of its execution in a fresh kernel.
 
-    The kernel runs in an empty folder and does not see NUMPY_CAE_DATA, so that what is stored is
-    drawn from synthetic motion on every machine.
-
-    Parameters
-    ----------
-    notebook : dict
-        As `read_notebook` returns it; stays as it is.
+    The kernel runs in an empty folder and without NUMPY_CAE_DATA, so that every machine stores
+    results of synthetic motion.
 
     Raises
     ------
     ValueError
-        If a cell raises, naming the cell and its error, or if nbclient is not installed.
+        If a cell raises, with the cell and its error, or if nbclient is not installed.
     """
     try:
         import nbformat
@@ -52,7 +47,7 @@ def execute(notebook: dict) -> dict:
         )
         kept = {k: v for k, v in os.environ.items() if k != "NUMPY_CAE_DATA"}
         try:
-            # What a kernel says on standard error is about its ports, not about the lesson.
+            # A kernel's standard error is about its ports, not about the lesson.
             client.execute(env=kept | {"OPENBLAS_NUM_THREADS": "1"}, stderr=subprocess.DEVNULL)
         except CellExecutionError as error:
             raise ValueError(f"{_failing(node)} raises {error.ename}: {error.evalue}") from None
@@ -75,7 +70,7 @@ def _failing(notebook: dict) -> str:
 
 
 def _as_dict(node):
-    """nbformat's nodes are dicts that compare and print otherwise; plain ones are easier kept."""
+    """Plain dicts and lists of nbformat's nodes."""
     if isinstance(node, dict):
         return {key: _as_dict(value) for key, value in node.items()}
     if isinstance(node, list):

@@ -1,8 +1,7 @@
-"""One picture a lesson, taken from what the lesson itself drew when it was executed.
+"""One small picture for each lesson, from the outputs of its execution.
 
-The lesson says which: the cell tagged "gallery", or its last picture where no cell is. In the
-folder `pictures` it stands small, with a few colours, and carries a hash of the picture that it
-was made of, so that a test can tell whether the two belong together.
+It is the picture of the cell tagged "gallery", or the last one of the lesson. It is stored with a
+hash of the original, by which a test finds out whether it is current.
 """
 
 from __future__ import annotations
@@ -18,23 +17,17 @@ from PIL import Image, PngImagePlugin
 from numpy_cae.atomic_write import atomic_write
 
 TAG, MADE_OF = "gallery", "made of"
-WIDTH, HEIGHT = 480, 320
-"""Pixels at most."""
+WIDTH, HEIGHT = 480, 320  # pixels at most
 COLOURS = 64
 
 
 def picture_of(notebook: dict) -> bytes:
-    """The PNG that stands for an executed lesson.
-
-    Parameters
-    ----------
-    notebook : dict
-        As `course.read_notebook` returns it.
+    """The PNG of an executed lesson.
 
     Raises
     ------
     ValueError
-        If the lesson shows no picture, or none in the cell that it tagged.
+        If the lesson shows no picture, or none in the tagged cell.
     """
     cells = notebook["cells"]
     tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
@@ -46,30 +39,22 @@ def picture_of(notebook: dict) -> bytes:
 
 
 def write_picture(notebook: dict, lesson: str | Path) -> Path:
-    """The lesson's picture, small, in `pictures` beside the lesson; returns where.
-
-    Parameters
-    ----------
-    notebook : dict
-        Executed.
-    lesson : path
-        Of its file, such as lessons/03_convolution_by_hand.ipynb.
-    """
+    """Write the picture of an executed lesson, whose file is `lesson`; returns the path."""
     drawn, path = picture_of(notebook), picture_path(lesson)
     path.parent.mkdir(exist_ok=True)
     with Image.open(io.BytesIO(drawn)) as picture:
         small = Image.new("RGB", picture.size, "white")
         small.paste(picture, mask=picture.getchannel("A") if picture.mode == "RGBA" else None)
     small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
-    said = PngImagePlugin.PngInfo()
-    said.add_text(MADE_OF, _hash(drawn))
+    information = PngImagePlugin.PngInfo()
+    information.add_text(MADE_OF, _hash(drawn))
     with atomic_write(path) as beside:
-        small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=said)
+        small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=information)
     return path
 
 
 def is_current(notebook: dict, lesson: str | Path) -> bool:
-    """Whether the lesson's small picture is there and was made of what the lesson shows."""
+    """Whether the lesson's small picture exists and was made from its present outputs."""
     path = picture_path(lesson)
     if not path.exists():
         return False
@@ -78,7 +63,7 @@ def is_current(notebook: dict, lesson: str | Path) -> bool:
 
 
 def picture_path(lesson: str | Path) -> Path:
-    """lessons/pictures/03.png of lessons/03_convolution_by_hand.ipynb."""
+    """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
     lesson = Path(lesson)
     return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
 

@@ -1,4 +1,4 @@
-"""Notebooks as they lie on disk: JSON, nbformat 4.5."""
+"""Notebook files: JSON, nbformat 4.5."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def find_lessons(folder: str | Path) -> list[Path]:
     found = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
     if not found:
         raise FileNotFoundError(
-            f"no lessons in {folder}: they stand in the folder lessons of a clone of the repository"
+            f"no lessons in {folder}: they are in the folder lessons of a clone of the repository"
         )
     return found
 
 
 def read_notebook(path: str | Path) -> dict:
-    """A notebook as nbformat 4.5 has it, each source a single string.
+    """A notebook in nbformat 4.5, each source as a single string.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The student's copy of a lesson: solutions taken out, as nbgrader's generate_assignment does."""
+"""The student's copy of a lesson, without solutions, as nbgrader's generate_assignment makes it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,12 @@ STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
 
 
 def student_copy(notebook: dict) -> dict:
-    """The notebook with a stub in place of every solution, and without outputs.
-
-    Parameters
-    ----------
-    notebook : dict
-        As `read_notebook` returns it; stays as it is.
+    """A copy of the notebook with a stub in place of every solution, and without outputs.
 
     Raises
     ------
     ValueError
-        If a solution region is not closed, or stands in a cell that is no exercise.
+        If a solution region is not closed, or is in a cell that is no exercise.
     """
     copy = deepcopy(notebook)
     copy["metadata"].pop("numpy_cae", None)
@@ -42,7 +37,7 @@ def _without_solutions(cell: dict) -> str:
         marker = line.strip()
         if marker in (BEGIN, END):
             if inside == (marker == BEGIN):
-                raise ValueError(f"cell {cell['id']}: {marker} stands where it does not belong")
+                raise ValueError(f"cell {cell['id']}: {marker} is in the wrong place")
             if not is_exercise(cell):
                 raise ValueError(f"cell {cell['id']}: a solution in a cell that is no exercise")
             inside = not inside

@@ -44,7 +44,7 @@ def test_the_student_copy_has_a_stub_and_no_outputs():
     ("lesson", "said"),
     [
         (a_lesson("### BEGIN SOLUTION\n    return 2"), "without ### END"),
-        (a_lesson("return 2\n    ### END SOLUTION"), "stands where it does not belong"),
+        (a_lesson("return 2\n    ### END SOLUTION"), "is in the wrong place"),
         (a_lesson(marked=False), "in a cell that is no exercise"),
     ],
 )
