@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,21 +39,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add("--data", type=Path, nargs="+", metavar="FOLDER", help="folders of motion files")
     add("-m", "--model", type=Path, help="model file from `numpy-cae train --test PATTERN`")
     add("-o", "--output", type=Path, metavar="FOLDER", help="folder to write, made if missing")
-    add(
-        "--test",
-        nargs="+",
-        metavar="PATTERN",
-        default=[],
-        help="names of the files that the model was not trained on, where it does not record them",
-    )
-    add(
-        "--only",
-        nargs="+",
-        choices=tuple(EXPERIMENTS),
-        default=list(EXPERIMENTS),
-        metavar="NAME",
-        help=f"run only these experiments, of {', '.join(EXPERIMENTS)}",
-    )
+    test_help = "names of the test files, where the model does not record them"
+    add("--test", nargs="+", metavar="PATTERN", default=[], help=test_help)
+    names = tuple(EXPERIMENTS)
+    only_help = f"run only these experiments, of {', '.join(names)}"
+    add("--only", nargs="+", choices=names, default=names, metavar="NAME", help=only_help)
     add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
     add_json_argument(parser)
     kinds.add_motion_arguments(parser)
@@ -78,18 +67,16 @@ def run(args: argparse.Namespace) -> int:
     patterns = _test_patterns(manifold, args)
     _say(f"reading {', '.join(map(str, args.data))}")
     material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
-    if not material.testing or not material.training:
-        which = "test" if not material.testing else "learn from"
+    if not (material.testing and material.training):
+        which = "learn from" if material.testing else "test"
         raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
     args.output.mkdir(parents=True, exist_ok=True)
-    takes = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
-    _say(f"{takes}, read in {time.monotonic() - started:.0f} s")
-    names = [name for name in EXPERIMENTS if name in args.only]
-    sections = []
+    _say(_counts(material))
+    names, sections = [name for name in EXPERIMENTS if name in args.only], []
     for name in names:
         sections.append(run_section(name, manifold, material, args.seed))
         _say(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
-    how = provenance(manifold, material, patterns, args, time.monotonic() - started)
+    how = _provenance(manifold, material, patterns, args, time.monotonic() - started)
     pages = {"report.html": page(sections, how), "report.txt": plain_text(sections, how)}
     for name, text in pages.items():
         with atomic_write(args.output / name) as beside:
@@ -124,13 +111,10 @@ def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[s
     return own or args.test
 
 
-def provenance(
-    manifold: MotionManifold,
-    material: Material,
-    patterns: Sequence[str],
-    args: argparse.Namespace,
-    seconds: float,
-) -> dict[str, str]:
+def _provenance(
+    manifold: MotionManifold, material: Material, patterns: list[str],
+    args: argparse.Namespace, seconds: float,
+) -> dict[str, str]:  # fmt: skip
     """What must be known to judge the figures or to reproduce them."""
     settings = manifold.settings
     schedule = settings.get("schedule", {})
@@ -143,8 +127,7 @@ def provenance(
         f"{len(layers[0].w)} frames",
         "layers": _listed(schedule.get("layer", {})),
         "fine tuning": _listed(schedule.get("fine_tuning", {})),
-        "data": f"{', '.join(folder.name for folder in args.data)}: {len(material.training)} takes "
-        f"to fit baselines to, {len(material.testing)} to test",
+        "data": f"{', '.join(folder.name for folder in args.data)}: {_counts(material)}",
         "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
         "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s",
     }
@@ -153,9 +136,11 @@ def provenance(
             f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
             for folder in settings["folders"]
         )
-    if settings.get("takes") not in (None, len(material.training)):
-        how["note"] = f"the model learned from {settings['takes']} takes, --data holds others"
     return how
+
+
+def _counts(material: Material) -> str:
+    return f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
 
 
 def _listed(settings: dict) -> str:

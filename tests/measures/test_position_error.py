@@ -1,10 +1,35 @@
-"""The error in centimetres: only positions, only real frames."""
+"""The position error, in centimetres, and jitter, in m/s²."""
 
 import numpy as np
 import pytest
 
-from numpy_cae.measures import position_error
+from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import POSITIONS, joint_slice
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0])
+def test_a_falling_body_has_the_acceleration_of_gravity(rate):
+    t = np.arange(20) / rate
+    positions = np.zeros((20, 2, 3))
+    positions[:, :, 1] = -9.81 / 2 * t[:, None] ** 2
+    positions[:, :, 0] = 3.0 * t[:, None]
+    assert jitter(positions, rate) == pytest.approx(9.81)
+
+
+def test_white_noise_grows_with_the_square_of_the_rate():
+    noise = 0.01 * np.random.default_rng(0).normal(size=(5000, 4, 3))
+    # Second differences of noise have variance 1 + 4 + 1 = 6 along each axis; the mean length of a
+    # normal vector in space is σ · 2 · √(2 / π).
+    assert jitter(noise, 30.0) == pytest.approx(
+        0.01 * np.sqrt(6) * 2 * np.sqrt(2 / np.pi) * 900, rel=0.02
+    )
+
+
+def test_fewer_than_three_frames_are_refused():
+    with pytest.raises(ValueError, match=r"\(2, 20, 3\), expected \(3 frames or more"):
+        jitter(np.zeros((2, 20, 3)), 30.0)
+    with pytest.raises(ValueError, match="expected"):
+        jitter(np.zeros((10, 60)), 30.0)
 
 
 def test_a_centimetre_everywhere_is_one():

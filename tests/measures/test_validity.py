@@ -128,14 +128,17 @@ def test_validity_is_all_measures(walk):
     features, _ = positions_to_features(walk, 30.0)
     measure = ValidityMeasure([features], bone_lengths(walk), 30.0)
     real = measure.of(features)
-    spoilt = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
+    noisy = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
     assert real.nearest_pose == 0
     assert real.beyond_limits == 0
     for name in ("bone_length", "foot_sliding", "beyond_limits", "jitter", "nearest_pose"):
-        assert getattr(spoilt, name) > getattr(real, name)
-    middle = Validity.mean([real, spoilt])
-    assert middle.jitter == pytest.approx((real.jitter + spoilt.jitter) / 2)
-    assert len(real.cells()) == len(Validity.HEADER)
+        assert getattr(noisy, name) > getattr(real, name)
+    middle = Validity.mean([real, noisy])
+    assert middle.jitter == pytest.approx((real.jitter + noisy.jitter) / 2)
+    assert len(Validity.FORMATS) == 1 + len(Validity.HEADER)
+    assert "jitter, m/s² 3.00 against 4.00" in Validity(1, 2, 0, 3, 1).against(
+        Validity(1, 2, 0, 4, 1)
+    )
 
 
 def test_other_shapes_are_refused():
