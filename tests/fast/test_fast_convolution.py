@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae import fast, ops
-from numpy_cae.verify import check_gradients
 
 SIZES = {
     "batch": st.integers(1, 5),
@@ -78,14 +77,6 @@ def test_any_strides_and_arguments_left_alone(seed, **sizes):
     assert_equal(*both(*strided), tolerance=1e-10)
     for view, array in zip(strided, arguments, strict=True):
         np.testing.assert_array_equal(view, array)
-
-
-@settings(max_examples=25)
-@given(**{**SIZES, "frames": st.integers(1, 12), "taps": st.sampled_from([1, 3, 7, 15])})
-def test_gradients_by_finite_differences(seed, **sizes):
-    rng = np.random.default_rng(seed)
-    *arguments, _ = drawn(rng, **sizes)
-    check_gradients(fast.conv1d, *arguments, rng=rng)
 
 
 @given(**SIZES)

@@ -1,4 +1,4 @@
-"""What the loss takes to be meant where an argument is left out."""
+"""The optional arguments of the loss, and dtypes."""
 
 import numpy as np
 import pytest
@@ -48,6 +48,6 @@ def test_float32_stays_float32():
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_a_model_is_in_the_dtype_that_it_was_asked_for(dtype):
+def test_a_model_has_the_requested_dtype(dtype):
     layers = ConvAutoencoder(3, (4, 5), taps=3, dtype=dtype).layers
     assert {array.dtype for layer in layers for array in (layer.w, layer.b)} == {np.dtype(dtype)}

@@ -1,7 +1,7 @@
-"""Every operation is held to every property that is known of it.
+"""Every operation has every property that is listed for it in `numpy_cae.verify`.
 
-Finite differences for every argument, the exact adjoint of the linear ones, the definition loop by
-loop, untouched arguments, dtype, strides: `numpy_cae.verify.catalogue` says what and how.
+Among them: finite differences for every argument, the exact adjoint of the linear operations,
+definitions by loops, unchanged arguments, dtype, strides.
 """
 
 import pytest
