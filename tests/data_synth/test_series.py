@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import re
-import subprocess
-import sys
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +14,6 @@ from data_synth import (
     KINDS,
     Plan,
     make_takes,
-    make_windows,
     plan_cmu_scale,
     plan_takes,
     windows_of,
@@ -82,16 +77,6 @@ def test_planned_windows_are_those_that_are_cut():
     assert len(windows.kinds) == len(windows.styles) == len(windows.features)
 
 
-def test_windows_say_what_they_are():
-    windows = make_windows(0.5, seed=3, kinds=["walk"], length=60, overlap=20)
-    assert windows.features.shape[1:] == (60, 63)
-    assert set(windows.kinds) == {"walk"}
-    assert np.isfinite(windows.features).all()
-    # Someone walks about 4 cm a frame at 30 Hz.
-    speed = np.linalg.norm(windows.features[..., 60:62], axis=-1)
-    assert 0.02 < np.median(speed) < 0.07
-
-
 def test_files_read_back_to_the_same_positions(tmp_path):
     plans = [Plan(9, n, (n - 1) // 12 + 1, kind, 0.8) for n, kind in enumerate(KINDS, start=1)]
     write_series(plans, tmp_path, rate=60.0)
@@ -136,26 +121,12 @@ def test_the_command_writes_a_folder(tmp_path, capsys):
     assert {path.suffix for path in out.rglob("*.*")} == {".bvh", ".csv"}
 
 
-def test_without_tqdm_a_line_now_and_then(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(command_line, "tqdm", None)
-    command_line.main([str(tmp_path), "--minutes", "0.1", "--rate", "30"])
-    assert re.search(r"1 of 1 takes, 0 s to go", capsys.readouterr().err)
-    command_line.main([str(tmp_path), "--minutes", "0.1", "--rate", "30", "--quiet"])
-    assert capsys.readouterr().err == ""
-
-
-def test_a_folder_that_cannot_be_made_is_one_line(tmp_path):
+def test_a_folder_that_cannot_be_made_is_one_line(tmp_path, capsys):
     (tmp_path / "file").write_text("in the way")
-    ran = subprocess.run(
-        [sys.executable, "-m", "data_synth", str(tmp_path / "file" / "out"), "--minutes", "0.1"],
-        capture_output=True,
-        text=True,
-        cwd=Path(__file__).parents[2],
-    )
-    assert ran.returncode == 2
-    last = ran.stderr.splitlines()[-1]
-    assert last.startswith("data_synth: ") and "cannot be made" in last
-    assert "Traceback" not in ran.stderr
+    assert command_line.main([str(tmp_path / "file" / "out"), "--minutes", "0.1", "--quiet"]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("data_synth: ") and "cannot be made" in message
+    assert message.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -173,8 +144,3 @@ def test_wrong_arguments_are_said(tmp_path, capsys, arguments, message):
         command_line.main([str(tmp_path), *arguments])
     assert stopped.value.code == 2
     assert message in capsys.readouterr().err
-
-
-def test_takes_are_made_only_when_asked_for():
-    takes = make_takes(2_000, seed=1, rate=30.0)
-    assert [take.kind for take in islice(takes, 2)] != []

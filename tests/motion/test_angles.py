@@ -18,7 +18,6 @@ from numpy_cae.motion import (
     motion_of,
     on_floor,
     read_expmap,
-    write_bvh,
 )
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, TABLES, TRANSLATION
 from numpy_cae.motion.io.expmap_rigs import HUMAN36M
@@ -40,11 +39,6 @@ def test_a_table_names_fifty_four_numbers(table):
     assert table.columns[TRANSLATION] == ("translation x", "translation y", "translation z")
 
 
-def test_the_tables_have_seventeen_joints_and_twenty_one():
-    assert len(SEVENTEEN.rotating) == 17 and SEVENTEEN.rotating[0][0] == "hips"
-    assert len(HUMAN36M_TABLE.rotating) == 21
-
-
 @pytest.mark.parametrize("kind", JANG2018_KINDS)
 def test_there_and_back_on_another_rig(kind):
     """31 joints become 17; what is folded in costs a little, since offsets are the mean."""
@@ -61,12 +55,6 @@ def test_there_and_back_on_its_own_rig_is_exact(sequence):
     again = angles_of(back)
     assert np.allclose(again.numbers, sequence.numbers, atol=1e-9)
     assert np.allclose(again.offsets, sequence.offsets, atol=1e-9)
-
-
-def test_through_a_bvh_file(sequence, tmp_path):
-    write_bvh(motion_of(sequence.numbers, sequence.table, sequence.offsets), tmp_path / "a.bvh")
-    again = load_angles(tmp_path / "a.bvh", unit=1.0)
-    assert np.allclose(again.numbers, sequence.numbers, atol=1e-4)
 
 
 def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
@@ -129,13 +117,6 @@ def test_clips_begin_anywhere_and_at_no_place(sequence):
     assert len(every) == len(sequence) - 49
     gaps = np.abs(clips[:, None] - every[None]).max(axis=(2, 3)).min(axis=1)
     assert gaps.max() < 1e-12
-
-
-def test_no_clip_is_drawn_from_too_little(sequence):
-    with pytest.raises(ValueError, match="as long as a clip of 500 frames"):
-        draw_clips([sequence], 1, np.random.default_rng(0), frames=500)
-    with pytest.raises(ValueError, match="as long as a clip"):
-        cut_clips([sequence], frames=500)
 
 
 def test_a_clip_stands_on_the_floor(sequence):

@@ -49,11 +49,8 @@ DAMAGES = {
     "missing frames": (swap(LAST, f"{ROW}\n{ROW}\n"), 17, ["says 3", "2 lines"]),
     "no frames at all": (swap(LAST, ""), 17, ["says 3", "0 lines"]),
     "more frames than said": (swap("Frames: 3", "Frames: 2"), 17, ["says 2", "3 lines"]),
-    "a thousand million frames": (
-        swap("Frames: 3", "Frames: 1000000000"),
-        17,
-        ["says 1000000000", "3 lines"],
-    ),
+    "a thousand million frames": (swap("Frames: 3", "Frames: 1000000000"), 17, ["says 1000000000",
+         "3 lines"]),
     "frames of too many digits": (swap("Frames: 3", "Frames: " + "9" * 5000), 17, ["whole number"]),
     "no frames said": (swap("Frames: 3", "Frames: 0"), 17, ["'0'", "above 0"]),
     "minus frames": (swap("Frames: 3", "Frames: -3"), 17, ["'-3'", "whole number"]),
@@ -82,11 +79,8 @@ DAMAGES = {
     "cut off below MOTION": (WHOLE[: WHOLE.index("Frames")], 16, ["ends below MOTION", "Frames:"]),
     "a brace too few": (swap("}\nMOTION", "MOTION"), 15, ["'Hips'", "1 '}' missing"]),
     "a brace too many": (swap("}\nMOTION", "}\n}\nMOTION"), 16, ["'}' closes nothing"]),
-    "a joint after the root": (
-        swap("}\nMOTION", "}\nJOINT Tail\n{\n}\nMOTION"),
-        16,
-        ["'Tail'", "outside ROOT"],
-    ),
+    "a joint after the root": (swap("}\nMOTION", "}\nJOINT Tail\n{\n}\nMOTION"), 16, ["'Tail'",
+         "outside ROOT"]),
     "no opening brace": (swap("ROOT Hips\n{", "ROOT Hips"), 3, ["expected '{'", "OFFSET"]),
     "two opening braces": (swap("ROOT Hips\n{", "ROOT Hips\n{\n{"), 4, ["'{' opens nothing"]),
     "missing OFFSET": (swap("    OFFSET 0 -40 0\n", ""), 6, ["'Leg'", "no OFFSET"]),
@@ -100,39 +94,21 @@ DAMAGES = {
     "channels without a number": (swap("CHANNELS 3", "CHANNELS"), 9, ["'Zrotation'", "as many"]),
     "CHANNELS alone": (swap("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS"), 9, ["''"]),
     "a channel twice": (swap("3 Zrotation X", "3 Yrotation X"), 9, ["twice", "Yrotation"]),
-    "two CHANNELS": (
-        swap("-40 0\n", "-40 0\nCHANNELS 1 Xrotation\n"),
-        10,
-        ["second CHANNELS", "'Leg'"],
-    ),
-    "CHANNELS in an End Site": (
-        swap("-45 0\n", "-45 0\nCHANNELS 1 Xrotation\n"),
-        13,
-        ["End Site", "no CHANNELS"],
-    ),
-    "no channels anywhere": (
-        re.sub(r" *CHANNELS.*\n", "", WHOLE).replace(ROW, ""),
-        14,
-        ["no joint has CHANNELS"],
-    ),
+    "two CHANNELS": (swap("-40 0\n", "-40 0\nCHANNELS 1 Xrotation\n"), 10, ["second CHANNELS",
+         "'Leg'"]),
+    "CHANNELS in an End Site": (swap("-45 0\n", "-45 0\nCHANNELS 1 Xrotation\n"), 13, ["End Site",
+         "no CHANNELS"]),
+    "no channels anywhere": (re.sub(r" *CHANNELS.*\n", "", WHOLE).replace(ROW, ""), 14,
+         ["no joint has CHANNELS"]),
     "a name twice": (swap("JOINT Leg", "JOINT Hips"), 6, ["'Hips'", "second time", "line 2"]),
     "no name": (swap("JOINT Leg", "JOINT"), 6, ["JOINT has no name"]),
-    "two roots": (
-        swap("}\nMOTION", "}\nROOT Other\n{\n}\nMOTION"),
-        16,
-        ["second ROOT", "skeletons"],
-    ),
+    "two roots": (swap("}\nMOTION", "}\nROOT Other\n{\n}\nMOTION"), 16, ["second ROOT",
+         "skeletons"]),
     "a root inside": (swap("JOINT Leg", "ROOT Leg"), 6, ["second ROOT"]),
-    "two End Sites": (
-        swap("    }\n", "    }\n    End Site\n    {\n      OFFSET 1 1 1\n    }\n"),
-        14,
-        ["second End Site", "'Leg'"],
-    ),
-    "a joint in an End Site": (
-        swap("      OFFSET 0 -45 0\n", "OFFSET 0 -45 0\nJOINT Toe\n{\n}\n"),
-        13,
-        ["'Toe'", "inside the End Site of joint 'Leg'"],
-    ),
+    "two End Sites": (swap("    }\n", "    }\n    End Site\n    {\n      OFFSET 1 1 1\n    }\n"),
+         14, ["second End Site", "'Leg'"]),
+    "a joint in an End Site": (swap("      OFFSET 0 -45 0\n", "OFFSET 0 -45 0\nJOINT Toe\n{\n}\n"),
+         13, ["'Toe'", "inside the End Site of joint 'Leg'"]),
     "an End Site outside": ("HIERARCHY\nEnd Site\n{\n", 2, ["End Site", "outside ROOT"]),
     "OFFSET outside": ("HIERARCHY\nOFFSET 0 0 0\n", 2, ["OFFSET", "outside ROOT"]),
     "MOTION at once": ("HIERARCHY\nMOTION\n", 2, ["before any ROOT"]),
@@ -143,7 +119,7 @@ DAMAGES = {
     "binary": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", None, ["binary", "plain text"]),
     "UTF-16": (WHOLE.encode("utf-16"), None, ["binary", "UTF-8"]),
     "binary without zeros": (bytes(range(128, 256)), 1, ["expected HIERARCHY"]),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("damage", DAMAGES)

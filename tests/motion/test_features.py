@@ -24,7 +24,6 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.heading import heading
 from numpy_cae.motion.retarget.fit import body_skeleton
-from numpy_cae.motion.windows import hold_last_pose
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]
@@ -117,21 +116,6 @@ def test_lengths_are_changed_and_changed_back():
     np.testing.assert_allclose(change_lengths(changed, wanted, own), positions, atol=1e-12)
 
 
-def test_directions_of_bones_stay_and_the_hips_move_with_the_legs():
-    positions, _ = body(20)
-    own = bone_lengths(positions)
-    wanted = own.copy()
-    wanted[
-        [JOINTS.index(f"{side}_{j}") for side in ("left", "right") for j in ("knee", "ankle")]
-    ] *= 1.5
-    changed = change_lengths(positions, own, wanted)
-    np.testing.assert_allclose(changed[:, 0], 1.5 * positions[:, 0])
-    knee, hip = JOINTS.index("left_knee"), JOINTS.index("left_hip")
-    np.testing.assert_allclose(
-        changed[:, knee] - changed[:, hip], 1.5 * (positions[:, knee] - positions[:, hip])
-    )
-
-
 def test_a_bone_without_length_continues_the_one_above():
     """The CMU BVH files put both collars exactly on the chest."""
     positions, _ = body(20)
@@ -174,11 +158,6 @@ def test_windows_of_other_lengths_and_overlaps():
         cut_windows(np.zeros((100, 63)), length=32, overlap=32)
     with pytest.raises(ValueError, match="no frames"):
         cut_windows(np.zeros((0, 63)))
-
-
-def test_holding_nothing_changes_nothing():
-    features = np.random.default_rng(0).normal(size=(7, 63))
-    np.testing.assert_array_equal(hold_last_pose(features, 7), features)
 
 
 def test_fitted_bones_follow_the_positions():

@@ -23,10 +23,6 @@ def skeleton_of(names):
     return Skeleton(tuple(names), parents, np.zeros((len(names), 3)))
 
 
-def test_twenty_joints_each_once():
-    assert len(JOINTS) == len(set(JOINTS)) == 20
-
-
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("dress", [str, str.upper, lambda name: f"mixamorig:{name}"])
 def test_each_rig_is_found_among_other_joints(rig, dress):

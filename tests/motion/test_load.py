@@ -39,12 +39,6 @@ def test_missing_files_and_folders_are_said(tmp_path):
         load_motion(tmp_path)
 
 
-def test_a_skeleton_alone_asks_for_its_motion(tmp_path):
-    (tmp_path / "02.asf").write_text(":version 1.10")
-    with pytest.raises(MotionFileError, match=r"expected the .amc file"):
-        load_motion(tmp_path / "02.asf")
-
-
 def test_only_text_that_begins_with_a_long_row_is_motion(tmp_path):
     (tmp_path / "licence.txt").write_text("Terms, conditions, and so on, in words.")
     (tmp_path / "walk.txt").write_text(",".join(["0"] * 117))

@@ -40,7 +40,7 @@ def drawn_files(draw):
     return joints, draw(st.lists(row, min_size=1, max_size=3))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(drawn_files())
 def test_positions_are_those_of_explicit_matrices(tmp_path_factory, drawn):
     joints, values = drawn
@@ -92,61 +92,31 @@ def read_text(tmp_path):
     return read
 
 
-@pytest.mark.parametrize(
-    "untidied",
-    [
-        TIDY.replace("\n", "\r\n"),
-        TIDY.replace("\n", "\r"),
-        "\ufeff" + TIDY,
-        TIDY.replace("\n", "\n\n \t\n"),
-        TIDY.replace("  ", "\t").replace(" ", "\t").replace("Left\tLeg", "Left Leg"),
-        TIDY.replace("\n", "  \t\n"),
-        TIDY.rstrip("\n"),
-        TIDY.replace("\n  {", " {").replace("\n{", "{"),
-        TIDY.replace("Frames: 2", "FRAMES :2").replace("Frame Time: ", "frame  time:"),
-        TIDY.replace("Frames: 2", "Frames:\t2").replace("Frame Time: ", "Frame Time:\t"),
-        TIDY.replace("Hips", "HIPS")
-        .upper()
-        .replace("HIPS", "Hips")
-        .replace("LEFT LEG", "Left Leg")
-        .replace("MIXAMORIG", "mixamorig"),
-        TIDY.replace("Xrotation", "xrotation")
-        .replace("ROOT", "Root")
-        .replace("End Site", "End site"),
-        TIDY.replace("End Site", "End Site toe"),
-        TIDY.replace("    OFFSET 0 -40 0\n", "").replace(
-            "Xrotation Zrotation\n", "Xrotation Zrotation\n    OFFSET 0 -40 0\n"
-        ),
-    ],
-    ids=[
-        "CRLF",
-        "CR",
-        "byte order mark",
-        "blank lines",
-        "tabs",
-        "trailing blanks",
-        "no last newline",
-        "brace on the same line",
-        "spacing of headers",
-        "tabs in headers",
-        "capitals",
-        "small letters",
-        "named End Site",
-        "CHANNELS before OFFSET",
-    ],
-)
+UNTIDY = {
+    "CRLF": TIDY.replace("\n", "\r\n"),
+    "CR": TIDY.replace("\n", "\r"),
+    "byte order mark": "\ufeff" + TIDY,
+    "blank lines": TIDY.replace("\n", "\n\n \t\n"),
+    "tabs": TIDY.replace("  ", "\t").replace(" ", "\t").replace("Left\tLeg", "Left Leg"),
+    "trailing blanks": TIDY.replace("\n", "  \t\n"),
+    "no last newline": TIDY.rstrip("\n"),
+    "brace on the same line": TIDY.replace("\n  {", " {").replace("\n{", "{"),
+    "headers": TIDY.replace("Frames: 2", "FRAMES :2").replace("Frame Time: ", "frame  time:"),
+    "case": TIDY.replace("Xrotation", "xROTATION").replace("ROOT", "Root").replace("Site", "site"),
+    "named End Site": TIDY.replace("End Site", "End Site toe"),
+    "CHANNELS before OFFSET": TIDY.replace("    OFFSET 0 -40 0\n", "").replace(
+        "Xrotation Zrotation\n", "Xrotation Zrotation\n    OFFSET 0 -40 0\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("untidied", UNTIDY.values(), ids=UNTIDY)
 def test_spacing_and_case_do_not_matter(read_text, untidied):
     tidy, motion = read_text(TIDY, unit=0.01), read_text(untidied, unit=0.01)
     assert motion.skeleton.names == tidy.skeleton.names == ("Hips", "mixamorig:Left Leg")
     assert motion.rate == tidy.rate
     np.testing.assert_array_equal(motion.positions(), tidy.positions())
     np.testing.assert_array_equal(motion.skeleton.end_sites[1], tidy.skeleton.end_sites[1])
-
-
-def test_numbers_are_read_in_every_notation(read_text):
-    motion = read_text(TIDY, unit=1.0)
-    np.testing.assert_allclose(motion.translations[1, 0], [10, 91, 20])
-    np.testing.assert_allclose(motion.skeleton.end_sites[1], [0, -45, 1e-5])
 
 
 @pytest.mark.parametrize(
@@ -187,11 +157,6 @@ def test_names_beyond_utf8_are_kept_as_latin_1(read_text):
 def test_a_unit_must_be_a_length(read_text, unit):
     with pytest.raises(ValueError, match="unit is"):
         read_text(TIDY, unit=unit)
-
-
-def test_a_given_unit_is_said(read_text):
-    motion = read_text(TIDY, unit=0.01)
-    assert motion.unit == 0.01 and motion.unit_note == "centimetres, as given"
 
 
 def test_the_guessed_unit_is_logged(data_folder, caplog):

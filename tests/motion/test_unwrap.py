@@ -34,12 +34,6 @@ def test_the_same_rotations_without_a_jump(seed):
     assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() < 2 * steps + 1e-9
 
 
-def test_three_turns_about_one_axis_are_six_pi():
-    angle = np.linspace(0.0, 6 * np.pi, 200)
-    smooth = angle[:, None] * np.array([0.0, 1.0, 0.0])
-    assert np.allclose(unwrapped(wrapped(smooth)), smooth, atol=1e-9)
-
-
 def test_an_exact_identity_on_the_way_keeps_the_turn():
     smooth = np.array([[0.0, 6.0, 0.0], [0.0, 2 * np.pi, 0.0], [0.0, 6.6, 0.0]])
     angle = wrapped(smooth)

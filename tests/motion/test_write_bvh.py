@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plain_bvh import PlainJoint, plain_positions
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.errors import FileError
@@ -46,7 +45,7 @@ def assert_same_motion(one: Motion, other: Motion, within: float = 1e-5) -> None
         np.testing.assert_allclose(positions, other_by_name[name], rtol=0, atol=within)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     seed=st.integers(0, 2**31),
     joints=st.integers(1, 12),
@@ -71,14 +70,6 @@ def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
             np.testing.assert_array_equal(again.skeleton.end_sites[there], [0, 0, 0])
 
 
-def test_a_depth_first_skeleton_keeps_its_order(tmp_path):
-    motion = drawn_motion(3)
-    skeleton = replace(motion.skeleton, parents=(-1, 0, 1, 1, 0, 4))
-    write_bvh(replace(motion, skeleton=skeleton), tmp_path / "take.bvh")
-    again = read_bvh(tmp_path / "take.bvh", 0.01).skeleton
-    assert again.names == skeleton.names and again.parents == skeleton.parents
-
-
 def test_only_joints_that_leave_their_offset_have_position_channels(tmp_path):
     write_bvh(drawn_motion(1, joints=4), tmp_path / "take.bvh")
     channels = [
@@ -89,7 +80,7 @@ def test_only_joints_that_leave_their_offset_have_position_channels(tmp_path):
     assert sorted(channels) == ["3", "3", "6", "6"]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     outer=st.floats(-180, 180),
     inner=st.floats(-180, 180),
@@ -119,62 +110,24 @@ def test_angles_run_on_without_leaps(tmp_path):
     assert np.abs(np.diff(rows[:, 3:], axis=0)).max() < 10
 
 
-def read_as_blender(text: str) -> tuple[list[PlainJoint], list[list[float]], int, float]:
-    """Read BVH by the rules of Blender's importer, which looks where it expects things to stand.
-
-    One statement a line; '{', OFFSET and CHANNELS follow a joint on the next three lines; all
-    rotations of a joint or none; 'Frames:' is two words and 'Frame Time:' three.
-    """
-    lines = [line.split() for line in text.split("\n") if line.strip()]
-    assert lines[0] == ["HIERARCHY"]
-    joints: list[PlainJoint] = []
-    parents: list[int | None] = [-1]
-    at = 1
-    while lines[at] != ["MOTION"]:
-        words = lines[at]
-        if words[0] in ("ROOT", "JOINT"):
-            assert lines[at + 1] == ["{"]
-            assert lines[at + 2][0] == "OFFSET" and len(lines[at + 2]) == 4
-            keyword, count, *channels = lines[at + 3]
-            assert keyword == "CHANNELS" and int(count) == len(channels)
-            assert sum(channel.endswith("rotation") for channel in channels) in (0, 3)
-            assert sum(channel.endswith("position") for channel in channels) in (0, 3)
-            assert parents[-1] is not None, "a joint inside an End Site"
-            offset = [float(word) for word in lines[at + 2][1:]]
-            joints.append(PlainJoint(" ".join(words[1:]), parents[-1], offset, channels))
-            parents.append(len(joints) - 1)
-            at += 4
-        elif words == ["End", "Site"]:
-            assert lines[at + 1] == ["{"]
-            joints[parents[-1]].tip = [float(word) for word in lines[at + 2][1:]]
-            parents.append(None)
-            at += 3
-        else:
-            assert words == ["}"]
-            parents.pop()
-            at += 1
-    assert parents == [-1]
-    assert lines[at + 1][0] == "Frames:" and len(lines[at + 1]) == 2
-    assert lines[at + 2][:2] == ["Frame", "Time:"] and len(lines[at + 2]) == 3
-    values = [[float(word) for word in line] for line in lines[at + 3 :]]
-    return joints, values, int(lines[at + 1][1]), float(lines[at + 2][2])
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_blender_sees_the_same_positions(tmp_path, seed):
+@pytest.mark.parametrize("seed", range(3))
+def test_the_layout_is_what_blender_reads(tmp_path, seed):
+    """One statement a line; '{', OFFSET and CHANNELS on the three lines after a joint; all
+    rotations or none; 'Frames:' is two words, 'Frame Time:' three; every bone has an end."""
     path = tmp_path / "take.bvh"
-    motion = drawn_motion(seed, joints=9)
-    write_bvh(motion, path)
-    joints, values, frames, time = read_as_blender(path.read_text())
-    assert frames == len(values) == len(motion) and 1 / time == pytest.approx(30)
-    assert all(
-        joint.tip is not None or any(other.parent == index for other in joints)
-        for index, joint in enumerate(joints)
-    ), "Blender needs an end for every bone"
-    positions = 0.01 * plain_positions(joints, values)
-    expected = positions_by_name(motion)
-    for index, joint in enumerate(joints):
-        np.testing.assert_allclose(positions[:, index], expected[joint.name], rtol=0, atol=1e-5)
+    write_bvh(drawn_motion(seed, joints=9), path)
+    lines = [line.split() for line in path.read_text().splitlines()]
+    joints = [at for at, words in enumerate(lines) if words[0] in ("ROOT", "JOINT")]
+    for at in joints:
+        assert lines[at + 1] == ["{"]
+        assert lines[at + 2][0] == "OFFSET" and len(lines[at + 2]) == 4
+        assert lines[at + 3][0] == "CHANNELS" and int(lines[at + 3][1]) == len(lines[at + 3]) - 2
+        assert sum("rotation" in channel for channel in lines[at + 3]) == 3
+        assert lines[at + 4][0] in ("JOINT", "End"), "a bone without an end"
+    end = lines.index(["MOTION"])
+    assert all(words in (["{"], ["}"]) or len(words) > 1 for words in lines[1:end])
+    assert lines[end + 1] == ["Frames:", "5"] and lines[end + 2][:2] == ["Frame", "Time:"]
+    assert len(joints) == 9 and len(lines) == end + 3 + 5
 
 
 def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
@@ -206,13 +159,6 @@ def test_a_file_is_moved_into_place_in_one_step(tmp_path, monkeypatch):
         write_bvh(drawn_motion(0), path)
     assert path.read_text() == "what was there"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_written_file_has_the_usual_rights(tmp_path):
-    (tmp_path / "usual").touch()
-    write_bvh(drawn_motion(0), tmp_path / "take.bvh")
-    usual, written = (tmp_path / name for name in ("usual", "take.bvh"))
-    assert written.stat().st_mode == usual.stat().st_mode
 
 
 def test_places_that_cannot_be_written_are_said(tmp_path):
