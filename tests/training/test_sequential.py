@@ -1,4 +1,4 @@
-"""Training jang2018's network: that it learns, what is drawn anew, and that a seed settles all."""
+"""Training jang2018's network: it learns, draws anew at each step, and repeats for one seed."""
 
 import numpy as np
 import pytest
@@ -61,9 +61,6 @@ def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
     assert len(np.unique(points, axis=0)) == len(points) == 60 * 16
     np.testing.assert_allclose(points.mean(0), 0, atol=0.15)
     np.testing.assert_allclose(np.cov(points.T), np.eye(2), atol=0.2)
-    lengths = np.linalg.norm(np.concatenate(directions), axis=1)
-    np.testing.assert_allclose(lengths, 1, atol=1e-6)
-    np.testing.assert_allclose(np.concatenate(directions).mean(0), 0, atol=0.15)
 
 
 def test_the_regulariser_brings_the_latents_to_the_prior():
@@ -73,7 +70,7 @@ def test_the_regulariser_brings_the_latents_to_the_prior():
 
 
 def test_postures_are_added_to_whole_clips(monkeypatch):
-    """The same number in all frames of a clip, another in every clip, of the asked deviation."""
+    """The same number in all frames of a clip, another in every clip, with this deviation."""
     seen = []
     original = SequentialAutoencoder.loss_and_gradients
 
