@@ -47,11 +47,8 @@ def add_data_argument(parser: argparse.ArgumentParser, purpose: str) -> None:
 
 
 def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = True) -> Manifold:
-    """The model that `--model` names.
-
-    ValueError unless it is convolutional or `sequential` models are accepted and, if `bvh`, unless
-    `--output` names a .bvh file.
-    """
+    """The model that `--model` names; ValueError if it is sequential and must not be, or, with
+    `bvh`, if `--output` is not a .bvh file."""
     if bvh and args.output.suffix.lower() != ".bvh":
         raise ValueError(f"{args.output}: a motion is written as .bvh")
     manifold = load_manifold(args.model)

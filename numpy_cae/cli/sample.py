@@ -33,9 +33,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "sample",
         description="Draw new motions from a learned manifold and write them as BVH. The fitted "
-        "prior mixes similar windows of the motions in --data; the uniform prior of holden2015, "
-        "section 3, needs no data, but its samples hardly resemble motion. A sequential model has "
-        "a prior of its own, from which clips are drawn and joined.",
+        "prior mixes similar windows of the motions in --data; the uniform prior needs no data, "
+        "but its samples hardly resemble motion. A sequential model has a prior of its own.",
         epilog="example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 "
         "--seconds 8 --like take.bvh",
     )

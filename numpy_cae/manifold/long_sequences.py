@@ -55,7 +55,7 @@ def repair_sequence(
 def project_sequence(manifold: SequenceManifold, sequence: AngleSequence) -> Motion:
     """The projection of a motion of any length, at 25 frames a second on the manifold's bones."""
     if sequence.table is not manifold.table:
-        raise ValueError("the motion and the model have different numbers a frame")
+        raise ValueError("the motion and the model have different tables of columns")
     if len(sequence) == 0:
         raise ValueError("the motion has no frames")
     starts = clip_starts(len(sequence), min(manifold.frames, len(sequence)))

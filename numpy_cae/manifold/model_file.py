@@ -110,7 +110,7 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
 def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     table = TABLES.get(str(arrays["table"]))
     if table is None or not np.array_equal(arrays["columns"], table.columns):
-        raise ValueError("its table of numbers is none of this version")
+        raise ValueError("its table of columns is not one of this version")
     if arrays["state_w"].ndim != 2:
         raise ValueError("state_w is not a matrix")
     latent, hidden = arrays["state_w"].shape

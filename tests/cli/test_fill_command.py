@@ -50,9 +50,8 @@ def test_the_rig_the_rate_and_the_unit_come_back(folder, tmp_path, file, what, c
 def test_known_joints_and_keyframes_read_back_where_they_were(folder, tmp_path):
     came = load_motion(folder / "walk.bvh").positions()
     assert run(folder, "walk.bvh", tmp_path / "k.bvh", "--keyframes", 15) == 0
-    np.testing.assert_allclose(
-        load_motion(tmp_path / "k.bvh").positions()[::15], came[::15], atol=1e-5
-    )
+    filled = load_motion(tmp_path / "k.bvh").positions()
+    np.testing.assert_allclose(filled[::15], came[::15], atol=1e-5)
     assert run(folder, "walk.bvh", tmp_path / "j.bvh", "--joint", "right_elbow") == 0
     filled = load_motion(tmp_path / "j.bvh")
     for joint in ("root", "rhumerus", "rwrist", "head", "ltoes"):
@@ -80,12 +79,7 @@ def test_an_error_is_one_line_that_names_other_joints(folder, tmp_path, argv, me
 
 @pytest.mark.parametrize(
     "argv",
-    [
-        (),
-        ("--joint", "head", "--keyframes", "15"),
-        ("--keyframes", "0"),
-        ("--keyframes", "many"),
-    ],
+    [(), ("--joint", "head", "--keyframes", "15"), ("--keyframes", "0"), ("--keyframes", "many")],
 )
 def test_invalid_options_exit_with_2(folder, tmp_path, argv):
     with pytest.raises(SystemExit) as exit_:

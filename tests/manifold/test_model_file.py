@@ -181,7 +181,7 @@ def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
         ("conv", {"window": np.array(-3)}, "window is not a whole number"),
         ("sequence", {"mean": np.zeros(53)}, "mean has shape"),
         ("sequence", {"deviation": np.zeros(54)}, "not above 0"),
-        ("sequence", {"table": np.array("another")}, "none of this version"),
+        ("sequence", {"table": np.array("another")}, "not one of this version"),
         ("sequence", {"state_w": np.zeros(3)}, "not a matrix"),
         ("sequence", {"frames": np.array(10**9)}, "frames is not a whole number"),
     ],
