@@ -6,8 +6,16 @@ from written_otherwise import CONVENTIONS, RIGHT, gru_in
 
 from numpy_cae import ops
 from numpy_cae.verify.catalogue import CATALOGUE, properties_of
-from numpy_cae.verify.convention import gru_step_in
+from numpy_cae.verify.convention import Convention, gru_step_in
 from numpy_cae.verify.trial import try_property
+
+ORDER = ("update", "reset", "new")
+EACH_DIFFERENCE = (
+    Convention(reset_after=False),
+    Convention(update_keeps=False),
+    Convention(order=ORDER),
+)
+ALL_DIFFERENCES = Convention(reset_after=False, update_keeps=False, order=ORDER)
 
 
 def require_held(tried, implementation):
@@ -38,7 +46,7 @@ def test_what_is_written_otherwise_holds(tried, implementation):
     require_held(tried, implementation)
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS, ids=str)
+@pytest.mark.parametrize("convention", [*EACH_DIFFERENCE, ALL_DIFFERENCES], ids=str)
 def test_other_conventions_hold_by_their_own_definitions(convention):
     for tried in properties_of("gru_step", convention):
         require_held(tried, gru_step_in(convention))
