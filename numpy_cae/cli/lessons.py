@@ -29,8 +29,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="write the student's copies of the lessons, or execute the instructor's",
         description="Write the student's copy of every lesson: a stub in place of each solution, "
         "no outputs. With --execute, run the instructor's copies in a fresh kernel instead and "
-        "store their outputs and the pictures of the gallery. With --gallery, make the pictures from "
-        "the stored outputs.",
+        "store their outputs and the pictures of the gallery. With --gallery, make the pictures "
+        "from the stored outputs.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

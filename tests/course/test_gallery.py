@@ -59,16 +59,11 @@ def test_the_tagged_picture_stands_for_the_lesson_or_the_last():
     assert picture_of(tagged) == base64.b64decode(first)
 
 
-@pytest.mark.parametrize(
-    ("lesson", "said"),
-    [
-        (a_lesson(a_cell("a")), "the lesson shows no picture"),
-        (a_lesson(a_cell("a", tags=["gallery"]), a_cell("b", drawn("red"))), "tagged 'gallery'"),
-    ],
-)
-def test_a_lesson_without_a_picture_is_an_error(lesson, said):
-    with pytest.raises(ValueError, match=said):
-        picture_of(lesson)
+@pytest.mark.parametrize("tags", [(), ("gallery",)])
+def test_a_lesson_without_a_picture_is_an_error(tags):
+    cells = [a_cell("a", tags=tags)] + [a_cell("b", drawn("red"))] * len(tags)
+    with pytest.raises(ValueError, match="shows no picture"):
+        picture_of(a_lesson(*cells))
 
 
 def test_it_is_made_small_on_white_and_goes_stale(tmp_path):

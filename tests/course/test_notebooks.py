@@ -106,7 +106,7 @@ def test_a_file_that_is_no_notebook_is_said(tmp_path, capsys):
 
 
 def test_without_nbclient_executing_says_what_is_missing(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "nbclient", None)
+    monkeypatch.setitem(sys.modules, "nbformat", None)
     write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
     assert main(["lessons", "--execute", "--from", str(tmp_path)]) == 2
     assert "pip install '.[lessons]'" in capsys.readouterr().err
