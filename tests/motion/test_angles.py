@@ -1,4 +1,4 @@
-"""The 54 numbers: their names, the way there and back."""
+"""The 54 numbers of jang2018: their names, the conversion and its inverse, clips."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Mappings and labels that are damaged: one complaint each, never another exception."""
+"""Damaged mappings and labels raise the documented error and no other exception."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Section 4 of holden2015: the 63 features, the way back, heading, lengths and windows."""
+"""Section 4 of holden2015: the 63 features and their inverse, heading, lengths and windows."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,6 @@ from numpy_cae.motion import (
     TURN,
     VELOCITY,
     Motion,
-    RootTransform,
     bone_lengths,
     change_lengths,
     cut_windows,
@@ -97,17 +96,6 @@ def test_heading_follows_the_body_and_never_jumps():
     assert np.abs(np.diff(found)).max() < 0.3
 
 
-def test_integration_starts_at_the_given_place():
-    features, _ = positions_to_features(body(10)[0], 30.0)
-    there = features_to_positions(features, RootTransform(2.0, -3.0, np.pi / 2))
-    here = features_to_positions(features)
-    np.testing.assert_allclose(here[0, 0, [0, 2]], 0, atol=1e-12)
-    np.testing.assert_allclose(there[0, 0, [0, 2]], [2, -3])
-    # A quarter turn takes +Z to +X and +X to -Z.
-    np.testing.assert_allclose(there[..., 0] - 2, here[..., 2], atol=1e-12)
-    np.testing.assert_allclose(there[..., 2] + 3, -here[..., 0], atol=1e-12)
-
-
 def test_lengths_are_changed_and_changed_back():
     positions, _ = body(20)
     own, wanted = bone_lengths(positions), LENGTHS * 1.2
@@ -151,15 +139,6 @@ def test_a_short_take_holds_its_last_pose():
     np.testing.assert_allclose(held[50:], np.repeat(moving[-1:], 110, axis=0), atol=1e-9)
 
 
-def test_windows_of_other_lengths_and_overlaps():
-    windows, _ = cut_windows(np.zeros((100, 63)), length=32, overlap=8)
-    assert len(windows) == 4
-    with pytest.raises(ValueError, match="overlap is 32"):
-        cut_windows(np.zeros((100, 63)), length=32, overlap=32)
-    with pytest.raises(ValueError, match="no frames"):
-        cut_windows(np.zeros((0, 63)))
-
-
 def test_fitted_bones_follow_the_positions():
     """A body of rigid fans comes back exactly, whatever pose it takes."""
     rng = np.random.default_rng(0)
@@ -183,3 +162,12 @@ def test_fitted_bones_have_the_given_lengths_and_directions():
         np.testing.assert_allclose(np.linalg.norm(bone, axis=1), LENGTHS[child])
         cosine = np.sum(bone * wanted, axis=1) / np.linalg.norm(wanted, axis=1) / LENGTHS[child]
         np.testing.assert_allclose(cosine, 1)
+
+
+def test_windows_of_other_lengths_and_overlaps():
+    windows, _ = cut_windows(np.zeros((100, 63)), length=32, overlap=8)
+    assert len(windows) == 4
+    with pytest.raises(ValueError, match="overlap is 32"):
+        cut_windows(np.zeros((100, 63)), length=32, overlap=32)
+    with pytest.raises(ValueError, match="no frames"):
+        cut_windows(np.zeros((0, 63)))

@@ -1,4 +1,4 @@
-"""The twenty joints are found in every rig that the table knows, and asked for in others."""
+"""The twenty joints are found in every known rig and by mapping in others; resampling."""
 
 import json
 
@@ -49,19 +49,11 @@ def test_a_users_mapping_goes_before_the_table(tmp_path):
     assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("{", "not JSON"),
-        ("[1]", "expected an object"),
-        ('{"hips": 3}', "expected an object"),
-        ('{"tail": "x"}', "tail"),
-    ],
-)
-def test_a_mapping_that_is_none(tmp_path, text, said):
+@pytest.mark.parametrize("text", ["{", "[1]", '{"hips": 3}', '{"tail": "x"}'])
+def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
     file = tmp_path / "rig.json"
     file.write_text(text)
-    with pytest.raises(UnknownRigError, match=said):
+    with pytest.raises(UnknownRigError, match=r"rig\.json: (not JSON|expected an obj|not among)"):
         read_mapping(file)
 
 

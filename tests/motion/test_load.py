@@ -1,4 +1,4 @@
-"""One door for every kind of file, and a plain word at it for what cannot come in."""
+"""`load_motion` and `find_motion_files`: supported files, and errors for all others."""
 
 from __future__ import annotations
 

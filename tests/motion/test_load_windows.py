@@ -1,4 +1,4 @@
-"""Windows from a folder: every file where there is time for all, some of everything where not."""
+"""`load_windows`: all files, a pattern, and a limit of minutes."""
 
 import numpy as np
 import pytest

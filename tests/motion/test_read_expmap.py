@@ -1,4 +1,4 @@
-"""Exponential-map text: what it says, and what is said of damaged text."""
+"""Exponential-map text: layouts, conventions, and errors for damaged text."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion import MotionFileError, find_joints, load_motion, read_expmap
+from numpy_cae.motion import MotionFileError, load_motion, read_expmap
 from numpy_cae.motion.io.expmap import cmu_root
 from numpy_cae.motion.io.expmap_rigs import CMU, HUMAN36M
 
@@ -16,13 +16,6 @@ seeds = st.integers(0, 2**32 - 1)
 def write(path, rows):
     path.write_text("\n".join(",".join(f"{value:.9g}" for value in row) for row in rows) + "\n")
     return path
-
-
-@pytest.mark.parametrize(("rig", "width", "joints"), [(CMU, 117, 31), (HUMAN36M, 99, 25)])
-def test_the_layouts(rig, width, joints):
-    assert rig.width == width
-    assert len(rig.skeleton.names) == joints
-    assert len(find_joints(rig.skeleton)) == 20
 
 
 @pytest.mark.parametrize("rig", [CMU, HUMAN36M])
@@ -81,14 +74,6 @@ def test_cmu_text_agrees_with_the_acclaim_file(data_folder):
         assert np.abs(gap).max() < 1e-5, name
 
 
-def test_nobody_in_cmu_text_lies_down(data_folder):
-    """As written, people who turn round pass through the floor on the way."""
-    for path in (data_folder / "cmu/expmap").glob("*/walking_2?.txt"):
-        motion = read_expmap(path)
-        up = Rotation.from_quat(motion.rotations[:, 0]).apply([0, 1, 0])[:, 1]
-        assert up.min() > 0.9, path.name
-
-
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
@@ -105,12 +90,6 @@ def test_damage_is_said_with_its_line(tmp_path, text, line, said):
     with pytest.raises(MotionFileError) as raised:
         read_expmap(tmp_path / "take.txt")
     assert raised.value.line == line and said in str(raised.value)
-
-
-def test_an_empty_file_is_said(tmp_path):
-    (tmp_path / "take.txt").write_text(" \n\n")
-    with pytest.raises(MotionFileError, match="empty"):
-        read_expmap(tmp_path / "take.txt")
 
 
 def test_a_unit_can_be_given(tmp_path):

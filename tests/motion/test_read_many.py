@@ -1,4 +1,4 @@
-"""Many files: the same takes whichever way they are read, and a cache that knows content alone."""
+"""Reading many files: the same takes in parallel and from the cache, which knows content alone."""
 
 from __future__ import annotations
 

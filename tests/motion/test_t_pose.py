@@ -1,4 +1,4 @@
-"""The T-pose before the first frame is dropped, and nothing else."""
+"""A T-pose before the first frame is dropped, and nothing else."""
 
 from dataclasses import replace
 

@@ -25,12 +25,6 @@ def test_the_longest_way_from_tip_to_tip():
     assert stature(skeleton) == pytest.approx((1 + 3 + 4 + 5 + 0.5) / TIP_TO_TIP)
 
 
-def test_lengths_of_the_motion_go_before_offsets():
-    skeleton = Skeleton(("hips", "left", "right"), (-1, 0, 0), np.zeros((3, 3)))
-    assert stature(skeleton) == 0
-    assert stature(skeleton, np.array([9.0, 1.0, 2.0])) == pytest.approx(3 / TIP_TO_TIP)
-
-
 @pytest.mark.parametrize("name", UNITS)
 @given(tall=st.floats(1.4, 2.0))
 @settings(max_examples=20)
