@@ -42,13 +42,9 @@ class Table:
 
     def cells(self) -> list[list[str]]:
         """The rows as printed, without the header."""
-        formats = self.formats
-        if isinstance(formats, str):
-            formats = [formats] * len(self.header)
-        return [
-            [_printed(value, form) for value, form in zip(row, formats, strict=True)]
-            for row in self.rows
-        ]
+        one = isinstance(self.formats, str)
+        formats = [self.formats] * len(self.header) if one else self.formats
+        return [list(map(_printed, row, formats)) for row in self.rows]
 
     def text(self) -> str:
         """The caption and the table in Markdown's form, padded for a terminal."""
@@ -134,10 +130,7 @@ class Result:
                 }
                 for table in self.tables
             ],
-            "claims": [
-                {"sentence": claim.sentence, "held": bool(claim.held), "figures": claim.figures}
-                for claim in self.claims
-            ],
+            "claims": [vars(claim) | {"held": bool(claim.held)} for claim in self.claims],
             "note": self.note,
         }
 
@@ -158,13 +151,8 @@ class Result:
         moving = self.animation
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "animation.gif")
-            save_gif(
-                list(moving.actors),
-                path,
-                moving.rate,
-                azimuth=moving.azimuth,
-                seconds=moving.seconds,
-            )
+            view = {"azimuth": moving.azimuth, "seconds": moving.seconds}
+            save_gif(list(moving.actors), path, moving.rate, **view)
             return path.read_bytes()
 
     def save_picture(self, path: str | Path) -> None:
@@ -191,11 +179,9 @@ def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _printed(value: object, form: str) -> str:
-    if value is None or (isinstance(value, float | np.floating) and np.isnan(value)):
-        return ""
     if isinstance(value, float | np.floating):
-        return format(float(value), form)
-    return str(value)
+        return "" if np.isnan(value) else format(float(value), form)
+    return "" if value is None else str(value)
 
 
 def _plain(value: object) -> object:

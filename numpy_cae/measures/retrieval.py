@@ -69,11 +69,6 @@ class Difference(NamedTuple):
     low: float
     high: float
 
-    @property
-    def certain(self) -> bool:
-        """Whether the interval excludes 0."""
-        return self.low > 0 or self.high < 0
-
     def text(self) -> str:
         """For a cell of a table."""
         return f"{self.mean:+.2f} ({self.low:+.2f} to {self.high:+.2f})"
