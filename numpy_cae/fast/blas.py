@@ -41,10 +41,7 @@ def _openblas():
 
 
 def blas_threads() -> int | None:
-    """The number of threads a matrix product uses now, None where it is unknown.
-
-    It is the number of cores unless the environment says otherwise (OPENBLAS_NUM_THREADS).
-    """
+    """The number of threads of a matrix product, None if unknown (see OPENBLAS_NUM_THREADS)."""
     functions = _openblas()
     return None if functions is None else functions[0]()
 

@@ -108,26 +108,14 @@ def block_length(frames: int, longest: int) -> tuple[int, int]:
 
 
 def overlapping(padded: np.ndarray, blocks: Blocks, count: int) -> np.ndarray:
-    """The N frames that each block reads, (count, N, width), a view: neighbours share K - 1.
-
-    Parameters
-    ----------
-    padded : (count · L + K - 1, width) array
-    """
+    """The N frames of each block, a view (count, N, width) of (count · L + K - 1, width) rows."""
     frame, value = padded.strides
     shape = (count, blocks.points, padded.shape[1])
     return as_strided(padded, shape, (blocks.frames * frame, frame, value), writeable=False)
 
 
 def overlap_add(parts: np.ndarray, blocks: Blocks, out: np.ndarray) -> None:
-    """The adjoint of `overlapping`: where blocks share frames, their values are added.
-
-    Parameters
-    ----------
-    parts : (count, N, width) array
-    out : (count · L + K - 1, width) array
-        Overwritten.
-    """
+    """The adjoint of `overlapping`, into `out`: where blocks share frames, values are added."""
     out[: blocks.points] = parts[0]
     out[blocks.points :] = 0
     for block in range(1, len(parts)):

@@ -33,23 +33,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     where the last line adds up the contributions of overlapping blocks to a frame that they share.
     With time as the leading axis, each of these lines is a plain matrix product.
 
-    Parameters
-    ----------
-    x : (B, T, C) array of float
-        B windows of T frames of C channels.
-    w : (K, C, D) array of float
-        D filters of K taps over C channels; K is odd.
-    b : (D,) array of float
-
-    Returns
-    -------
-    y : (B, T, D) array
-    pullback : dy -> (dx, dw, db)
-
-    Raises
-    ------
-    ValueError
-        If a shape does not fit or K is even.
+    Arguments, results and errors are those of `ops.conv1d`.
 
     References
     ----------

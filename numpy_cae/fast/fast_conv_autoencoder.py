@@ -42,16 +42,7 @@ MAX_WORKSPACES = 4
 class FastConvAutoencoder(ConvAutoencoder):
     """The methods of a `ConvAutoencoder` on its own layers.
 
-    Parameters
-    ----------
-    model : ConvAutoencoder
-    threads : int, optional
-        As many as BLAS would use where None.
-
-    Attributes
-    ----------
-    layers : list of ConvLayer
-        The model's own list.
+    See `accelerate` for the parameters. `layers` is the model's own list.
     """
 
     def __init__(self, model: ConvAutoencoder, threads: int | None = None):

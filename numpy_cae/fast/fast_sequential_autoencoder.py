@@ -60,9 +60,9 @@ class SequenceWorkspace:
             for number in range(team.size)
         ]
 
-    def run(self, work: Callable[[int, SequenceWorker], None]) -> None:
-        """Call work(number, worker) for every worker."""
-        self.team.run(lambda number: work(number, self.workers[number]))
+    def run(self, work: Callable[[SequenceWorker], None]) -> None:
+        """Call work(worker) for every worker."""
+        self.team.run(lambda number: work(self.workers[number]))
 
 
 class FastSequentialAutoencoder(SequentialAutoencoder):
@@ -70,16 +70,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
 
     `encode_with_pullback` and `decode_with_pullback` are those of the definition.
 
-    Parameters
-    ----------
-    model : SequentialAutoencoder
-    threads : int, optional
-        As many as BLAS would use where None.
-
-    Attributes
-    ----------
-    weights : dict of name to array
-        The model's own dict.
+    See `accelerate` for the parameters. `weights` is the model's own dict.
     """
 
     def __init__(self, model: SequentialAutoencoder, threads: int | None = None):
@@ -101,7 +92,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
             workspace.encoder.load(weights, back=False)
 
-            def work(_: int, worker: SequenceWorker) -> None:
+            def work(worker: SequenceWorker) -> None:
                 last_states[part][worker.clips] = worker.read(x[part]).T
 
             workspace.run(work)
@@ -120,7 +111,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         def decode_part(workspace: SequenceWorkspace, part: slice) -> None:
             workspace.decoder.load(weights, back=False)
 
-            def work(_: int, worker: SequenceWorker) -> None:
+            def work(worker: SequenceWorker) -> None:
                 worker.write(first_states[part][worker.clips].T)
                 worker.copy_clips(out[part])
 
@@ -138,7 +129,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         dtype = _dtype(weights, x, prior, directions)
         last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
 
-        def read(_: int, worker: SequenceWorker) -> None:
+        def read(worker: SequenceWorker) -> None:
             last_states[worker.clips] = worker.read(x).T
 
         with self._lock:
@@ -150,27 +141,27 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
             first_states = z @ weights["state_w"] + weights["state_b"]
             distance, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
             dz = prior_pullback(weight)
-            errors = [0.0] * workspace.team.size
-            gradients: list[Weights] = [{}] * workspace.team.size
 
-            def write_and_pull_back(number: int, worker: SequenceWorker) -> None:
+            def write_and_pull_back(worker: SequenceWorker) -> None:
                 clips = worker.clips
                 worker.write(first_states[clips].T)
-                errors[number] = worker.compare(x.size)
+                worker.loss = worker.compare(x.size)
                 dh, decoder_gradients = worker.write_pullback()
                 d_first_states[clips] = dh.T
                 dz[clips] += d_first_states[clips] @ weights["state_w"].T
                 encoder_gradients = worker.read_pullback(weights["latent_w"] @ dz[clips].T)
-                gradients[number] = encoder_gradients | decoder_gradients
+                worker.gradients = encoder_gradients | decoder_gradients
 
             workspace.run(write_and_pull_back)
-        sums = _sums(gradients) | {
+            reconstruction = sum(worker.loss for worker in workspace.workers)
+            sums = _sums([worker.gradients for worker in workspace.workers])
+        sums |= {
             "latent_w": last_states.T @ dz,
             "latent_b": dz.sum(axis=0),
             "state_w": z.T @ d_first_states,
             "state_b": d_first_states.sum(axis=0),
         }
-        reconstruction, discrepancy = sum(errors), float(distance)
+        discrepancy = float(distance)
         losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
         return losses, {name: sums[name] for name in weights}
 

@@ -29,14 +29,7 @@ NEW = 2
 
 
 class GruMatrices:
-    """The matrices of one GRU; those of the decoder include the map to a frame.
-
-    Parameters
-    ----------
-    gru : "encoder" or "decoder"
-    features, hidden : int
-    dtype : float32 or float64
-    """
+    """The matrices of the "encoder" or the "decoder"; the latter's include the map to a frame."""
 
     def __init__(self, gru: str, features: int, hidden: int, dtype: np.dtype):
         self.gru, self.hidden = gru, hidden

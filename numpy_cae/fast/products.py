@@ -21,11 +21,7 @@ MAX_UNPACKED_TRANSPOSED = 1200
 def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     """out[s] = a[s] · b[s], in groups of rows of each a[s].
 
-    Parameters
-    ----------
-    a : (S, R, M) array
-    b : (S, M, N) array, or a transposed view of one
-    out : (S, R, N) array
+    a is (S, R, M), b is (S, M, N), possibly a transposed view, and out is (S, R, N).
     """
     inner, columns = b.shape[1:]
     rows = MAX_UNPACKED // max(inner * columns, 1)
@@ -37,11 +33,7 @@ def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
 def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     """out[j] = a · b[j] for one constant matrix a, in groups of columns of each b[j].
 
-    Parameters
-    ----------
-    a : (M, K) array
-    b : (J, K, W) array
-    out : (J, M, W) array
+    a is (M, K), b is (J, K, W), and out is (J, M, W).
     """
     width = b.shape[-1]
     at_once = max(MAX_UNPACKED // max(a.size, 1) // 16 * 16, 16)

@@ -24,13 +24,6 @@ import numpy as np
 class Recurrence:
     """The buffers of one GRU for T steps of B clips.
 
-    Parameters
-    ----------
-    hidden, batch, frames : int
-    dtype : float32 or float64
-    training : bool
-        Whether gradients will be computed.
-
     Attributes
     ----------
     states : (T + 1, H + 1, B) array

@@ -10,18 +10,7 @@ from numpy_cae.models.sequential_autoencoder import Weights
 
 
 class SequenceWorker:
-    """Buffers for B clips of T frames.
-
-    Parameters
-    ----------
-    encoder, decoder : GruMatrices
-        Shared with the other members.
-    clips : slice
-        Its part of the batch.
-    frames : int
-    dtype : float32 or float64
-    training : bool
-        Whether gradients will be computed.
+    """Buffers for its `clips` of a batch, T frames each.
 
     Attributes
     ----------
@@ -50,6 +39,7 @@ class SequenceWorker:
         self.clip = np.ones((frames, features + 1, batch), dtype)
         self.fed = np.ones((frames + 1, features + 1, batch), dtype)
         self.fed[0, :features] = 0
+        self.loss, self.gradients = 0.0, dict[str, np.ndarray]()
         self._products = np.empty((3 * hidden + features, batch), dtype)
         self._a = np.empty((3 * hidden, batch), dtype)
         self._tall = np.empty((frames, 3 * hidden, batch), dtype)

@@ -23,12 +23,7 @@ class OtherWorkerFailed(RuntimeError):
 
 
 class ThreadTeam:
-    """A number of threads; the calling thread is worker 0.
-
-    Attributes
-    ----------
-    size : int
-    """
+    """A number of threads; the calling thread is worker 0."""
 
     def __init__(self, size: int):
         self.size = size
@@ -44,9 +39,7 @@ class ThreadTeam:
     def run(self, work: Callable[[int], None]) -> None:
         """Call work(0), work(1), … in parallel, each with one BLAS thread, and wait for all.
 
-        Raises
-        ------
-        the error of the first worker that failed
+        If a worker fails, the others are released and its error is raised.
         """
         with self._lock:
             if self.size == 1:

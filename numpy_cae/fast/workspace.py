@@ -21,20 +21,10 @@ LayerShape = tuple[tuple[int, int, int], float]
 
 
 class Worker:
-    """The buffers of one thread.
+    """The buffers of one thread: its layers, for its `windows` of the batch.
 
-    Attributes
-    ----------
-    number : int
-        The first is 0.
-    windows : slice
-        Its part of the batch.
-    layers : list of FastLayer, lowest first
-    top, d_top : (t, B·D) arrays
-        Hidden units, and the gradient for them.
-    dw : list of (K, C·D) arrays
-        Its part of the gradient for W.
-    db : list of (D,) arrays
+    `top` and `d_top`, (t, B·D), are the hidden units and the gradient for them; `dw` and `db` its
+    part of the gradients of each layer.
     """
 
     def __init__(
@@ -64,21 +54,19 @@ class Workspace:
 
     Parameters
     ----------
-    shapes : tuple of (shape of w, bound), one for each layer
+    shapes, unpooled_evenly : tuples with one element for each layer
     batch, frames : int
     dtype : dtype
-    unpooled_evenly : tuple of bool, one for each layer
-    team : ThreadTeam
-    comparing_team : ThreadTeam
-        The same, or one with a second thread, which compares the filters with a copy.
+    team, comparing_team : ThreadTeam
+        The same, or the second has one more thread, which compares the filters with a copy.
     training : bool
-        Whether gradients for the weights will be computed: the blocks are as long as suits that,
-        and ŵ is transformed in every run, since every step changes the weights.
+        Whether gradients for the weights will be computed: then ŵ is transformed in every run,
+        since every step changes the weights, and the block length takes that into account.
 
     Attributes
     ----------
     content : object
-        A new one for each run, so that a caller can tell whether the buffers are still its own.
+        A new one for each run, to tell whether the buffers still belong to an earlier run.
     """
 
     def __init__(
@@ -98,13 +86,12 @@ class Workspace:
         windows = [share(batch, number, team.size) for number in range(team.size)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
         together = batch if training else -(-batch // team.size)
-        convolutions = [
-            [
-                _convolution(shape, each, together, frames >> k, dtype, evenly, training)
-                for k, ((shape, _), evenly) in enumerate(zip(shapes, unpooled_evenly, strict=True))
-            ]
-            for each in windows
-        ]
+        convolutions: list[list[TiedConvolution]] = [[] for _ in windows]
+        for k, ((shape, _), evenly) in enumerate(zip(shapes, unpooled_evenly, strict=True)):
+            longest = cheapest_length(*shape, together, frames >> k, training)
+            for own, part in zip(convolutions, windows, strict=True):
+                size = part.stop - part.start
+                own.append(TiedConvolution(shape, size, frames >> k, longest, dtype, evenly))
         for of_one_layer in zip(*convolutions, strict=True):
             for convolution in of_one_layer[1:]:
                 convolution.share_spectra(of_one_layer[0])
@@ -121,14 +108,8 @@ class Workspace:
     ) -> None:
         """Call work(worker) for every worker, with the ŵ of these layers.
 
-        Parameters
-        ----------
-        layers : sequence of ConvLayer
-        work : function of a Worker
-            May be called a second time; the first result is then discarded.
-        same_weights : bool
-            The caller knows that W has not changed since the last run. Otherwise W is compared
-            with a copy.
+        Unless the caller knows that W is that of the last run (`same_weights`), W is compared with
+        a copy. If it has changed, the work is done a second time.
         """
         self.content = object()
         if same_weights:
@@ -144,7 +125,10 @@ class Workspace:
         copies = [] if self.training else [layer.w.copy() for layer in layers]
 
         def transform_and_work(number: int) -> None:
-            self._transform_filters(layers, number)
+            for k, layer in enumerate(layers):
+                convolution = self.workers[number].layers[k].convolution
+                convolution.transform_filters(layer.w, self._filter_rows(convolution, number))
+            self.team.wait(number)
             work(self.workers[number])
 
         self.team.run(transform_and_work)
@@ -153,10 +137,10 @@ class Workspace:
     def _run_while_comparing(
         self, layers: Sequence[ConvLayer], work: Callable[[Worker], None]
     ) -> bool:
-        """Work with the ŵ at hand and compare W with its copy; return whether W is unchanged.
+        """Work with the present ŵ and compare W with its copy; return whether W is unchanged.
 
-        For one window the comparison takes half as long as encoding, so where one thread works,
-        a second one compares. Where several threads work, each compares a part first.
+        For one window the comparison takes half as long as encoding. So if one thread works, a
+        second one compares; if several threads work, each first compares a part.
         """
         if len(self._copies) != len(layers):
             return False
@@ -182,13 +166,6 @@ class Workspace:
             for copy, layer in zip(self._copies, layers, strict=True)
             for taps in [share(len(copy), part, parts)]
         )
-
-    def _transform_filters(self, layers: Sequence[ConvLayer], number: int) -> None:
-        """One worker's rows of ŵ = G w for every layer; then wait for the others."""
-        for k, layer in enumerate(layers):
-            convolution = self.workers[number].layers[k].convolution
-            convolution.transform_filters(layer.w, self._filter_rows(convolution, number))
-        self.team.wait(number)
 
     def filters_gradient(self, own: Worker, out: Sequence[np.ndarray]) -> None:
         """dw = Gᵀ dŵ of every layer into `out`, called by all workers after their pullbacks."""
@@ -238,18 +215,3 @@ def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
         if not same.all():
             return False
     return True
-
-
-def _convolution(
-    shape: tuple[int, int, int],
-    windows: slice,
-    together: int,
-    frames: int,
-    dtype: np.dtype,
-    halved: bool,
-    training: bool,
-) -> TiedConvolution:
-    """One layer's convolution for one thread; `together` windows determine the block length."""
-    longest = cheapest_length(*shape, together, frames, training)
-    batch = windows.stop - windows.start
-    return TiedConvolution(shape, batch, frames, longest, dtype, halved)
