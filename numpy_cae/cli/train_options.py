@@ -25,8 +25,8 @@ RECIPES = {
     "best": Schedule(fine_tuning=_BEST),
     "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
 }
-"""best: see docs/lab_book.md. fast: 1.35 and 1.71 cm (reconstruction, half zeroed) on Bandai's *_004
-after training on *_001 to *_003; nothing was chosen on the test files *_005."""
+"""best: see docs/lab_book.md. fast: 1.35 and 1.71 cm (reconstruction, half zeroed) on Bandai's
+*_004 after training on *_001 to *_003; nothing was chosen on the test files *_005."""
 
 _COMMON = {
     "epochs": (kinds.whole_number, "number of epochs, of each layer where layers are trained"),
