@@ -46,12 +46,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     top = np.argsort(-largest, axis=0, kind="stable")[:ROWS].T
     chosen = np.argsort(-largest.std(axis=0), kind="stable")[:UNITS]  # those that vary most
     motions = {
-        f"unit {unit + 1}: {_name(takes[take])} ({largest[take, unit]:.2f})": (
+        f"unit {unit + 1}, {rank}: {_name(takes[take])} ({largest[take, unit]:.2f})": (
             _around(clips[take], moment[take, unit]),
             colour,
         )
         for unit, colour in zip(chosen, _COLOURS, strict=False)
-        for take in top[unit]
+        for rank, take in enumerate(top[unit], 1)
     }
     caption = (
         f"Of the {TOP} takes, of {len(takes)} test takes, in which a unit is largest, the share "
