@@ -42,12 +42,12 @@ class Skeleton:
             )
         if len(set(self.names)) != joints:
             twice = sorted({name for name in self.names if self.names.count(name) > 1})
-            raise ValueError(f"joint names stand more than once: {', '.join(twice)}")
+            raise ValueError(f"joint names appear more than once: {', '.join(twice)}")
         for joint, parent in enumerate(self.parents):
             if not (parent == -1 if joint == 0 else 0 <= parent < joint):
                 raise ValueError(
                     f"joint {self.names[joint]!r} has parent {parent}: "
-                    "the root stands first and every parent before its children"
+                    "the root must be first and every parent before its children"
                 )
 
     def index(self, name: str) -> int:

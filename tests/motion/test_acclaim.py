@@ -236,7 +236,7 @@ ASF_DAMAGES = {
     "empty": (("", AMC), None, ["empty"]),
     "another kind of file": (("HIERARCHY\nROOT hips\n", AMC), 2, ["without :bonedata", ".asf"]),
     "cut off": ((ASF[: ASF.index(":hierarchy")], AMC), 49, ["without :hierarchy"]),
-    "cut off in the hierarchy": ((ASF[: ASF.index("    femur")], AMC), 34, ["'tibia'", "nowhere"]),
+    "cut off in the hierarchy": ((ASF[: ASF.index("    femur")], AMC), 34, ["tibia", "not below"]),
     "length 0": (asf("length 0.45", "length 0"), 6, ["length of :units", "above 0"]),
     "length of words": (asf("length 0.45", "length inch"), 6, ["'inch'", "number"]),
     "angle unknown": (asf("angle deg", "angle grad"), 7, ["'grad'", "deg or rad"]),
@@ -265,9 +265,9 @@ ASF_DAMAGES = {
     "unknown bone": (asf("root hip stump", "root hip tail"), 52, ["'tail'", "lacks"]),
     "a bone of two parents": (asf("hip femur", "hip femur stump"), 53, ["'stump'", "line 52"]),
     "the root hung": (asf("hip femur", "hip femur root"), 53, ["'root'", "second time"]),
-    "a bone not hung": (asf("root hip stump", "root hip"), 43, ["'stump'", "nowhere"]),
+    "a bone not hung": (asf("root hip stump", "root hip"), 43, ["'stump'", "not below"]),
     "a ring": (asf("root hip stump\n    hip femur", "root stump\n    tibia hip\n    hip femur"),
-               16, ["'hip'", "nowhere"]),
+               16, ["'hip'", "not below"]),
 }  # fmt: skip
 
 

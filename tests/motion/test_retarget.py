@@ -178,7 +178,7 @@ def test_what_cannot_be_followed_is_said():
     lost[2, 3] = np.nan
     with pytest.raises(ValueError, match="not finite"):
         retarget(motion, lost)
-    with pytest.raises(UnknownRigError, match=r"left_hip .*hangs from none"):
+    with pytest.raises(UnknownRigError, match=r"left_hip .*descends from none"):
         retarget(motion, body_positions(motion), {"left_hip": "floor"})
 
 

@@ -33,13 +33,11 @@ def test_a_grown_person_is_measured_in_the_right_unit(name, tall):
     unit, note = guess_unit(height)
     assert unit == UNITS[name]
     tall = height * unit
-    assert note == f"{name} (guessed: the skeleton would stand about {tall:.1f} m tall)"
+    assert note == f"{name} (guessed: the skeleton would be about {tall:.1f} m tall)"
 
 
 def test_giants_and_dwarfs_are_doubted():
-    assert guess_unit(4.0)[1].endswith(
-        "about 4.0 m tall, which no grown person does; give the unit)"
-    )
+    assert guess_unit(4.0)[1].endswith("about 4.0 m tall, which no adult is; give the unit)")
     assert "give the unit" in guess_unit(20_000.0)[1]
     assert guess_unit(0.0) == (
         1.0,

@@ -69,7 +69,7 @@ def read_amc(
     rotations, translations = _pose(acclaim, values, degrees)
     source = ":units of the skeleton" if unit is None else "as given"
     height = stature(acclaim.skeleton)
-    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton stands about {height:.1f} m tall)"
+    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton is about {height:.1f} m tall)"
     if step > 1 and max_rate is not None:
         rate = max_rate
     return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
@@ -92,7 +92,7 @@ def find_skeleton(path: str | Path) -> Path:
     raise MotionFileError(
         path,
         None,
-        f"its skeleton is not clear: the folder holds {found}, expected "
+        f"its skeleton is not clear: the folder contains {found}, expected "
         f"{path.stem.split('_')[0]}.asf; pass the .asf file that belongs to it to read_amc",
     )
 
@@ -158,9 +158,9 @@ def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) ->
             number, frame_line, frame = following, line, {}
             continue
         if number is None:
-            raise file.error(line, f"bone {name!r} stands before the number of the first frame")
+            raise file.error(line, f"bone {name!r} is before the number of the first frame")
         if name in frame:
-            raise file.error(line, f"bone {name!r} stands a second time in frame {number}")
+            raise file.error(line, f"bone {name!r} appears a second time in frame {number}")
         expected = channels[name]
         if len(values) != len(expected):
             reason = f" ({' '.join(expected)})" if expected else ": the skeleton gives it no dof"

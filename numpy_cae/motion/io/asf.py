@@ -140,7 +140,7 @@ def _read_sections(file: TextFile) -> _Sections:
             elif keyword == "begin":
                 break
             elif bone is None:
-                raise file.error(line, f"{quoted(words[0])} stands outside begin and end")
+                raise file.error(line, f"{quoted(words[0])} is outside begin and end")
             elif keyword == "end":
                 bone = None
             else:
@@ -201,7 +201,7 @@ def _children(file: TextFile, sections: _Sections) -> dict[str, list[str]]:
         for child in words[1:]:
             if child == "root" or child in lines:
                 first = f", first on line {lines[child]}" if child in lines else ": it is the root"
-                raise file.error(line, f"{child!r} is hung a second time{first}")
+                raise file.error(line, f"{child!r} is listed as a child a second time{first}")
             lines[child] = line
         children.setdefault(words[0], []).extend(words[1:])
     return children
@@ -218,7 +218,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
             if required not in bone.fields:
                 raise file.error(bone.line, f"bone {bone.name!r} has no {required}")
         if bone.name in tips:
-            raise file.error(bone.line, f"bone name {bone.name!r} stands a second time")
+            raise file.error(bone.line, f"bone name {bone.name!r} appears a second time")
         direction = file.three_numbers(*bone.fields["direction"], "direction")
         line, words = bone.fields["length"]
         if len(words) != 1:
@@ -241,7 +241,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
     connected = set(names)
     for bone in sections.bones:
         if bone.name not in connected:
-            raise file.error(bone.line, f"bone {bone.name!r} hangs nowhere below the root")
+            raise file.error(bone.line, f"bone {bone.name!r} is not below the root")
 
     zeros = (0, ["0", "0", "0"])
     position = file.three_numbers(*sections.root.get("position", zeros), "position")

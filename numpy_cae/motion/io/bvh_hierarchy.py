@@ -147,13 +147,13 @@ class _Blocks:
                 "each a file of its own"
             )
         elif keyword == "JOINT" and parent is None:
-            problem = f"JOINT {name!r} stands outside ROOT: are there too many '}}' before it?"
+            problem = f"JOINT {name!r} is outside ROOT: are there too many '}}' before it?"
         elif isinstance(parent, _EndSite):
             problem = f"{keyword} {name!r} cannot stand inside {parent}"
         elif name in self.indices:
             first = self.joints[self.indices[name]].line
             problem = (
-                f"joint name {name!r} stands a second time, first on line {first}: expected every "
+                f"joint name {name!r} appears a second time, first on line {first}: expected every "
                 "joint to have a name of its own"
             )
         if problem is not None:
@@ -202,13 +202,13 @@ class _Blocks:
     def block(self, line: int, keyword: str) -> BvhJoint | _EndSite:
         """The innermost open block."""
         if not self.open:
-            raise self.file.error(line, f"{keyword} stands outside ROOT")
+            raise self.file.error(line, f"{keyword} is outside ROOT")
         return self.open[-1]
 
     def finish(self, line: int) -> None:
         """Check that everything is closed at MOTION."""
         if not self.joints:
-            raise self.file.error(line, "MOTION stands before any ROOT")
+            raise self.file.error(line, "MOTION is before any ROOT")
         self.require_no_brace_missing(line, "MOTION")
         if self.open:
             problem = f"{self.open[-1]} is still open: {len(self.open)} '}}' missing"

@@ -6,4 +6,4 @@ from numpy_cae.errors import FileError
 
 
 class MotionFileError(FileError):
-    """A motion file that cannot be read as it stands."""
+    """A motion file that cannot be read."""

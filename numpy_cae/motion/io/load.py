@@ -13,7 +13,7 @@ from numpy_cae.motion.motion import Motion
 
 SUPPORTED = (
     "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
-    "(exponential maps, as CMU and Human3.6M are handed round)"
+    "(exponential maps of CMU or Human3.6M)"
 )
 
 

@@ -86,7 +86,7 @@ def guess_unit(height: float) -> tuple[float, str]:
         return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"
     name = min(UNITS, key=lambda name: abs(np.log(height * UNITS[name] / ADULT)))
     tall = height * UNITS[name]
-    note = f"{name} (guessed: the skeleton would stand about {tall:.1f} m tall"
+    note = f"{name} (guessed: the skeleton would be about {tall:.1f} m tall"
     if not is_plausible(tall):
-        note += ", which no grown person does; give the unit"
+        note += ", which no adult is; give the unit"
     return UNITS[name], note + ")"

@@ -178,7 +178,7 @@ def _bone_to(skeleton: Skeleton, joint: int, joints: list[int], name: str) -> _B
     while above not in joints:
         if above < 0:
             raise UnknownRigError(
-                f"{name} ({skeleton.names[joint]!r} in the rig) hangs from none of the twenty "
+                f"{name} ({skeleton.names[joint]!r} in the rig) descends from none of the twenty "
                 "joints: is another joint of the rig its hips? Name it in a mapping"
             )
         between.insert(0, above)
