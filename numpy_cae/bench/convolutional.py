@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from numpy_cae.bench import arithmetic
 from numpy_cae.models import ConvAutoencoder
 
 try:
@@ -25,20 +24,7 @@ FRAMES = 160
 
 @dataclass(frozen=True)
 class Case:
-    """A training step, an encoding or a projection of random windows.
-
-    Parameters
-    ----------
-    name : str
-        Such as "layer 2, random".
-    kind : "step", "encode" or "project"
-    x, corrupted : (B, T, C) arrays
-    first : list of masks, or None for even unpooling
-    layer : int or None
-        The layer that is trained by itself.
-    operations : int
-        Of the direct form, for the whole batch.
-    """
+    """A training step ("step"), an encoding ("encode") or a projection ("project") of windows."""
 
     name: str
     kind: str
@@ -46,12 +32,7 @@ class Case:
     corrupted: np.ndarray
     first: list[np.ndarray] | None
     layer: int | None
-    operations: int
-
-    @property
-    def alpha(self) -> float:
-        """The weight of the sparsity term: the paper's in this stage of training."""
-        return 0.0 if self.layer is None else 0.01
+    alpha: float = 0.0
 
     def function(self, model: ConvAutoencoder) -> Callable[[], Any]:
         """The case as a function without arguments."""
@@ -77,13 +58,11 @@ def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
             rng.random((batch, frames >> (k + 1), layer.b.size)) < 0.5
             for k, layer in enumerate(used)
         ]
-        operations = batch * arithmetic.training_step(used, frames)
-        name = "whole" if index is None else f"layer {index + 1}"
+        name, alpha = ("whole", 0.0) if index is None else (f"layer {index + 1}", 0.01)
         for unpooling, first in (("random", masks), ("even", None)):
-            yield Case(f"{name}, {unpooling}", "step", x, corrupted, first, index, operations)
-    operations = batch * arithmetic.encoding(layers, FRAMES)
-    yield Case("encode", "encode", x, x, None, None, operations)
-    yield Case("encode + decode", "project", x, x, None, None, 2 * operations)
+            yield Case(f"{name}, {unpooling}", "step", x, corrupted, first, index, alpha)
+    yield Case("encode", "encode", x, x, None, None)
+    yield Case("encode + decode", "project", x, x, None, None)
 
 
 class TorchModel:
@@ -128,15 +107,13 @@ class TorchModel:
             loss.backward()
             return loss.detach(), [(w.grad, b.grad) for w, b, _ in layers]
 
-        @torch.inference_mode()
-        def encode():
-            return self.encode(x, layers)
-
-        @torch.inference_mode()
         def project():
             return self.decode(self.encode(x, layers), layers, masks)
 
-        return {"step": step, "encode": encode, "project": project}[case.kind]
+        if case.kind == "step":
+            return step
+        used = project if case.kind == "project" else lambda: self.encode(x, layers)
+        return torch.inference_mode()(used)
 
     def arrays(self, case: Case) -> list[np.ndarray]:
         """The results of the case, in the order of `arrays_of`."""

@@ -23,14 +23,7 @@ WEIGHT = 0.1
 
 @dataclass(frozen=True)
 class SequenceCase:
-    """The arguments of one training step.
-
-    Parameters
-    ----------
-    x : (B, 50, features) array
-    prior : (B, latent) array
-    directions : (64, latent) array
-    """
+    """The arguments of one training step."""
 
     x: np.ndarray
     prior: np.ndarray

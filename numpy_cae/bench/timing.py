@@ -18,18 +18,13 @@ MIN_SECONDS = 0.03
 
 @dataclass(frozen=True)
 class Timing:
-    """The seconds of one call, in each of many rounds.
-
-    Parameters
-    ----------
-    seconds : (rounds,) array
-    """
+    """The seconds of one call, in each of many rounds."""
 
     seconds: np.ndarray
 
     @property
     def median(self) -> float:
-        """The median over the rounds."""
+        """Seconds."""
         return float(np.median(self.seconds))
 
     @property

@@ -1,4 +1,4 @@
-"""`numpy-cae bench`: the speed here, compared with the machine's limit, PyTorch and the paper."""
+"""`numpy-cae bench`: the speed here, compared with PyTorch and the paper."""
 
 from __future__ import annotations
 
@@ -21,11 +21,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "bench",
         help="measure the speed of training and projection",
-        description="Time training steps, encoding and projection. 'of peak' is the number of "
-        "operations of the direct convolution divided by the time, as a share of the speed of a "
-        "large matrix product in this process; the block convolution needs fewer operations, so "
-        "it can exceed 100%%. If PyTorch is installed, the same network in PyTorch is checked to "
-        "give the same results and timed alternately with this one.",
+        description="Time training steps, encoding and projection. If PyTorch is installed, the "
+        "same network in PyTorch is checked to give the same results and timed alternately with "
+        "this one; 'ratio' is PyTorch's time divided by this one's.",
         epilog="example: numpy-cae bench --batch 1 16",
     )
     parser.add_argument(
@@ -64,13 +62,12 @@ def run(args: argparse.Namespace) -> int:
     _warn_if_busy()
     if args.paper:
         batches = args.batch or (1, 16)
-        runs = (paper.run_paper(batch, 1, show_progress=not args.quiet) for batch in batches)
+        runs = (paper.run_paper(batch, show_progress=not args.quiet) for batch in batches)
         _print_rows(args, runs, lambda run: f"{run.text()}\n")
     else:
-        peak = matrix_product_peak()
         timed_rows = table.sequence_rows if args.sequential else table.rows
-        rows = timed_rows(peak, args.batch, args.rounds)
-        _print_rows(args, rows, table.Row.text, table.header(peak))
+        rows = timed_rows(args.batch, args.rounds)
+        _print_rows(args, rows, table.Row.text, table.header(matrix_product_peak()))
     return 0
 
 

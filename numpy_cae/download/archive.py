@@ -20,12 +20,9 @@ MAX_FILE_BYTES = 1 << 28
 
 
 def find_members(archive: zipfile.ZipFile, wanted: re.Pattern) -> dict[str, zipfile.ZipInfo]:
-    """The members whose file name matches, by file name; every name of the archive is checked.
+    """The members whose file name matches, by file name.
 
-    Raises
-    ------
-    DownloadError
-        If a name leaves the folder, or a wanted member is larger than `MAX_FILE_BYTES`.
+    Raises DownloadError if any name leaves the folder or a wanted member is too large.
     """
     found = {}
     for info in archive.infolist():
@@ -39,8 +36,8 @@ def find_members(archive: zipfile.ZipFile, wanted: re.Pattern) -> dict[str, zipf
                 problem = f"has {info.file_size} bytes, expected at most {MAX_FILE_BYTES}"
             found[path.name] = info
         if problem is not None:
-            where = f"{archive.filename}: {info.filename!r}"
-            raise DownloadError(f"{where} {problem}; nothing was extracted")
+            name = f"{archive.filename}: {info.filename!r}"
+            raise DownloadError(f"{name} {problem}; nothing was extracted")
     return found
 
 
@@ -49,12 +46,7 @@ def extract(
 ) -> Iterator[tuple[str, Path]]:
     """Extract each member to a temporary file in `folder`; yield its name and the file.
 
-    Raises
-    ------
-    DownloadError
-        If the disk has not enough space for all of them.
-    zipfile.BadZipFile
-        If a member is damaged.
+    Raises DownloadError if the disk is too small for all, BadZipFile if a member is damaged.
     """
     needed = sum(info.file_size for info in members.values())
     free = shutil.disk_usage(folder).free

@@ -39,14 +39,9 @@ Progress = Callable[[str, int, "int | None"], None]
 
 @dataclass
 class Tally:
-    """The result of a download.
+    """The numbers of files that are new and that were known before, and the refused ones.
 
-    Attributes
-    ----------
-    new, known : int
-        Files that were downloaded, and files that were there before.
-    refused : list of str
-        Downloaded files that cannot be read, with the reason; they are not in the folder.
+    A refused file was downloaded and cannot be read, for the stated reason; it is not kept.
     """
 
     new: int = 0
@@ -56,15 +51,7 @@ class Tally:
 
 @dataclass(frozen=True)
 class CmuSite:
-    """The site to download from.
-
-    Parameters
-    ----------
-    address : str
-        Such as "http://mocap.cs.cmu.edu".
-    pause : float
-        Seconds between two requests, to limit the load of the server.
-    """
+    """The site's address, and the seconds between two requests, which limit the server's load."""
 
     address: str = SITE
     pause: float = 0.2
@@ -91,14 +78,7 @@ def download_cmu(
     A file gets its name only when it is complete and can be read; it is then never downloaded
     again. An interrupted download is continued by the next call.
 
-    Parameters
-    ----------
-    folder : path
-        Created if it does not exist.
-    subjects : sequence of int, optional
-        The whole database, as one archive, by default.
-    site : CmuSite, optional
-    progress : function, optional
+    Without `subjects` the whole database is downloaded, as one archive.
 
     Raises
     ------

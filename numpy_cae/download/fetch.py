@@ -46,14 +46,8 @@ class _Changed(Exception):
 def fetch(url: str, part: str | Path, progress: Progress | None = None, pause: float = 1.0) -> None:
     """Download a file into `part`, continuing after the bytes that it has.
 
-    Parameters
-    ----------
-    url : str
-    part : path
-        Complete when the function returns; the caller renames it.
-    progress : function, optional
-    pause : float
-        Seconds before the second attempt, doubled with each further one.
+    `part` is complete when the function returns; the caller renames it. `pause` is the time in
+    seconds before the second attempt, doubled with each further one.
 
     Raises
     ------
@@ -68,7 +62,10 @@ def fetch(url: str, part: str | Path, progress: Progress | None = None, pause: f
             return _request(url, part, progress or (lambda done, total: None))
         except urllib.error.HTTPError as error:
             reason = f"the server answers {error.code} {error.reason}"
-            if error.code < 500:
+            if error.code == 416:  # the server's file is shorter than the received bytes
+                part.unlink()
+                restarts += 1
+            elif error.code < 500:
                 raise DownloadError(f"{url}: {reason}") from None
         except _Changed as error:
             part.unlink(missing_ok=True)
@@ -92,15 +89,8 @@ def _request(url: str, part: Path, progress: Progress) -> None:
     headers = {"Accept-Encoding": "identity"}  # compressed bytes could not be continued
     if known:
         headers["Range"] = f"bytes={start}-"
-    try:
-        answer = urllib.request.urlopen(
-            urllib.request.Request(url, headers=headers), timeout=TIMEOUT
-        )
-    except urllib.error.HTTPError as error:
-        if error.code == 416:
-            raise _Changed("the server's file is shorter than the received bytes") from None
-        raise
-    with answer:
+    request = urllib.request.Request(url, headers=headers)
+    with urllib.request.urlopen(request, timeout=TIMEOUT) as answer:
         text = answer.headers.get("Content-Length") or ""
         length = int(text) if text.isdecimal() else None
         if answer.status == 206:

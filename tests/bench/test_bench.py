@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from numpy_cae.bench import arithmetic, convolutional, paper, sequential, table
+from numpy_cae.bench import convolutional, paper, sequential, table
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
@@ -42,20 +42,6 @@ def test_every_stage_both_unpoolings_and_projection_are_timed():
     assert [case.name for case in cases(small(), 2)] == NAMES
 
 
-def test_operations_are_those_of_the_papers_network():
-    layers = ConvAutoencoder().layers
-    one = 2 * 15 * (160 * 63 * 64 + 80 * 64 * 128 + 40 * 128 * 256)
-    assert arithmetic.encoding(layers, 160) == one
-    assert arithmetic.training_step(layers, 160) == 6 * one - 2 * 15 * 160 * 63 * 64
-
-
-def test_operations_are_those_of_both_grus():
-    model = SequentialAutoencoder(hidden=128, latent=32)
-    gru = 3 * 128 * (54 + 128)
-    expected = 2 * 50 * (3 * (2 * gru + 128 * 54) - 3 * 128 * 54)
-    assert arithmetic.sequence_step(model, 50) == expected
-
-
 def test_functions_are_timed_alternately():
     calls = []
 
@@ -77,14 +63,6 @@ def test_median_and_spread():
 
 def test_the_peak_is_a_speed():
     assert matrix_product_peak(64, 2) > 0
-
-
-def test_memory_is_the_maximum_during_the_call():
-    def work():
-        np.ones(1_000_000)
-        return np.ones(10)
-
-    assert 8_000_000 <= table.peak_memory(work) < 9_000_000
 
 
 @needs_torch
@@ -111,7 +89,7 @@ def test_different_computations_are_not_timed(monkeypatch):
     original = TorchModel.encode
     monkeypatch.setattr(TorchModel, "encode", lambda *arguments: 0.999 * original(*arguments))
     with pytest.raises(ArithmeticError, match="differs in 'layer 1, random'"):
-        next(table.rows(1e11))
+        next(table.rows())
 
 
 @needs_torch
@@ -124,7 +102,7 @@ def test_different_sequential_computations_are_not_timed(monkeypatch):
 
     monkeypatch.setattr(sequential.TorchSequenceModel, "reconstruct", reversed_twice)
     with pytest.raises(ArithmeticError, match="differs in 'sequential'"):
-        next(table.sequence_rows(1e11, [2]))
+        next(table.sequence_rows([2]))
 
 
 @pytest.mark.parametrize("with_torch", [True, False])
@@ -161,16 +139,9 @@ def test_a_busy_machine_gives_a_warning(monkeypatch, capsys, load, warned):
 
 def test_the_papers_run_names_its_stages_and_scales_to_25_epochs(monkeypatch):
     monkeypatch.setattr(paper, "ConvAutoencoder", lambda: ConvAutoencoder(filters=(4, 5, 6)))
-    run = paper.run_paper(4, epochs=1, windows=8, show_progress=False)
+    run = paper.run_paper(4, windows=8, show_progress=False)
     assert list(run.minutes) == list(paper.MINUTES)
-    assert run.total > sum(run.minutes.values())
+    assert run.once > 0
     text = run.text()
     assert "batch 4, 8 windows, scaled from 1 to 25 epochs" in text
     assert "|                  304 |" in text
-
-
-def test_synthetic_windows_are_as_large_as_those_of_training():
-    windows = paper.synthetic_windows(200, 32)
-    assert windows.dtype == np.float32
-    assert np.sqrt(np.mean(windows**2)) == pytest.approx(0.25, rel=0.1)
-    np.testing.assert_array_equal(windows, paper.synthetic_windows(200, 32))
