@@ -7,7 +7,6 @@ import pytest
 
 from numpy_cae.bench import convolutional, paper, sequential, table
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
-from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.timing import Timing, time_alternately
 from numpy_cae.cli import bench, main
@@ -59,10 +58,6 @@ def test_median_and_spread():
     timing = Timing(np.array([1.0, 2.0, 3.0, 4.0, 100.0]))
     assert timing.median == 3
     assert timing.spread == pytest.approx((4 - 2) / 2 / 3)
-
-
-def test_the_peak_is_a_speed():
-    assert matrix_product_peak(64, 2) > 0
 
 
 @needs_torch

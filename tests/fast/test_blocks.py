@@ -18,10 +18,6 @@ def test_one_block_is_a_correlation(taps, frames, seed):
     np.testing.assert_allclose(y, np.correlate(x, w, mode="valid"), atol=1e-11)
 
 
-def test_blocks_of_40_frames_need_80_products_where_the_direct_form_needs_600():
-    assert blocks(15, 40).products == 80
-
-
 @given(frames=st.integers(1, 1000), longest=st.integers(2, 60).map(lambda half: 2 * half))
 def test_blocks_hold_every_frame_and_waste_less_than_two_a_block(frames, longest):
     length, count = block_length(frames, longest)

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from numpy_cae.fast import FastSequentialAutoencoder, accelerate, fast_sequential_autoencoder
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training import unit_directions
-from numpy_cae.verify import check_gradients
 
 TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 
@@ -86,20 +85,6 @@ def test_the_papers_sizes_in_float32():
         model.weights[name] *= 0.3
     expected = model.loss_and_gradients(*material, 0.1)
     assert_same(expected, accelerate(model).loss_and_gradients(*material, 0.1), 2e-5)
-
-
-def test_gradients_of_the_whole_loss_by_differences():
-    """The fast gradients against differences of the fast loss, without the definition."""
-    model, *material = drawn(2, 3, 3, hidden=3)
-    fast, names = accelerate(model, 2), list(model.weights)
-
-    def loss(*arrays):
-        model.weights.update(zip(names, arrays, strict=True))
-        value, gradients = fast.loss_and_gradients(*material, 0.4)
-        return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
-
-    start = [weight.copy() for weight in model.weights.values()]
-    check_gradients(loss, *start, names=names, rng=np.random.default_rng(2))
 
 
 def test_results_do_not_depend_on_earlier_calls_and_are_not_overwritten():
