@@ -12,12 +12,11 @@ from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.exercises.checks import (
     PULLBACK,
     Differentiated,
-    claim,
     drawn,
     require_same,
-    size,
 )
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
+from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.trial import try_property
 
@@ -98,7 +97,7 @@ def doubled_in_place(x):
 
 
 def test_purity_finds_a_changed_argument():
-    doubling = exercise(doubled, "", drawn(x="rows 3"), SIZES, value="it is doubled")
+    doubling = exercise(doubled, drawn(x="rows 3"), SIZES, value="it is doubled")
     value, purity = doubling.properties
     assert try_property(value, doubled_in_place).held
     outcome = try_property(purity, doubled_in_place)
@@ -143,7 +142,7 @@ def test_gradients_by_name_are_compared_with_differences(function, failing, prob
     )
     gradients = {"of w": (2, ("w",)), "of both": (2,)}
     tried = differentiated_exercise(
-        function, "", linear, SIZES, value="", gradients=gradients, float32=True
+        function, linear, SIZES, value="", gradients=gradients, float32=True
     )
     outcomes = {p.name: try_property(p, function) for p in tried.properties}
     assert {name for name, outcome in outcomes.items() if not outcome.held} == failing
@@ -184,19 +183,15 @@ def test_a_counterexample_too_long_to_print_is_returned_by_example():
         course.example("forward_kinematics", frames=1, seed=0)
 
 
-def test_hints_belong_to_properties():
-    @claim("rows", "it is the number of rows")
-    def right(function, case):
-        assert function(case["rows"]) == case["rows"]
-
-    def rows(n):
-        return n
-
-    arguments = drawn(n=size("rows"))
-    made = exercise(rows, "", arguments, SIZES, right, pure=False, hints={"rows": "think"})
-    assert made.properties[0].hint == "think" and made.name == "rows"
-    with pytest.raises(ValueError, match="hints for unknown properties: columns"):
-        exercise(rows, "", arguments, SIZES, right, hints={"columns": "?"})
+def test_every_exercise_has_a_hint_and_every_hint_an_exercise():
+    hints = read_hints()
+    assert list(hints) == list(EXERCISES)
+    for name, made in EXERCISES.items():
+        assert made.hint == hints[name].text != ""
+        of_properties = {prop.name: prop.hint for prop in made.properties if prop.hint}
+        assert of_properties == hints[name].of_properties
+    with pytest.raises(ValueError, match="hints for unknown properties of speeds: columns"):
+        with_hints(EXERCISES["speeds"], Hints("think", {"value": "?", "columns": "?"}))
 
 
 def test_the_instructors_table_has_every_exercise_with_its_properties():

@@ -5,9 +5,15 @@ from __future__ import annotations
 from importlib import import_module
 
 from numpy_cae.course.exercises.exercise import Exercise
+from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
+
+_HINTS = read_hints()
 
 LESSONS: dict[str, tuple[Exercise, ...]] = {
-    number: import_module(f"{__name__}.lesson_{number}").EXERCISES
+    number: tuple(
+        with_hints(exercise, _HINTS.get(exercise.name, Hints()))
+        for exercise in import_module(f"{__name__}.lesson_{number}").EXERCISES
+    )
     for number in (f"{n:02}" for n in range(1, 15))
 }
 

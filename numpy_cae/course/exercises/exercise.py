@@ -1,14 +1,13 @@
-"""An exercise of a lesson: the function that a student writes, its properties, and a hint.
+"""An exercise of a lesson: the function that a student writes, and its properties.
 
 Most exercises are operations and have the properties that `verify` states of them. The others
 (forward kinematics, the features, a step of descent, ...) state their own, in the same form, so
-that all are drawn, shrunk, reported and graded alike. Hints are by the name of the property.
+that all are drawn, shrunk, reported and graded alike. The hints are in `hints.md`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Arguments, Claim, Differentiated, same_as, unchanged
@@ -18,14 +17,11 @@ from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.property import Property, shared_properties
 
 Exercise = Task
-Hints = Mapping[str, str]
 
 
 def operation_exercise(
     operation: str | Operation,
-    hint: str,
     solution: Callable | None = None,
-    hints: Hints | None = None,
     given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
@@ -41,12 +37,11 @@ def operation_exercise(
     else:
         properties = (*shared_properties(operation), *operation_properties(operation))
     solution = solution or getattr(ops, operation.name)
-    return Task(operation.name, solution, _with_hints(properties, hints), hint, given)
+    return Task(operation.name, solution, tuple(properties), given=given)
 
 
 def exercise(
     solution: Callable,
-    hint: str,
     arguments: Arguments,
     sizes: Sizes,
     *claims: Claim,
@@ -54,7 +49,6 @@ def exercise(
     definition: Callable | None = None,
     points: int = 2,
     pure: bool = True,
-    hints: Hints | None = None,
     given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise that is no operation, with properties of its own.
@@ -83,19 +77,17 @@ def exercise(
         claims = (*claims, unchanged(arguments))
     name = solution.__name__
     properties = (_property(name, each, arguments, sizes) for each in claims)
-    return Task(name, solution, _with_hints(properties, hints), hint, given)
+    return Task(name, solution, tuple(properties), given=given)
 
 
 def differentiated_exercise(
     solution: Callable,
-    hint: str,
     function: Differentiated,
     sizes: Sizes,
     *claims: Claim,
     value: str,
     gradients: Mapping[str, tuple],
     float32: bool = False,
-    hints: Hints | None = None,
     given: tuple[str, ...] = (),
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
@@ -108,7 +100,7 @@ def differentiated_exercise(
         *((function.keeps_float32(),) if float32 else ()),
         *claims,
     )
-    return exercise(solution, hint, function.arguments, sizes, *claims, hints=hints, given=given)
+    return exercise(solution, function.arguments, sizes, *claims, given=given)
 
 
 def _property(name: str, claim: Claim, arguments: Arguments, sizes: Sizes) -> Property:
@@ -122,11 +114,3 @@ def _property(name: str, claim: Claim, arguments: Arguments, sizes: Sizes) -> Pr
         claim.points,
         examples=claim.examples,
     )
-
-
-def _with_hints(properties: Iterable[Property], hints: Hints | None) -> tuple[Property, ...]:
-    hints = dict(hints or {})
-    hinted = tuple(replace(prop, hint=hints.pop(prop.name, "")) for prop in properties)
-    if hints:
-        raise ValueError(f"hints for unknown properties: {', '.join(hints)}")
-    return hinted

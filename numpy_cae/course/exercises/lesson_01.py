@@ -163,18 +163,9 @@ def _constant_speed(function: Callable, case: Case) -> None:
 _channels_as_matrix = same_as(rotation_from_channels, _channel_arguments, "the matrix's entry")
 
 EXERCISES: tuple[Exercise, ...] = (
-    exercise(
-        chain_to_root,
-        "start with the joint itself, then take its parent repeatedly, until that is -1",
-        _tree_arguments,
-        TREE_SIZES,
-        _chain_as_array,
-        pure=False,
-    ),
+    exercise(chain_to_root, _tree_arguments, TREE_SIZES, _chain_as_array, pure=False),
     exercise(
         rotation_from_channels,
-        "the first channel is the leftmost factor; convert degrees, and note that a rotation "
-        "about Y takes Z towards X",
         _channel_arguments,
         {"channels": (1, 2, 3)},
         Claim(
@@ -191,15 +182,9 @@ EXERCISES: tuple[Exercise, ...] = (
         ),
         _is_rotation,
         pure=False,
-        hints={
-            "one channel": "write the three matrices down; each leaves its own axis unchanged",
-            "order": "matrices do not commute: which factor is applied to the vector first?",
-        },
     ),
     exercise(
         forward_kinematics,
-        "go through the joints in their order: the position and global rotation of a parent are "
-        "then known before its children need them",
         _motion_arguments,
         MOTION_SIZES,
         _rest_pose,
@@ -208,15 +193,9 @@ EXERCISES: tuple[Exercise, ...] = (
         _rotated_root,
         value="p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
         points=3,
-        hints={
-            "value": "is G_parent the parent's global rotation or its local one? on which side is "
-            "R_j?",
-            "own rotation": "t_j is given in the parent's frame, not in the joint's",
-        },
     ),
     exercise(
         speeds,
-        "the distance to the next frame, times the number of such steps in a second",
         _speed_arguments,
         {"frames": (2, 3, 5), "joints": (1, 2, 3)},
         _constant_speed,

@@ -140,23 +140,9 @@ def _last_velocity(function: Callable, case: Case) -> None:
 
 
 EXERCISES: tuple[Exercise, ...] = (
-    exercise(
-        heading_angle,
-        "forward is perpendicular to both Y and across: a cross product. arctan2 gives the angle "
-        "of its x and z; np.unwrap removes the jumps by a whole turn",
-        _across_arguments,
-        FRAMES,
-        _known_directions,
-        _changes_of_heading,
-        hints={
-            "faces": "with the left side at +X and up at +Y, is your forward +Z or -Z?",
-            "turns": "arctan2 jumps by 2π if the body faces -Z",
-        },
-    ),
+    exercise(heading_angle, _across_arguments, FRAMES, _known_directions, _changes_of_heading),
     exercise(
         turn_about_y,
-        "y stays; x and z mix by the sine and cosine of the angle; a small positive angle takes +Z "
-        "towards +X. angles[:, None] broadcasts a frame's angle to all its vectors",
         _vector_arguments,
         {"frames": (1, 2, 3), "vectors": (1, 2, 3)},
         _inverse_rotation,
@@ -165,8 +151,6 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         to_features,
-        "subtract the ground position of the hips from every joint, rotate by -θ; the velocity is "
-        "the step of the hips to the next frame, rotated by the same -θ",
         _position_arguments,
         FRAMES,
         Claim(
@@ -183,15 +167,9 @@ EXERCISES: tuple[Exercise, ...] = (
         ),
         Claim("turn", "the last is θ_{t+1} - θ_t", _columns(slice(62, 63), "the change")),
         _elsewhere,
-        hints={
-            "positions": "subtract only x and z of the hips: the height has to stay",
-            "velocity": "there is one step fewer than frames; the last frame repeats its step",
-        },
     ),
     exercise(
         from_features,
-        "first the headings, the cumulative sum of their changes; with these rotate each step into "
-        "the world; then the ground positions, the cumulative sum of the steps",
         _feature_arguments,
         FRAMES,
         _first_frame,
@@ -199,6 +177,5 @@ EXERCISES: tuple[Exercise, ...] = (
         _last_velocity,
         value="h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
         points=3,
-        hints={"value": "the sum at frame 0 is empty, at frame 1 it has one step"},
     ),
 )

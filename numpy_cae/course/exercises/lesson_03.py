@@ -45,38 +45,19 @@ def _times_matrix(function: Callable, case: Case) -> None:
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         conv1d_by_loops,
-        "five loops: over windows, frames, filters, taps and channels; skip a tap that reads a "
-        "frame outside the window",
         CONV1D.arguments,
         CONV1D.sizes,
         value="y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
         definition=definitions.conv1d,
         points=3,
-        hints={"value": "a negative index does not fail in Python: it reads from the other end"},
     ),
     exercise(
         unfold,
-        "pad both ends with K//2 frames of zeros, take a slice of K frames for every t, and "
-        "reshape each to one row",
         _unfold_arguments,
         {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "filters", "taps")},
         _times_matrix,
         value="row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
     ),
-    operation_exercise(
-        "transpose_filters",
-        "[::-1] reverses an axis, .transpose(0, 2, 1) exchanges two; what undoes both?",
-    ),
-    operation_exercise(
-        "conv1d",
-        "forward, one loop over the taps is enough: a slice of the padded x times w[k]. Backward, "
-        "each gradient is again a sum over the taps; look at which frames met in the product",
-        hints={
-            "gradient for x": "frame s of x was read by y[t] if t + k - K//2 = s; solve for t, "
-            "and rename K - 1 - k",
-            "gradient for w": "every window and every frame used the same w[k]: sum their "
-            "gradients",
-            "gradient for b": "b was added to every frame of every window",
-        },
-    ),
+    operation_exercise("transpose_filters"),
+    operation_exercise("conv1d"),
 )

@@ -19,28 +19,11 @@ def pooled_again(y: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 EXERCISES: tuple[Exercise, ...] = (
-    operation_exercise(
-        "max_pool",
-        "x[:, 0::2] are the earlier frames of all pairs, x[:, 1::2] the later ones; the pullback "
-        "only has to remember which of them was larger",
-        hints={
-            "gradient for x": "dx is twice as long as dy, and half of it is 0",
-            "ties": "choose between > and >=: exactly one of two equal frames gets the gradient",
-        },
-    ),
-    operation_exercise(
-        "unpool_even",
-        "half of each value is written to two frames, so its gradient is a sum of two halves",
-    ),
-    operation_exercise(
-        "unpool_random",
-        "fill the earlier and the later frames in one line each, with the mask and its negation",
-        hints={"empty slot": "an array from np.empty is not initialised"},
-    ),
+    operation_exercise("max_pool"),
+    operation_exercise("unpool_even"),
+    operation_exercise("unpool_random"),
     exercise(
         pooled_again,
-        "write one pair down, once with y = 2 and once with y = -2: what is the larger of the two "
-        "frames?",
         UNPOOL.arguments,
         UNPOOL.sizes,
         value="it is the result of max_pool applied to unpool_random(y, first)",

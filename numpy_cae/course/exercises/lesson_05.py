@@ -77,36 +77,17 @@ def _unit_arguments(case: Case) -> dict[str, object]:
 
 
 EXERCISES: tuple[Exercise, ...] = (
-    operation_exercise(
-        "tanh",
-        "the slope of tanh is 1 - tanh²: keep the value that you have computed",
-    ),
-    operation_exercise(
-        "arctanh",
-        "clip first, then invert. The slope of arctanh at y is 1 / (1 - y²); how much does the "
-        "clipped number change when y is beyond the bound?",
-        hints={"beyond the bound": "clip(2.0) and clip(2.1) are the same number"},
-    ),
+    operation_exercise("tanh"),
+    operation_exercise("arctanh"),
     operation_exercise(
         Operation("encode_layer", SIZES, _window_arguments, ("x", "w", "b"), encode_by_loops),
-        "call the three operations of equation 1 from the inside out and keep the pullback of "
-        "each; the gradient passes them in the reverse order",
         encode_layer,
         given=("conv1d", "max_pool"),
-        hints={"value": "convolve, pool, then tanh: tanh is outermost in equation 1"},
     ),
     operation_exercise(
         Operation("decode_layer", SIZES, _unit_arguments, ("y", "w", "b"), decode_by_loops),
-        "four steps in the order of equation 2: arctanh, unpool, subtract b, convolve with W̃. "
-        "The convolution's own bias is zeros, one for each output channel",
         decode_layer,
         given=("conv1d", "transpose_filters", "unpool_even"),
-        hints={
-            "value": "b is subtracted whole, after unpooling, and nothing is added at the end",
-            "gradient for w": "the convolution returns dL/dW̃: apply the pullback of "
-            "transpose_filters to it",
-            "gradient for b": "b is subtracted from every frame of every window",
-        },
     ),
     operation_exercise(
         Operation(
@@ -116,11 +97,6 @@ EXERCISES: tuple[Exercise, ...] = (
             ("x", "w", "b"),
             lambda x, w, b, bound: decode_by_loops(encode_by_loops(x, w, b), w, b, bound),
         ),
-        "W and b are used twice, and a small change of W changes the result through both uses",
         project_layer,
-        hints={
-            "gradient for w": "add the gradient of encoding and the gradient of decoding",
-            "gradient for b": "add both gradients; the one of decoding already has its sign",
-        },
     ),
 )

@@ -83,18 +83,10 @@ def _kept_values(function, case: Case) -> None:
 
 
 EXERCISES: tuple[Exercise, ...] = (
-    operation_exercise(
-        "mean_squared_error",
-        "the mean is over every element, so each contributes 1/N of its square; the pullback "
-        "takes the upstream number, 1.0 by default",
-    ),
-    operation_exercise(
-        "mean_absolute",
-        "the slope of |y| is the sign of y; at 0, where it has none, take 0",
-    ),
+    operation_exercise("mean_squared_error"),
+    operation_exercise("mean_absolute"),
     exercise(
         zero_values,
-        "the comparison draws < p gives a mask; np.where chooses by a mask",
         _corruption_arguments,
         {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
         _kept_values,
@@ -103,26 +95,16 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         sgd_step,
-        "epoch 0 uses the given rate; every later epoch multiplies it by the decay once more",
         _step_arguments,
         {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
         value="θ - η_0 · decay^epoch · dL/dθ",
     ),
     differentiated_exercise(
         layer_loss,
-        "go forward through equation 1 with X_c and equation 2 with the mask; compare with the "
-        "clean X; then go back. Two gradients meet at Y: that of the error and that of the "
-        "sparsity term",
         Differentiated(_loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")),
         SIZES,
         value="the loss is that of equation 3, computed by loops",
         gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
-        hints={
-            "value": "the error compares with x, the hidden units are those of corrupted",
-            "gradient for w": "add three terms: decoding, encoding of the error, encoding of the "
-            "sparsity term",
-            "gradient for b": "encoding and decoding both contribute to db too",
-        },
         given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
     ),
 )

@@ -106,42 +106,25 @@ def _names_in_layers(of: str) -> tuple[str, ...]:
     return tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
 
 
-TWO_TERMS = "add both terms of each layer; the lists of pullbacks run in opposite orders"
-
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         frames_seen,
-        "go down one layer at a time: how many frames of the convolution do n neighbouring units "
-        "read, and how many frames below do those read?",
         _size_arguments,
         {"taps": (1, 3, 5, 15), "layers": (1, 2, 3, 4)},
         _count_of_indices,
         pure=False,
-        hints={"value": "2n frames of a convolution with K taps read 2n + K - 1 frames below"},
     ),
     exercise(
-        stage_inputs,
-        "the first layer learns from x itself; the second from the hidden units of the first",
-        _stage_arguments,
-        SIZES,
-        _each_stage,
-        given=("encode_layer", "decode_layer"),
+        stage_inputs, _stage_arguments, SIZES, _each_stage, given=("encode_layer", "decode_layer")
     ),
     differentiated_exercise(
         stack_loss,
-        "encode with every layer, keeping the pullbacks; decode with every layer in reverse, "
-        "keeping theirs. The gradient passes all pullbacks in reverse, the last one first",
         Differentiated(
             _stack_arguments, _stack_loss_by_loops, ("layers",), ("the loss", "the gradients")
         ),
         SIZES,
         value="the loss is the mean squared error of the whole stack, computed by loops",
         gradients={f"gradients for {of}": (4, _names_in_layers(of)) for of in "wb"},
-        hints={
-            "value": "decoding starts with the top layer",
-            "gradients for w": TWO_TERMS,
-            "gradients for b": TWO_TERMS,
-        },
         given=("encode_layer", "decode_layer", "mean_squared_error"),
     ),
 )

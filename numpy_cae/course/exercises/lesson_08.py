@@ -178,8 +178,6 @@ def _perfect_ranking(function, case: Case) -> None:
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         rescale,
-        "count the zeros of each window over its frames and features, without features that are "
-        "zero in every frame, and divide; keepdims=True keeps the axes for the division",
         _damaged_arguments,
         {**WINDOWS, "still": (0,)},
         Claim(
@@ -197,15 +195,9 @@ EXERCISES: tuple[Exercise, ...] = (
         value="each window is divided by its share of values that are not zero",
         definition=_rescale_by_loops,
         points=3,
-        hints={
-            "value": "one share for each window, over both other axes",
-            "still features": "(x == 0).all(axis=1) finds the features that are always zero",
-        },
     ),
     exercise(
         denoising_weights,
-        "M and B are expectations over the masks: two different values are both kept with "
-        "probability kept squared, a value with itself with probability kept",
         _moment_arguments,
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
         Claim(
@@ -221,15 +213,9 @@ EXERCISES: tuple[Exercise, ...] = (
             2,
             {"tenths": (10,)},
         ),
-        hints={
-            "value": "the diagonal of M is multiplied by kept once, everything else twice",
-            "nothing lost": "np.linalg.solve(m, b) solves M A = B",
-        },
     ),
     exercise(
         fill_unknown,
-        "three steps: zero the unknown values, project, and take the projection only where "
-        "values are unknown; np.where does the first and the last",
         _hole_arguments,
         WINDOWS,
         _known_values_stay,
@@ -241,33 +227,23 @@ EXERCISES: tuple[Exercise, ...] = (
         ),
         value="an unknown value is that of the projection of the window with zeros there",
         points=3,
-        hints={
-            "value": "project is given the whole window, and called once",
-            "nothing there": "0 times NaN is NaN: choose with np.where, do not multiply",
-        },
     ),
     exercise(
         G,
-        "max over time of each unit, for both motions; the squared norm of the difference; the "
-        "same with min; add",
         _unit_arguments,
         {"first": (1, 2, 3), "second": (1, 2, 3), "units": (1, 2, 3)},
         _order_of_time,
         value="it is equation 4, unit by unit",
         definition=_equation_4_by_loops,
         points=3,
-        hints={"value": "time is axis 0; the two motions may have different numbers of frames"},
     ),
     exercise(
         average_precision,
-        "np.argsort(distances) lists the motions nearest first; index alike in that order, and "
-        "np.cumsum counts how many were found so far",
         _ranking_arguments,
         {"motions": (1, 2, 3, 5, 8), "alike": (1, 2, 3)},
         _perfect_ranking,
         value="it is the mean of found so far / rank, over the ranks of the motions alike",
         definition=_precision_by_loops,
         points=3,
-        hints={"value": "the first rank is 1"},
     ),
 )

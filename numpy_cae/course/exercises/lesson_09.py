@@ -94,59 +94,20 @@ def _zero_gradients(function, case: Case) -> None:
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         norms_through_time,
-        "begin at the last frame with the given dh; before each step back, store its norm; "
-        "pull(t, dh) goes from frame t to frame t - 1",
         _pullback_arguments,
         {"batch": (1, 2), "hidden": (1, 2, 3), "frames": (1, 2, 3, 4)},
         value="entry t is the norm of dL/dh_t, from t = 0 to the last frame",
         points=3,
-        hints={"value": "there is one norm more than there are steps: h_0 has a gradient too"},
     ),
-    operation_exercise(
-        "sigmoid",
-        "σ(x) = (1 + tanh(x / 2)) / 2 never overflows; its slope can be written with its value, "
-        "as that of tanh",
-        hints={"large inputs": "at ±1000 the slope is 0, and never NaN"},
-    ),
-    operation_exercise(
-        "gru_step",
-        "forward, line by line, keeping r, z, n and s_n. Backward, the same lines from the last to "
-        "the first: for each line, which variables are on its right-hand side?",
-        hints={
-            "value": "the gates are in the columns in the order reset, update, new; r multiplies "
-            "the term from the state, c_n included",
-            "gradient for h": "h has four paths to h': directly through z ∘ h, and through each of "
-            "s_r, s_z and s_n. Add them",
-            "gradient for u": "the new state depends on s_n through r, so dU gets da_n ∘ r there "
-            "and not da_n",
-            "gradient for c": "c is added to h · U: it gets the gradient of s",
-            "gradient for x": "x · W is added to b: both get the gradient of a",
-        },
-        given=("linear", "mean_squared_error", "tanh"),
-    ),
-    operation_exercise(
-        "gru",
-        "a list of the steps' pullbacks; from the last frame to the first, the gradient at h_t is "
-        "dy[:, t] plus the gradient that the later step returned for its h",
-        hints={
-            "gradient for h0": "it is the gradient that the first frame's pullback returns for h",
-            "gradient for w": "every step uses the same w: sum the gradients of all steps",
-            "gradient for x": "a later frame depends on an earlier x only through the state: do "
-            "you add the later step's gradient for h to dy before the next pullback?",
-        },
-    ),
+    operation_exercise("sigmoid"),
+    operation_exercise("gru_step", given=("linear", "mean_squared_error", "tanh")),
+    operation_exercise("gru"),
     exercise(
         clip_gradients,
-        "the norm is that of all arrays concatenated: the root of the sum of all squares. One "
-        "factor, min(1, bound / norm), multiplies them all",
         _clip_arguments,
         {"arrays": (1, 2, 3), "rows": (1, 2)},
         _beyond_bound,
         _within_bound,
         _zero_gradients,
-        hints={
-            "value": "one norm over all arrays together, or the step changes its direction",
-            "nothing": "0 / 0 is not a number",
-        },
     ),
 )

@@ -15,7 +15,6 @@ from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.course.exercises.sequence_network import (
     DECODER,
     DECODER_GRU,
-    DTYPE_HINT,
     ENCODER,
     FRAME,
     LOSS_AND_GRADIENTS,
@@ -34,9 +33,6 @@ from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.sequential_autoencoder import weight_shapes
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import Operation
-
-USED_TWICE = "a frame is used twice: it is compared, and it is the input of the next step"
-SUMMED = "The same map writes every frame: sum over the steps"
 
 
 def self_fed(h, frames, w, u, b, c, frame_w, frame_b):
@@ -109,18 +105,11 @@ LOSS = Differentiated(_loss_arguments, reconstruction_by_loops, ("weights",), LO
 EXERCISES: tuple[Exercise, ...] = (
     differentiated_exercise(
         read_clips,
-        "run the GRU from a state of zeros, take its state after the last frame, and map it. In "
-        "the pullback the states of all other frames get a gradient of zero",
         READ,
         WITH_LATENT,
         value="z is that of the definition, computed by loops",
         gradients={"gradients": (4,)},
         float32=True,
-        hints={
-            "gradients": "the pullback of gru needs a gradient for the state of every frame: "
-            "zeros, and at the last frame the gradient from the map to z",
-            "dtype": DTYPE_HINT,
-        },
         given=("gru", "linear"),
     ),
     operation_exercise(
@@ -131,50 +120,25 @@ EXERCISES: tuple[Exercise, ...] = (
             ("h", "w", "u", "b", "c", "frame_w", "frame_b"),
             self_fed_by_loops,
         ),
-        "keep both pullbacks of every step. In the pullback, pass two gradients from step k + 1 to "
-        "step k: that of its input frame and that of its initial state",
         self_fed,
-        hints={
-            "value": "the first input frame is zeros; after that the input of each step is the "
-            "frame that the step before wrote",
-            "gradient for h": "it is the gradient of the state that step 1 returns",
-            "gradient for w": USED_TWICE,
-            "gradient for frame_w": f"{USED_TWICE}. {SUMMED}",
-            "gradient for frame_b": f"{USED_TWICE}. {SUMMED}",
-            "independence": "the totals start from zero each time the pullback is called",
-        },
         given=("gru_step", "linear"),
     ),
     differentiated_exercise(
         write_clips,
-        "map z to a state, call self_fed, reverse the frames. The pullback of reversing is "
-        "reversing",
         WRITE,
         WITH_LATENT,
         value="the clips are those of the definition, computed by loops",
         gradients={"gradient for z": (2, ("z",)), "gradients for the weights": (2, DECODER)},
         float32=True,
-        hints={
-            "value": "the decoder writes the last frame of the clip first",
-            "gradient for z": "the upstream gradient is in the order of time, self_fed's is not",
-            "dtype": DTYPE_HINT,
-        },
         given=("linear",),
     ),
     differentiated_exercise(
         reconstruction_loss,
-        "encode, decode, compare; then the three pullbacks in reverse. The two dicts of gradients "
-        "have no name in common: {**one, **other} is both",
         LOSS,
         WHOLE_NETWORK,
         value="the loss is that of the definition, computed by loops",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (3, ENCODER)},
         float32=True,
-        hints={
-            "gradients of reading": "the clip is the target too, but a target gets no gradient: "
-            "the encoder's gradient comes only through z",
-            "dtype": DTYPE_HINT,
-        },
         given=("mean_squared_error",),
     ),
 )

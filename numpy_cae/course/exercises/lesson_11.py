@@ -17,7 +17,6 @@ from numpy_cae.course.exercises.exercise import (
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.course.exercises.sequence_network import (
     DECODER,
-    DTYPE_HINT,
     ENCODER,
     LOSS_AND_GRADIENTS,
     WHOLE_NETWORK,
@@ -85,48 +84,22 @@ EXERCISES: tuple[Exercise, ...] = (
             ("p",),
             _cheapest_assignment,
         ),
-        "sort both, subtract. np.argsort gives the index from which each sorted number came, which "
-        "is where its gradient goes",
         wasserstein_1d,
-        hints={
-            "value": "the smallest of p is compared with the smallest of q: both have to be sorted",
-            "gradient for p": "gap[i] belongs to p[order[i]], not to p[i]; and every gap "
-            "contributes 1/N to the mean",
-        },
     ),
     exercise(
         unit_rows,
-        "the length of a row is the root of the sum of its squares; keepdims=True keeps a shape "
-        "that divides the rows",
         drawn(rows="directions dimensions"),
         {"directions": (1, 2, 3), "dimensions": (1, 2, 3)},
         value="each row is divided by its own length",
-        hints={"value": "axis=1 sums along a row"},
     ),
-    operation_exercise(
-        "sliced_wasserstein",
-        "p = z · θ for one direction, the one-dimensional distance, and dz = dp · θ; then the mean "
-        "over the directions",
-        hints={
-            "gradient for z": "p[i] = Σ z[i, d] θ[d], so dz[i] is dp[i] times θ; each direction "
-            "contributes 1/L",
-        },
-    ),
+    operation_exercise("sliced_wasserstein"),
     differentiated_exercise(
         regularised_loss,
-        "z is used twice: it is decoded, and it is compared with the prior. Add both gradients "
-        "before the pullback of the encoder",
         LOSS,
         {**WHOLE_NETWORK, "directions": (1, 2)},
         value="the loss is reconstruction + λ · discrepancy, computed by loops",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (4, ENCODER)},
         float32=True,
-        hints={
-            "gradients of writing": "the discrepancy does not depend on the decoder",
-            "gradients of reading": "two gradients are added at z; the second is λ times that of "
-            "the discrepancy",
-            "dtype": DTYPE_HINT,
-        },
         given=("read_clips", "write_clips", "mean_squared_error"),
     ),
 )

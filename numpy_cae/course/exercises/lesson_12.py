@@ -242,22 +242,18 @@ def _inputs_stay(check_gradients, case: Case) -> None:
 
 ONE_CASE = {"tried": (1,)}
 X_UNCHANGED = Claim("x restored", "x is not changed", unchanged(_difference_arguments).check)
-DRAWN_UPSTREAM = "is your upstream gradient random, and is every input checked?"
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         central_differences,
-        "one entry at a time, a small step up and down; np.ndindex iterates over the entries",
         _difference_arguments,
         {"rows": (1, 2), "columns": (1, 2, 3)},
         _slopes_of_cubic,
         X_UNCHANGED,
         pure=False,
-        hints={"value": "each slope is that of one entry: every other entry of x keeps its value"},
     ),
     exercise(
         adjoint_gap,
-        "two inner products, one with the value of f at x, one with the pullback of y",
         _wrong_matrix_arguments,
         {"rows": (1, 2, 3), "columns": (1, 2, 3)},
         _no_gap,
@@ -266,7 +262,6 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         accuse,
-        "compare the lines one by one with the equations in the docstring of the right one",
         _seed_arguments,
         ONE_CASE,
         *[_accused(number) for number in range(1, len(SUSPECTS) + 1)],
@@ -274,8 +269,6 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     exercise(
         check_gradients,
-        "draw an upstream gradient; the loss is Σ dy ∘ f; compare the pullback's gradient for each "
-        "input with differences of that loss, relative to the size of the gradient",
         _seed_arguments,
         ONE_CASE,
         _right_ones_pass,
@@ -293,11 +286,5 @@ EXERCISES: tuple[Exercise, ...] = (
         _names_the_input,
         _inputs_stay,
         pure=False,
-        hints={
-            "right ones pass": "rounding is proportional to the numbers: is your tolerance "
-            "relative?",
-            "tiny numbers": "an absolute tolerance is larger than all numbers here",
-            **dict.fromkeys(GROUPS, DRAWN_UPSTREAM),
-        },
     ),
 )

@@ -7,12 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import (
-    claim,
-    drawn,
-    require_parts,
-    size,
-)
+from numpy_cae.course.exercises.checks import claim, drawn, require_parts, size
 from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
@@ -143,49 +138,19 @@ VALUE_OF_CONVOLUTION = {
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
-        conv1d_unfolded,
-        "unfold(x, taps) has rows of K · C numbers, tap after tap; reshape w so that its rows "
-        "have the same order",
-        CONV1D.arguments,
-        CONV1D.sizes,
-        **VALUE_OF_CONVOLUTION,
-        given=("unfold",),
+        conv1d_unfolded, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION, given=("unfold",)
     ),
+    exercise(conv1d_shifted, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION),
     exercise(
-        conv1d_shifted,
-        "pad once; for tap k, the slice of T frames that begins at frame k, times w[k]",
-        CONV1D.arguments,
-        CONV1D.sizes,
-        **VALUE_OF_CONVOLUTION,
-    ),
-    exercise(
-        three_products,
-        "a p + b p is one product, (a + b) p. It exceeds the real part by b (p + q) and falls "
-        "short of the imaginary one by a (q - p)",
-        _product_arguments,
-        {"numbers": (1, 2, 3)},
-        _complex_product,
-        _three_calls,
-        hints={
-            "value": "real is a p - b q, imaginary is a q + b p",
-            "three": "k1 = (a + b) p is part of both; which product is k1 minus the real part?",
-        },
+        three_products, _product_arguments, {"numbers": (1, 2, 3)}, _complex_product, _three_calls
     ),
     exercise(
         block_matrices,
-        "for each frequency f = 0, ..., N // 2 three rows (one if f is 0 or N / 2); np.array(list "
-        "of rows) at the end, and C is made as rows and transposed",
         _block_arguments,
         {"taps": (1, 3, 5, 7), "frames": (1, 2, 3, 4, 5, 6)},
         _convolves,
         _few_products,
         pure=False,
-        hints={
-            "value": "try one tap and one frame, with N = 1 and matrices of 1 by 1; then two "
-            "frames. A complex frequency also stands for its conjugate",
-            "few products": "frequencies above N / 2 are the conjugates of those below: leave "
-            "them out",
-        },
     ),
     operation_exercise(
         Operation(
@@ -196,17 +161,6 @@ EXERCISES: tuple[Exercise, ...] = (
             lambda x, w, b, a, g, c: definitions.conv1d(x, w, b),
             linear_in=("x", "w"),
         ),
-        "cut the padded x into blocks of N frames that begin every L frames; then three products "
-        "with matrices, as in the equations. Backward: the same lines transposed, last line first",
         conv1d_by_blocks,
-        hints={
-            "value": "the last block may extend beyond the window: pad with zeros, and cut the "
-            "result to T frames",
-            "gradient for x": "neighbouring blocks read K - 1 frames in common: add the gradients "
-            "of both",
-            "gradient for w": "all blocks of all windows used the same ŵ: sum over both, then Gᵀ",
-            "gradient for b": "b was added to every frame of every window, not to the products",
-            "dtype": "np.zeros makes float64 unless you pass a dtype",
-        },
     ),
 )

@@ -143,9 +143,7 @@ def _unknown_values(function, case: Case) -> None:
     require_same(pullback()[~known], zeros, ("the gradient of an unknown value",))
 
 
-def _loss_exercise(
-    solution, hint: str, loss: Differentiated, sizes, *claims: Claim, hints=None
-) -> Exercise:
+def _loss_exercise(solution, loss: Differentiated, sizes, *claims: Claim) -> Exercise:
     """An exercise about a loss and its pullback, whose upstream gradient is 1 by default."""
 
     @claim("upstream default", "the upstream gradient is 1 by default")
@@ -155,41 +153,21 @@ def _loss_exercise(
 
     return differentiated_exercise(
         solution,
-        hint,
         loss,
         sizes,
         upstream_is_one,
         *claims,
         value="the loss is that of the definition, computed by loops",
         gradients={f"gradient for {loss.inputs[0]}": (4,)},
-        hints=hints,
     )
 
 
 EXERCISES: tuple[Exercise, ...] = (
+    _loss_exercise(bones_off, BONES, {"frames": (1, 2), "joints": (2, 3, 4)}, _right_lengths),
     _loss_exercise(
-        bones_off,
-        "first all bones b = q[:, ends] - q[:, starts], then their lengths; a bone contributes to "
-        "the gradient of both its ends, with opposite signs, and a joint may be the end of one "
-        "bone and the start of others",
-        BONES,
-        {"frames": (1, 2), "joints": (2, 3, 4)},
-        _right_lengths,
+        path_energy, ENERGY, {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)}, _straight_path
     ),
     _loss_exercise(
-        path_energy,
-        "np.diff gives the steps; each point between the ends is part of two of them, once with a "
-        "plus and once with a minus",
-        ENERGY,
-        {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)},
-        _straight_path,
-    ),
-    _loss_exercise(
-        observed_error,
-        "the mean is over the known values alone: divide by their number",
-        OBSERVED,
-        {"frames": (1, 2, 3), "channels": (1, 2, 3)},
-        _unknown_values,
-        hints={"unknown": "0 times NaN is NaN: choose with np.where, do not multiply"},
+        observed_error, OBSERVED, {"frames": (1, 2, 3), "channels": (1, 2, 3)}, _unknown_values
     ),
 )

@@ -18,7 +18,6 @@ FRAME = ("frame_w", "frame_b")
 DECODER = ("state_w", "state_b", *DECODER_GRU, *FRAME)
 LOSS_AND_GRADIENTS = ("the loss", "the gradients by name")
 WEIGHT_BOUND = 0.9
-DTYPE_HINT = "np.zeros makes float64 unless you pass a dtype, and what follows is float64 too"
 
 
 def self_fed_by_loops(h, frames, w, u, b, c, frame_w, frame_b):
