@@ -32,12 +32,6 @@ def test_savitzky_golay_preserves_polynomials_of_its_order(order):
     np.testing.assert_allclose(savitzky_golay(x, 9, order), x, atol=1e-9)
 
 
-def test_order_0_is_the_moving_average():
-    x = np.random.default_rng(1).normal(size=(30, 2))
-    averaged = savitzky_golay(x, 5, 0)
-    np.testing.assert_allclose(averaged[10], x[8:13].mean(axis=0))
-
-
 @pytest.mark.parametrize("smooth", [median, lambda x, length: savitzky_golay(x, length, 1)])
 def test_an_even_length_is_refused(smooth):
     with pytest.raises(ValueError, match="length is 4, expected an odd number"):

@@ -22,15 +22,6 @@ def test_error_is_the_variance_of_the_axes_left_out():
     assert np.sum((pca.project(rows, 2) - rows) ** 2) / 60 == pytest.approx(left)
 
 
-def test_missing_entries_of_rows_of_low_rank_are_restored():
-    rng = np.random.default_rng(2)
-    rows = rng.normal(size=(80, 3)) @ rng.normal(size=(3, 9)) + rng.normal(size=9)
-    known = np.ones(rows.shape, bool)
-    known[:, 2:5] = False
-    damaged = np.where(known, rows, 1e3)
-    np.testing.assert_allclose(PCA.fit(rows).fill(damaged, known, 3), rows, atol=1e-4)
-
-
 def test_missing_entries_are_the_conditional_mean_of_a_gaussian():
     rng = np.random.default_rng(3)
     rows = rng.normal(size=(4000, 3)) @ rng.normal(size=(3, 3))
@@ -39,10 +30,3 @@ def test_missing_entries_are_the_conditional_mean_of_a_gaussian():
     expected = mean[2] + cov[2, :2] @ np.linalg.solve(cov[:2, :2], rows[0, :2] - mean[:2])
     filled = pca.fill(rows[:1], np.array([[True, True, False]]), 3)
     assert filled[0, 2] == pytest.approx(expected, rel=1e-4)
-
-
-def test_an_unknown_row_is_the_mean():
-    rng = np.random.default_rng(4)
-    rows = rng.normal(size=(20, 4))
-    pca = PCA.fit(rows)
-    np.testing.assert_allclose(pca.fill(rows[:1], np.zeros((1, 4), bool), 2), pca.mean[None])

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import LIMITS, beyond_limits, joint_angles, make_body, make_take
 from data_synth.body import NAMES
-from data_synth.curves import smooth_over
 from data_synth.exercise import bounce
 from data_synth.gait_curves import _RUN, _WALK, RUN, WALK
 from data_synth.two_bones import reach
@@ -57,7 +56,7 @@ def test_fourier_series_pass_near_their_table(series, table):
         np.testing.assert_allclose(curve(phase), curve(phase + 3), atol=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(seed=seeds)
 def test_two_bones_reach_and_bend_to_one_side(seed):
     rng = np.random.default_rng(seed)
@@ -77,13 +76,6 @@ def test_two_bones_reach_and_bend_to_one_side(seed):
     # Too far away it stretches, and never beyond itself.
     _, end = reach(start, start + 3 * way, upper, lower, hinge)
     assert (np.linalg.norm(end - start, axis=-1) < upper + lower).all()
-
-
-@settings(max_examples=40, deadline=None)
-@given(seed=seeds, samples=st.floats(1, 30))
-def test_what_is_smoothed_over_is_never_undercut(seed, samples):
-    need = np.random.default_rng(seed).normal(size=80)
-    assert (smooth_over(need, samples) >= need - 1e-12).all()
 
 
 def test_who_jumps_falls_as_things_do():

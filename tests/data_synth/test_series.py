@@ -16,7 +16,6 @@ from data_synth import (
     make_takes,
     plan_cmu_scale,
     plan_takes,
-    windows_of,
     write_series,
 )
 from numpy_cae.motion import load_motion
@@ -35,12 +34,6 @@ def test_a_series_lasts_as_long_as_asked(minutes):
     assert [plan.number for plan in plans] == list(range(1, len(plans) + 1))
 
 
-def test_every_kind_comes_equally_often():
-    plans = plan_takes(60, seed=2)
-    counts = [sum(plan.kind == kind for plan in plans) for kind in KINDS]
-    assert max(counts) - min(counts) <= 1
-
-
 def test_takes_of_a_person_have_the_same_bones():
     plans = plan_takes(4, seed=5, kinds=["idle", "wave"])
     one, two = plans[0].make(10.0), plans[1].make(10.0)
@@ -51,8 +44,8 @@ def test_takes_of_a_person_have_the_same_bones():
 
 
 def test_a_take_can_be_made_without_those_before_it():
-    plans = plan_takes(2, seed=6)
-    for take, plan in zip(make_takes(2, seed=6, rate=30.0), plans, strict=True):
+    plans = plan_takes(0.5, seed=6)
+    for take, plan in zip(make_takes(0.5, seed=6, rate=30.0), plans, strict=True):
         again = plan.make(30.0)
         assert take.motion.rotations.tobytes() == again.motion.rotations.tobytes()
 
@@ -64,17 +57,6 @@ def test_cmu_scale_is_the_paper_s_number_of_windows():
     windows = np.where(frames < 160, 1, 1 + np.ceil((frames - 160) / 80))
     assert windows.sum() == 9673
     assert 6 < sum(plan.seconds for plan in plans) / 3600 < 10
-
-
-def test_planned_windows_are_those_that_are_cut():
-    plans = plan_cmu_scale(seed=1)[:6]
-    windows = windows_of(plans)
-    assert windows.features.shape[1:] == (160, 63)
-    for plan in plans:
-        frames = round(plan.seconds * 30)
-        expected = 1 if frames < 160 else 1 + int(np.ceil((frames - 160) / 80))
-        assert (windows.takes == plan.number).sum() == expected
-    assert len(windows.kinds) == len(windows.styles) == len(windows.features)
 
 
 def test_files_read_back_to_the_same_positions(tmp_path):

@@ -103,7 +103,7 @@ def check_floor(take: Take) -> None:
 
 
 def check_path(take: Take) -> None:
-    """The pelvis goes where it was asked to and faces where it was asked to."""
+    """The pelvis follows the path and the heading of the take."""
     root = joint(take, "root")[:, [0, 2]]
     away = np.linalg.norm(root - take.path, axis=-1)
     # It sways, and leans over one foot to kick with the other.
@@ -163,24 +163,24 @@ def test_a_walk_is_the_same_at_another_rate(kind):
     np.testing.assert_allclose(fine[::4], coarse, rtol=0, atol=0.005)
 
 
-@pytest.mark.parametrize("seconds", [0.001, 0.3, 20.0])
 @every_kind
-def test_any_length_can_be_asked_for(kind, seconds):
-    take = make_take(kind, 1, seconds, 30.0)
-    assert len(take.motion) == max(round(30 * seconds), 1)
-    assert np.isfinite(take.motion.positions()).all()
+def test_any_length_can_be_requested(kind):
+    for seconds in (0.001, 0.3, 20.0):
+        take = make_take(kind, 1, seconds, 30.0)
+        assert len(take.motion) == max(round(30 * seconds), 1)
+        assert np.isfinite(take.motion.positions()).all()
 
 
 def test_who_stops_stands_on_both_feet():
     stopped = 0
-    for seed in range(8):
+    for seed in range(5):
         take = make_take("walking_dog", seed, 20.0, 60.0)
         speed = np.linalg.norm(np.gradient(take.path, axis=0), axis=-1) * 60
         for start, end in runs(speed < 1e-4):
             # The last foot lands within a step of when the pelvis has come to rest.
             stopped += end - start > 60
             assert take.contacts[start + 40 : end].all(), (seed, start / 60)
-    assert stopped > 4
+    assert stopped > 2
 
 
 @pytest.mark.parametrize(

@@ -70,14 +70,6 @@ def test_a_subject_by_the_command(site, tmp_path, capsys):
     assert "0 new files, 3 downloaded before" in capsys.readouterr().out
 
 
-def test_cuts_are_continued_and_no_part_is_left(site, tmp_path, acclaim):
-    site.cut = 20_000
-    download_cmu(tmp_path, [7], polite(site))
-    for name, body in acclaim.items():
-        assert (tmp_path / "07" / name).read_bytes() == body
-    assert all(not path.name.endswith(".part") for path in tmp_path.rglob("*"))
-
-
 def test_half_a_file_never_stands_under_its_name(site, tmp_path, acclaim):
     site.cut, site.ranges = 5000, False
     with pytest.raises(DownloadError):
@@ -165,13 +157,6 @@ def test_one_at_a_time_in_a_folder(site, tmp_path):
     with lock(tmp_path / "download"), pytest.raises(FileError, match="another"):
         download_cmu(tmp_path, [7], polite(site))
     assert download_cmu(tmp_path, [7], polite(site)).new == 3
-
-
-@pytest.mark.parametrize("argv", [["--subjects", "1,x"], ["--subjects", "0"], ["--subjects", ","]])
-def test_numbers_that_are_none(argv, tmp_path, capsys):
-    with pytest.raises(SystemExit) as exit_:
-        main(["download", "cmu", "-o", str(tmp_path), *argv])
-    assert exit_.value.code == 2
 
 
 def test_a_subject_that_is_not_there_and_a_site_that_is_none(site, tmp_path, capsys):

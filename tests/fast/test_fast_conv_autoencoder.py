@@ -61,7 +61,7 @@ SHAPES = {
 }
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(**SHAPES, threads=st.integers(1, 3), alpha=st.sampled_from([0.0, 0.3]))
 def test_loss_and_gradients_equal_the_definition(threads, alpha, **shapes):
     model, x, corrupted, first = drawn(**shapes)
@@ -84,8 +84,7 @@ def test_encode_decode_and_pullback_equal_the_definition(threads, **shapes):
     assert_same([pullback(x), pullback(x_hat)], [fast_pullback(x), fast_pullback(x_hat)], 1e-10)
 
 
-@pytest.mark.parametrize("batch", [1, 3, 16])
-@pytest.mark.parametrize("unpooling", ["even", "random"])
+@pytest.mark.parametrize(("batch", "unpooling"), [(1, "even"), (5, "random")])
 def test_the_papers_network_in_float32(batch, unpooling):
     """In float32, as near to float64 as the definition in float32."""
     model, x, corrupted, first = drawn(0, batch, (64, 128, 256), 15, 20, unpooling, features=63)
@@ -100,18 +99,6 @@ def test_the_papers_network_in_float32(batch, unpooling):
     for truth, a, b in zip(exact, direct, quick, strict=True):
         size = np.abs(truth).max()
         assert np.abs(b - truth).max() < max(1e-5 * size, 4 * np.abs(a - truth).max())
-
-
-@pytest.mark.parametrize("batch", [1, 9])
-@pytest.mark.parametrize("threads", [1, 2])
-def test_same_threads_same_bits(batch, threads):
-    model, x, corrupted, _ = drawn(0, batch, (16, 32), 15, 40, "even", np.float32)
-    results = [
-        flat(accelerate(model, threads).loss_and_gradients(x, corrupted, 0.01)) for _ in range(5)
-    ]
-    for result in results[1:]:
-        for a, b in zip(results[0], result, strict=True):
-            np.testing.assert_array_equal(a, b)
 
 
 def test_results_do_not_depend_on_earlier_calls_and_are_not_overwritten():
@@ -147,16 +134,6 @@ def test_a_pullback_is_valid_after_other_calls(batch):
     assert_same([model.decode_with_pullback(given_y)[1](x)], [pullbacks[0](x)], 1e-10)
 
 
-def test_more_windows_than_one_workspace_holds(monkeypatch):
-    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 32)
-    model, x, _, _ = drawn(0, 8, (4, 3), 5, 8, "even")
-    fast = accelerate(model)
-    for _ in range(2):
-        y = model.encode(x)
-        assert_same([y, model.decode(y)], [fast.encode(x), fast.decode(y)], 1e-10)
-        model.layers[0].w[0, 0, 0] += 1
-
-
 def test_no_windows_and_no_frames():
     model, *_ = drawn(0, 1, (4, 3), 5, 8, "even")
     for each in (model, accelerate(model)):
@@ -169,69 +146,48 @@ def test_no_windows_and_no_frames():
             each.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
 
 
-def add_to_one_weight(layer):
+def change_one_weight(layer):
     layer.w[-1, -1, -1] += 1e-3
 
 
-def swap_sign_of_zero(layer):
-    layer.w[0] = 0.0
-
-
 def assign_another_array(layer):
-    layer.w = -layer.w
-
-
-def assign_a_view(layer):
-    layer.w = np.asfortranarray(1.1 * layer.w)
+    layer.w = np.asfortranarray(-1.1 * layer.w)
 
 
 def change_through_a_view(layer):
     layer.w[::-1][:, 0] *= 2
-
-
-def change_the_biases(layer):
     layer.b += 1
-    layer.b = 0.5 * layer.b
+
+
+def change_the_dtype(layer):
+    layer.w, layer.b = layer.w.astype(np.float32), layer.b.astype(np.float32)
 
 
 @pytest.mark.parametrize(
-    "change",
-    [
-        add_to_one_weight,
-        swap_sign_of_zero,
-        assign_another_array,
-        assign_a_view,
-        change_through_a_view,
-        change_the_biases,
-    ],
+    "change", [change_one_weight, assign_another_array, change_through_a_view, change_the_dtype]
 )
-@pytest.mark.parametrize("batch", [1, 5])
-@pytest.mark.parametrize("changed_layer", [0, 1])
-def test_any_change_of_weights_between_calls_is_seen(change, batch, changed_layer):
+@pytest.mark.parametrize(("batch", "changed_layer"), [(1, 0), (5, 1)])
+def test_any_change_of_weights_between_calls_is_seen(monkeypatch, change, batch, changed_layer):
+    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 32)  # batches of 5 in two parts
     model, x, corrupted, _ = drawn(0, batch, (4, 3), 5, 8, "even")
     fast = accelerate(model, 2)
     y = model.encode(x)
-    original = model.layers[changed_layer].w
+    original = [(layer.w, layer.b) for layer in model.layers]
     for step in range(3):
-        assert_same([model.encode(x)], [fast.encode(x)], 1e-10)
-        assert_same([model.decode(y)], [fast.decode(y)], 1e-10)
+        tolerance = 1e-5 if step == 2 and change is change_the_dtype else 1e-10
+        assert_same([model.encode(x)], [fast.encode(x)], tolerance)
+        assert_same([model.decode(y)], [fast.decode(y)], tolerance)
         if step == 1:
             fast.loss_and_gradients(x, corrupted)
-            change(model.layers[changed_layer])
-    model.layers[changed_layer].w = original  # back to the array of an earlier call
+            for layer in (
+                model.layers if change is change_the_dtype else [model.layers[changed_layer]]
+            ):
+                change(layer)
+    for layer, (w, b) in zip(model.layers, original, strict=True):
+        layer.w, layer.b = w, b  # back to the arrays of an earlier call
     assert_same([model.encode(x)], [fast.encode(x)], 1e-10)
     gradients = model.loss_and_gradients(x, corrupted)
     assert_same(flat(gradients), flat(fast.loss_and_gradients(x, corrupted)), 1e-10)
-
-
-def test_a_change_of_dtype_is_seen():
-    model, x, _, _ = drawn(0, 1, (4, 3), 5, 8, "even")
-    fast = accelerate(model)
-    fast.encode(x)
-    for dtype in (np.float32, np.float64):
-        for layer in model.layers:
-            layer.w, layer.b = layer.w.astype(dtype), layer.b.astype(dtype)
-        assert_same([model.encode(x)], [fast.encode(x)], 1e-10)
 
 
 def test_the_accelerated_model_shares_layers_and_attributes():

@@ -173,12 +173,3 @@ def test_several_callers_at_once():
     assert len(results) == 4
     for result in results:
         assert_same(expected, result, 1e-10)
-
-
-@pytest.mark.parametrize("threads", [1, 2, 3])
-def test_the_same_threads_give_the_same_bits(threads):
-    model, *material = drawn(10, 7, 5, hidden=8, dtype=np.float32)
-    one, two = (accelerate(model, threads).loss_and_gradients(*material, 0.3) for _ in range(2))
-    assert one[0] == two[0]
-    for name, gradient in one[1].items():
-        np.testing.assert_array_equal(gradient, two[1][name])

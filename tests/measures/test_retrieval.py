@@ -34,15 +34,6 @@ def test_an_infinite_distance_leaves_a_motion_out():
         average_precision(alone, np.array([[True, False]]))
 
 
-def test_a_perfect_and_a_random_distance():
-    labels = np.arange(400) % 4
-    alike = labels[:, None] == labels
-    np.testing.assert_array_equal(average_precision(1.0 - alike, alike), 1.0)
-    drawn = np.random.default_rng(0).random(alike.shape)
-    assert precision_at_1(drawn, alike).mean() == pytest.approx(1 / 4, abs=0.06)
-    assert average_precision(drawn, alike).mean() == pytest.approx(1 / 4, abs=0.03)
-
-
 def test_the_interval_of_a_difference():
     rng = np.random.default_rng(1)
     theirs = rng.normal(size=100)

@@ -10,18 +10,13 @@ MODEL = ConvAutoencoder(3, (4, 5), taps=3, rng=RNG, dtype=np.float64)
 X, CORRUPTED = RNG.normal(scale=0.3, size=(2, 2, 8, 3))
 
 
-def test_without_alpha_there_is_no_sparsity():
-    loss, _ = MODEL.loss_and_gradients(X, CORRUPTED)
-    assert loss == pytest.approx(np.mean((MODEL.project(CORRUPTED) - X) ** 2), rel=1e-12)
-
-
-def test_without_masks_unpooling_is_even_and_without_a_layer_all_are_used():
-    loss, gradients = MODEL.loss_and_gradients(X, CORRUPTED, 0.2)
-    same, again = MODEL.loss_and_gradients(X, CORRUPTED, 0.2, [None, None], None)
-    assert loss == same
-    for (dw, db), (dw_again, db_again) in zip(gradients, again, strict=True):
-        np.testing.assert_array_equal(dw, dw_again)
-        np.testing.assert_array_equal(db, db_again)
+@pytest.mark.parametrize("options", [{}, {"alpha": 0.3}, {"alpha": 0.3, "first": [None, None]}])
+def test_the_loss_is_equation_3(options):
+    loss, _ = MODEL.loss_and_gradients(X, CORRUPTED, **options)
+    y = MODEL.encode(CORRUPTED)
+    sparsity = options.get("alpha", 0.0) * np.mean(np.abs(y))
+    expected = np.mean((MODEL.decode(y) - X) ** 2) + sparsity
+    assert loss == pytest.approx(expected, rel=1e-12)
 
 
 def test_each_mask_is_used_by_its_own_layer():
@@ -45,9 +40,3 @@ def test_float32_stays_float32():
         assert {array.dtype for array in arrays} == {np.dtype(np.float32)}
     _, gradients = model.loss_and_gradients(x, x, 0.1)
     assert {g.dtype for pair in gradients for g in pair} == {np.dtype(np.float32)}
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_a_model_has_the_requested_dtype(dtype):
-    layers = ConvAutoencoder(3, (4, 5), taps=3, dtype=dtype).layers
-    assert {array.dtype for layer in layers for array in (layer.w, layer.b)} == {np.dtype(dtype)}

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from numpy_cae import ops
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.models.sequential_autoencoder import weight_shapes
 from numpy_cae.training import unit_directions
 from numpy_cae.verify import check_gradients
 
@@ -91,19 +90,6 @@ def test_the_last_frame_of_a_longer_clip_is_written_first():
     np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
 
 
-def test_the_loss_does_not_depend_on_the_batch_size():
-    """Every clip twice: the same reconstruction error and the same gradients of it."""
-    rng = np.random.default_rng(10)
-    model = drawn_model(rng)
-    x, prior, directions = drawn_arguments(rng, model, 3, 4)
-    one, gradients = model.loss_and_gradients(x, prior, directions, 0.3)
-    x, prior = np.concatenate([x, x]), np.concatenate([prior, prior])
-    two, gradients_twice = model.loss_and_gradients(x, prior, directions, 0.3)
-    np.testing.assert_allclose(two, one, rtol=1e-10)
-    for name, gradient in gradients.items():
-        np.testing.assert_allclose(gradients_twice[name], gradient, atol=1e-12, err_msg=name)
-
-
 def test_no_frame_of_the_source_reaches_the_decoder():
     """Two clips with the same z are decoded to the same clip."""
     rng = np.random.default_rng(11)
@@ -160,12 +146,6 @@ def test_samples_are_clips_of_the_prior():
     z = np.random.default_rng(1).standard_normal((4, 3)).astype(np.float32)
     np.testing.assert_array_equal(samples, model.decode(z, 7))
     assert np.abs(samples[0] - samples[1]).max() > 0
-
-
-def test_the_weights_have_the_documented_shapes():
-    model = SequentialAutoencoder(hidden=8, latent=3, dtype=np.float64)
-    assert {name: each.shape for name, each in model.weights.items()} == weight_shapes(54, 8, 3)
-    assert all(each.dtype == np.float64 for each in model.weights.values())
 
 
 @pytest.mark.parametrize(

@@ -80,8 +80,8 @@ def same(one, other):
 
 @pytest.mark.parametrize(
     ("schedule", "after"),
-    [(SCHEDULE, after) for after in (0, 1, 3, 4, 7, 8, 15, 16, 17, 23)]
-    + [(ADAM, after) for after in (1, 4, 5, 11)],
+    [(SCHEDULE, after) for after in (0, 3, 4, 7, 8, 16, 23)]
+    + [(ADAM, after) for after in (1, 4, 11)],
 )
 def test_the_conv_autoencoder_ends_in_the_same_bits(tmp_path, monkeypatch, schedule, after):
     whole = train_conv(None, schedule=schedule)
@@ -92,7 +92,7 @@ def test_the_conv_autoencoder_ends_in_the_same_bits(tmp_path, monkeypatch, sched
         assert same(whole, train_conv(tmp_path / "c.npz", resume=True, schedule=schedule))
 
 
-@pytest.mark.parametrize("after", [0, 1, 3, 4, 7])
+@pytest.mark.parametrize("after", [0, 3, 4])
 def test_the_sequential_autoencoder_ends_in_the_same_bits(tmp_path, monkeypatch, after):
     whole = train_sequence(None)
     with monkeypatch.context() as patch, pytest.raises(Interrupted):
@@ -168,8 +168,7 @@ def test_how_often_by_time(tmp_path, monkeypatch):
     saved = []
     monkeypatch.setattr(Checkpoint, "save", lambda self, loop: saved.append(loop.at.step))
     model = ConvAutoencoder(3, (4, 5), taps=3)
-    kept = Checkpoint(tmp_path / "c.npz", seconds=1e9)
-    train_autoencoder(model, WINDOWS, SCHEDULE, None, False, kept)
+    train_autoencoder(model, WINDOWS, SCHEDULE, None, False, Checkpoint(tmp_path / "c.npz", 1e9))
     assert saved == [0] * 6
 
 

@@ -108,39 +108,3 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         layerwise.denoising_step(model, windows[chosen], stage, rate, rng, optimiser)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
-
-
-def test_a_stage_begins_at_rest_and_without_momentum_is_plain_descent():
-    def trained(**momentum):
-        model = small_model()
-        stage = Stage(epochs=2, rate=0.1, **momentum)
-        schedule = Schedule(Stage(epochs=1, rate=0.1), stage)
-        train_autoencoder(model, waves(), schedule, np.random.default_rng(3), show_progress=False)
-        return model.layers[0].w
-
-    np.testing.assert_array_equal(trained(), trained(momentum=0.0))
-    assert np.abs(trained() - trained(momentum=0.5)).max() > 1e-4
-
-
-def test_without_a_generator_the_seed_is_0():
-    one, other = small_model(), small_model()
-    schedule = Schedule(Stage(epochs=1), Stage(epochs=1))
-    train_autoencoder(one, waves(), schedule, show_progress=False)
-    train_autoencoder(other, waves(), schedule, np.random.default_rng(0), show_progress=False)
-    for a, b in zip(one.layers, other.layers, strict=True):
-        np.testing.assert_array_equal(a.w, b.w)
-
-
-def test_encoding_a_part_at_a_time_is_encoding():
-    model, windows = small_model(), waves()
-    whole = layerwise._encode(model.layers[0], windows)
-    np.testing.assert_array_equal(layerwise._encode(model.layers[0], windows, at_once=5), whole)
-
-
-def test_end_to_end_training_skips_the_layers_and_lowers_the_loss():
-    adam = Stage(20, 0.01, alpha=0.0, batch=4, optimiser="adam", rate_schedule="one-cycle")
-    model = small_model()
-    schedule = Schedule(Stage(epochs=0), adam)
-    history = train_autoencoder(model, waves(), schedule, show_progress=False)
-    assert history.losses["layer 1"] == history.losses["layer 2"] == []
-    assert history.losses["fine tuning"][-1] < history.losses["fine tuning"][0] / 2

@@ -25,6 +25,20 @@ def trained(seed=0, each=None, draw=waves, off=0.0, **changes):
     return model, history
 
 
+@pytest.fixture
+def seen(monkeypatch):
+    """The arguments of every call of `loss_and_gradients`."""
+    calls = []
+    original = SequentialAutoencoder.loss_and_gradients
+
+    def recorded(self, x, prior, directions, weight):
+        calls.append((x.copy(), prior.copy(), directions.copy(), weight))
+        return original(self, x, prior, directions, weight)
+
+    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
+    return calls
+
+
 def test_it_learns_to_reconstruct():
     _, history = trained()
     assert len(history.reconstruction) == len(history.discrepancy) == len(history.norm) == 120
@@ -42,16 +56,8 @@ def test_same_seed_same_bits_other_seed_other_weights():
     assert np.any(one.weights["frame_w"] != other.weights["frame_w"])
 
 
-def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
+def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
     """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
-    seen = []
-    original = SequentialAutoencoder.loss_and_gradients
-
-    def recorded(self, x, prior, directions, weight):
-        seen.append((x.copy(), prior.copy(), directions.copy(), weight))
-        return original(self, x, prior, directions, weight)
-
-    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
     trained(epochs=2, steps=30)
     clips, priors, directions, weights = zip(*seen, strict=True)
     for drawn in (clips, priors, directions):
@@ -69,18 +75,10 @@ def test_the_regulariser_brings_the_latents_to_the_prior():
     assert np.mean(held.discrepancy[-20:]) < np.mean(free.discrepancy[-20:]) / 2
 
 
-def test_postures_are_added_to_whole_clips(monkeypatch):
+def test_postures_are_added_to_whole_clips(seen):
     """The same number in all frames of a clip, another in every clip, with this deviation."""
-    seen = []
-    original = SequentialAutoencoder.loss_and_gradients
-
-    def recorded(self, x, *others):
-        seen.append(x.copy())
-        return original(self, x, *others)
-
-    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
     trained(epochs=1, posture=2.0, draw=lambda rng, batch: np.ones((batch, 8, 3), np.float32))
-    added = np.concatenate(seen) - 1
+    added = np.concatenate([clips for clips, *_ in seen]) - 1
     assert added.dtype == np.float32
     np.testing.assert_array_equal(added, np.broadcast_to(added[:, :1], added.shape))
     assert len(np.unique(added[:, 0, 0])) == len(added)
@@ -108,12 +106,6 @@ def test_the_rate_decays_by_the_epoch(monkeypatch):
     monkeypatch.setattr(sgd.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
     trained(epochs=3, steps=2, rate=0.4, decay=0.5)
     assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
-
-
-def test_each_is_told_how_many_steps_were_made():
-    steps = []
-    trained(epochs=2, steps=3, each=steps.append)
-    assert steps == [1, 2, 3, 4, 5, 6]
 
 
 def test_a_loss_that_is_not_finite_stops_with_the_epoch():

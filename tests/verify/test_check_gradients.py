@@ -15,16 +15,10 @@ def conv_arguments():
     )
 
 
-def test_accepts_a_right_pullback(conv_arguments):
+def test_accepts_right_pullbacks_scalar_losses_and_large_inputs(conv_arguments):
     check_gradients(ops.conv1d, *conv_arguments)
-
-
-def test_accepts_a_scalar_loss():
     x_hat, x = np.random.default_rng(0).standard_normal((2, 3, 4, 5))
     check_gradients(lambda x_hat: ops.mean_squared_error(x_hat, x), x_hat)
-
-
-def test_accepts_large_inputs_along_random_directions():
     rng = np.random.default_rng(0)
     x, w = rng.standard_normal((4, 40, 12)), rng.standard_normal((15, 12, 20)) * 0.05
     check_gradients(ops.conv1d, x, w, np.zeros(20))
@@ -56,18 +50,15 @@ def test_steps_suit_the_scale_of_the_input(scale):
     check_gradients(lambda x: (np.sin(x / scale), lambda dy: dy * np.cos(x / scale) / scale), x)
 
 
-def test_excuses_one_kink_but_not_a_wrong_slope_there():
+@pytest.mark.parametrize("near", [0.0, 1e-9])
+def test_excuses_one_kink_but_not_a_wrong_slope_there(near):
     x = np.random.default_rng(0).standard_normal(30)
-    x[4] = 0.0
+    x[4] = near
     check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.sign(x)), x)
     with pytest.raises(AssertionError, match=r"index \(4,\)"):
-        check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.where(x, np.sign(x), 3)), x)
-
-
-def test_excuses_a_kink_nearer_than_the_smallest_step():
-    x = np.random.default_rng(0).standard_normal(30)
-    x[4] = 1e-9
-    check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.sign(x)), x)
+        check_gradients(
+            lambda x: (np.abs(x), lambda dy: dy * np.where(x == near, 3, np.sign(x))), x
+        )
 
 
 def test_does_not_excuse_many_kinks():
@@ -93,19 +84,21 @@ def test_says_argument_index_and_numbers(conv_arguments):
     assert "by the pullback" in report and "by central differences" in report
 
 
-def test_rejects_an_altered_argument(conv_arguments):
-    def greedy(x, w, b):
+@pytest.mark.parametrize("altered", ["w", "the upstream gradient"])
+def test_rejects_an_altered_argument(conv_arguments, altered):
+    def altering(x, w, b):
         y, pullback = ops.conv1d(x, w, b)
 
         def wrong(dy):
             gradients = pullback(dy)
-            dy *= 0
+            array = w if altered == "w" else dy
+            array *= 0
             return gradients
 
         return y, wrong
 
-    with pytest.raises(AssertionError, match="the upstream gradient was altered"):
-        check_gradients(greedy, *conv_arguments)
+    with pytest.raises(AssertionError, match=f"{altered} was altered"):
+        check_gradients(altering, *conv_arguments)
 
 
 def test_asks_for_float64(conv_arguments):
@@ -128,16 +121,6 @@ def test_adjoint_wants_shapes_that_fit():
         check_adjoint(ops.unpool_even, y, y)
     with pytest.raises(AssertionError, match=r"pullback returns shape \(2, 8, 3\) for an argument"):
         check_adjoint(lambda y: (np.repeat(y, 2, axis=1), lambda dx: dx), y, dx)
-
-
-def test_adjoint_of_a_convolution_without_bias(conv_arguments):
-    x, w, _ = conv_arguments
-
-    def f(x):
-        y, pullback = ops.conv1d(x, w, np.zeros(2))
-        return y, lambda dy: pullback(dy)[0]
-
-    check_adjoint(f, x, np.random.default_rng(2).standard_normal((2, 6, 2)))
 
 
 def test_names_of_arguments_come_from_the_caller_or_from_f():
@@ -171,11 +154,6 @@ def test_a_failure_comes_again_with_the_same_numbers():
     assert reports[0] == reports[1]
 
 
-def test_a_list_is_no_gradient():
-    with pytest.raises(AssertionError, match="gradient for x is a list, not an array"):
-        check_gradients(lambda x: (2 * x, lambda dy: ([2.0 * d for d in dy],)), np.ones(2))
-
-
 @pytest.mark.parametrize("size", [0.5, 1e-3, 1e-5])
 def test_a_small_error_in_one_entry_of_many_is_found(size):
     def off(x):
@@ -195,6 +173,7 @@ def test_a_small_error_in_one_entry_of_many_is_found(size):
     [
         (lambda w: (w * 2, lambda dy: 2 * dy.T), r"is shape \(3, 2\), expected shape \(2, 3\)"),
         (lambda w: (w * 2, lambda dy: None), "is None"),
+        (lambda w: (w * 2, lambda dy: (dy.tolist(),)), "is a list, not an array"),
         (
             lambda w: (w * 2, lambda dy: np.where(w > 1, np.nan, 2 * dy)),
             r"for w is nan at index \(1, 0\)",
@@ -206,18 +185,3 @@ def test_a_small_error_in_one_entry_of_many_is_found(size):
 def test_what_is_no_gradient_is_told_so(f, problem):
     with pytest.raises(AssertionError, match=problem):
         check_gradients(f, np.array([[0.2, 0.3, 0.5], [2.0, 0.1, 0.7]]))
-
-
-def test_an_altered_argument_is_named():
-    def f(x, w):
-        y, pullback = ops.linear(x, w, np.zeros(2))
-
-        def altering(dy):
-            dx, dw, _ = pullback(dy)
-            w[...] = 0
-            return dx, dw
-
-        return y, altering
-
-    with pytest.raises(AssertionError, match="w was altered"):
-        check_gradients(f, np.ones((4, 3)), np.ones((3, 2)))
