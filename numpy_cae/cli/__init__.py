@@ -1,5 +1,8 @@
 """The command `numpy-cae`: one module a subcommand, imported when that subcommand is chosen.
 
+A module's docstring is the subcommand's description, with examples in its last paragraph;
+`add_arguments(parser)` declares its arguments and `run(args)` returns the exit status.
+
 Errors that a user can correct (a damaged file, a missing joint, a wrong number) end in one line on
 standard error and exit status 2, without a traceback.
 """
@@ -8,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -57,7 +61,17 @@ def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     chosen = next((word for word in argv if not word.startswith("-")), None)
     for name, help_line in SUBCOMMANDS.items():
         if name == chosen:
-            import_module(f"numpy_cae.cli.{name}").add_parser(subparsers)
+            module = import_module(f"numpy_cae.cli.{name}")
+            description, _, examples = (module.__doc__ or "").partition("\n\nexample")
+            subparser = subparsers.add_parser(
+                name,
+                help=help_line,
+                description=textwrap.fill(description, 79).replace("%", "%%"),
+                epilog=f"example{examples}",
+                formatter_class=argparse.RawDescriptionHelpFormatter,
+            )
+            subparser.set_defaults(run=module.run)
+            module.add_arguments(subparser)
         else:
             subparsers.add_parser(name, help=help_line, add_help=False)
     return parser

@@ -6,16 +6,20 @@ import argparse
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
-
-if TYPE_CHECKING:
-    from numpy_cae.experiments.ablation.choices import Choice
-    from numpy_cae.experiments.material import Material
+from numpy_cae.cli.output import write_texts
+from numpy_cae.experiments.ablation import choices
+from numpy_cae.experiments.ablation.ablation import measure_rows
+from numpy_cae.experiments.ablation.evaluation import Evaluation
+from numpy_cae.experiments.ablation.result import ablation_result
+from numpy_cae.experiments.material import LabelledTake, Material, read_material
+from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.section import drawn
+from numpy_cae.motion import body_of
+from numpy_cae.motion.retarget.to_body import RATE
 
 OUTPUT = Path("ablation")
 SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
@@ -31,41 +35,25 @@ INTRODUCTION = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the ablation, which also uses --data, --test and -o."""
-    from numpy_cae.experiments.ablation.choices import FINE_EPOCHS, LAYER_EPOCHS, SEEDS, WIDTH
-
     add = parser.add_argument_group("ablation").add_argument
-    add(
-        "--ablation",
-        action="store_true",
-        help="train and compare networks of other depth, sparsity, pooling, … instead, which "
-        f"needs no model; without --data on {SYNTHETIC_MINUTES:g} minutes of synthetic motions, "
-        f"without -o into {OUTPUT}/. An interrupted run continues from what it has measured",
+    ablation = (
+        "train and compare networks of other depth, sparsity, pooling, … instead, which needs no "
+        f"model; without --data on {SYNTHETIC_MINUTES:g} minutes of synthetic motions, without -o "
+        f"into {OUTPUT}/. An interrupted run continues from what it has measured"
     )
-    number = kinds.positive_number
-    help_line = f"number of seeds that each row is trained from (default: {SEEDS})"
-    add("--seeds", type=number, default=SEEDS, metavar="N", help=help_line)
-    help_line = f"filters of the lowest of three layers; the paper has 64 (default: {WIDTH})"
-    add("--width", type=number, default=WIDTH, metavar="N", help=help_line)
-    add(
-        "--epochs",
-        type=kinds.whole_number,
-        nargs=2,
-        default=(LAYER_EPOCHS, FINE_EPOCHS),
-        metavar=("LAYER", "FINE"),
-        help=f"epochs of each layer and of fine tuning (default: {LAYER_EPOCHS} {FINE_EPOCHS})",
-    )
+    add("--ablation", **kinds.FLAG, help=ablation)
+    seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
+    add("--seeds", **kinds.COUNT, default=choices.SEEDS, help=seeds)
+    width = f"filters of the lowest of three layers; the paper has 64 (default: {choices.WIDTH})"
+    add("--width", **kinds.COUNT, default=choices.WIDTH, help=width)
+    pair = {"type": kinds.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
+    default = (choices.LAYER_EPOCHS, choices.FINE_EPOCHS)
+    epochs = "epochs of each layer and of fine tuning (default: {} {})".format(*default)
+    add("--epochs", **pair, default=default, help=epochs)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read or synthesise the takes, train, measure and write."""
-    from numpy_cae.experiments.ablation.ablation import measure_rows
-    from numpy_cae.experiments.ablation.choices import choices
-    from numpy_cae.experiments.ablation.evaluation import Evaluation
-    from numpy_cae.experiments.ablation.result import ablation_result
-    from numpy_cae.experiments.material import read_material
-    from numpy_cae.experiments.page import page, plain_text
-    from numpy_cae.experiments.section import drawn
-
     started = time.monotonic()
     if args.data and not args.test:
         raise ValueError("--ablation with --data needs the takes to hold out: --test PATTERN")
@@ -79,28 +67,20 @@ def run(args: argparse.Namespace) -> int:
     def progress(line: str) -> None:
         print(f"{time.monotonic() - started:.0f} s, {line}", file=sys.stderr, flush=True)
 
-    networks = choices(args.width, *args.epochs)
+    networks = choices.choices(args.width, *args.epochs)
     evaluation = Evaluation(material)
     rows = measure_rows(evaluation, networks, args.seeds, output / "ablation.json", progress)
     seconds = time.monotonic() - started
     section = drawn("ablation", ablation_result(rows, evaluation.split.sample), seconds)
     how = _provenance(material, len(evaluation.windows), networks[0], args, seconds)
-    pages = {
-        "ablation.html": page([section], how, TITLE, INTRODUCTION),
-        "ablation.txt": plain_text([section], how),
-    }
-    for name, text in pages.items():
-        with atomic_write(output / name) as beside:
-            beside.write_text(text, encoding="utf-8")
+    html, text = page([section], how, TITLE, INTRODUCTION), plain_text([section], how)
+    write_texts(output, {"ablation.html": html, "ablation.txt": text})
     print(f"{output / 'ablation.html'}: {section.held} of {len(section.claims)} claims held")
     return 0
 
 
 def _synthetic() -> Material:
     from data_synth import plan_takes
-    from numpy_cae.experiments.material import LabelledTake, Material
-    from numpy_cae.motion import body_of
-    from numpy_cae.motion.retarget.to_body import RATE
 
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     for plan in plan_takes(SYNTHETIC_MINUTES):
@@ -110,27 +90,30 @@ def _synthetic() -> Material:
 
 
 def _provenance(
-    material: Material, windows: int, paper: Choice, args: argparse.Namespace, seconds: float
+    material: Material,
+    windows: int,
+    paper: choices.Choice,
+    args: argparse.Namespace,
+    seconds: float,
 ) -> dict[str, str]:
     """What is needed to judge the figures or to reproduce them."""
-    from numpy_cae.experiments.ablation.choices import TAPS
-
     folders = ", ".join(folder.name for folder in args.data or [])
     return {
         "data": f"{folders or 'synthetic, data_synth'}: {len(material.training)} takes to learn "
         f"from ({windows} windows), {len(material.testing)} to test",
         "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
-        "network": f"{' + '.join(map(str, paper.filters))} filters of {TAPS} frames",
-        "layers": _listed(paper.schedule.layer),
-        "fine tuning": _listed(paper.schedule.fine_tuning),
+        "network": f"{' + '.join(map(str, paper.filters))} filters of {choices.TAPS} frames",
+        "layers": listed(vars(paper.schedule.layer)),
+        "fine tuning": listed(vars(paper.schedule.fine_tuning)),
         "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s for what "
         "was not measured before",
     }
 
 
-def _listed(stage: object) -> str:
+def listed(settings: dict) -> str:
+    """The settings of a stage that have a value, on one line."""
     return ", ".join(
         f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
-        for key, value in vars(stage).items()
+        for key, value in settings.items()
         if value is not None
     )

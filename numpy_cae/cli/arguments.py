@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
+from typing import Any
 
 
 def _number(
@@ -33,21 +33,39 @@ fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
 momentum = _number(float, lambda x: 0 <= x < 1, "from 0 to below 1")
 bound = _number(float, lambda x: 0 < x < 1, "between 0 and 1, both excluded")
 
+# Settings of `add_argument` for each kind of argument; help and default are added where it is used.
+FLAG: dict[str, Any] = {"action": "store_true"}
+COUNT: dict[str, Any] = {"type": positive_number, "metavar": "N"}
+FILE: dict[str, Any] = {"type": Path, "metavar": "FILE"}
+FOLDER: dict[str, Any] = {"type": Path, "metavar": "FOLDER"}
+FOLDERS: dict[str, Any] = FOLDER | {"nargs": "+"}
+PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
 
-def add_motion_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say how to read motion files."""
-    parser.add_argument(
-        "--mapping",
-        type=Path,
-        metavar="JSON",
-        help="file that maps our joint names to those of the rig, for rigs that are not known",
-    )
-    parser.add_argument(
-        "--unit",
-        type=positive,
-        metavar="METRES",
-        help="length unit of the files in metres, 0.01 for centimetres (default: guessed)",
-    )
+SHARED: dict[str, dict[str, Any]] = {
+    "seed": {
+        "type": whole_number,
+        "default": 0,
+        "help": "seed of all random numbers (default: 0)",
+    },
+    "quiet": FLAG | {"help": "show no progress"},
+    "json": FLAG | {"help": "print JSON instead of text"},
+    "mapping": {
+        "type": Path,
+        "metavar": "JSON",
+        "help": "file that maps our joint names to those of the rig, for rigs that are not known",
+    },
+    "unit": {
+        "type": positive,
+        "metavar": "METRES",
+        "help": "length unit of the files in metres, 0.01 for centimetres (default: guessed)",
+    },
+}
+
+
+def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
+    """Add some of the options in `SHARED`, whose names are separated by spaces."""
+    for name in names.split():
+        parser.add_argument(f"--{name}", **SHARED[name])
 
 
 def chosen_mapping(args: argparse.Namespace) -> dict[str, str] | None:
@@ -55,15 +73,3 @@ def chosen_mapping(args: argparse.Namespace) -> dict[str, str] | None:
     from numpy_cae.motion import read_mapping
 
     return None if args.mapping is None else read_mapping(args.mapping)
-
-
-def require_place(path: Path) -> None:
-    """Raise ValueError unless a file can be created there; call it before hours of work."""
-    folder = path.resolve().parent
-    if not folder.is_dir():
-        raise ValueError(f"{path}: cannot be written: there is no folder {folder}")
-    try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None

@@ -1,4 +1,8 @@
-"""`numpy-cae compare FOLDER -m model.npz -o matrix.csv`: compute distances between motions."""
+"""Compute G, equation 4 of holden2015, between every two motions, and print the nearest motion of
+each. G depends on what happens in a motion, not on when.
+
+example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png
+"""
 
 from __future__ import annotations
 
@@ -12,28 +16,21 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.cli.as_json import add_json_argument, print_json
+from numpy_cae.cli.output import print_json
 from numpy_cae.manifold import distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files, load_body
 from numpy_cae.viz import save_figure
 from numpy_cae.viz.matrix import matrix_figure
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand and its arguments."""
-    parser = subparsers.add_parser(
-        "compare",
-        description="Compute G, equation 4 of holden2015, between every two motions, and print "
-        "the nearest motion of each. G depends on what happens in a motion, not on when.",
-        epilog="example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motions, the model and the files to write."""
     add = parser.add_argument
     add("motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="folders or motion files")
     one_motion.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix, clustered")
-    add_json_argument(parser)
-    parser.set_defaults(run=run)
+    kinds.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -55,8 +52,8 @@ def run(args: argparse.Namespace) -> int:
         save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
         written.append(f"{args.picture}: √G of {len(names)} motions, clustered")
     if args.json:
-        compared = {"distance": "G", "motions": names, "matrix": distances}
-        print_json({**compared, "nearest": nearest})
+        compared = {"motions": names, "matrix": distances, "nearest": nearest}
+        print_json({"distance": "G"} | compared)
         return 0
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
         print(f"{name}: nearest is {other}, G = {distance:.3f}")
@@ -67,15 +64,15 @@ def run(args: argparse.Namespace) -> int:
 
 def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
     """Every motion file by a unique name: its path below its folder, or its whole path."""
-    short, whole = {}, {}
-    count = 0
+    found = []
     for each in motions:
-        found = find_motion_files(each) if each.is_dir() else [each]
-        for path in found:
-            name = path.relative_to(each).as_posix() if each.is_dir() else path.name
-            short[name], whole[str(path)] = path, path
-            count += 1
-    return short if len(short) == count else whole
+        if each.is_dir():
+            paths = find_motion_files(each)
+            found += [(path.relative_to(each).as_posix(), path) for path in paths]
+        else:
+            found.append((each.name, each))
+    short = dict(found)
+    return short if len(short) == len(found) else {str(path): path for _, path in found}
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

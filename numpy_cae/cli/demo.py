@@ -1,11 +1,21 @@
-"""`numpy-cae demo`: make motions, train, repair and measure, in about a minute."""
+"""Make a small synthetic set of motions, train on it, repair a test clip that lost half of its
+values, and compare that with doing nothing and with PCA.
+
+example: numpy-cae demo -o demo
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
+from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.takes import read_takes
+from numpy_cae.experiments.material import unlabelled
+from numpy_cae.experiments.repair import figure_1, half_zeroed
+from numpy_cae.manifold import learn_manifold, save_manifold
+from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
@@ -15,36 +25,15 @@ SCHEDULE = Schedule(layer=Stage(epochs=7), fine_tuning=Stage(20, 0.15, 0.93, 0.0
 """Shorter than the paper's, on a hundredth of its motion, so that the demo takes about a minute."""
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the parser of `demo`."""
-    parser = subparsers.add_parser(
-        "demo",
-        description="Make a small synthetic set of motions, train on it, repair a test clip that "
-        "lost half of its values, and compare that with doing nothing and with PCA.",
-        epilog="example: numpy-cae demo -o demo",
-    )
-    add = parser.add_argument
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("demo"),
-        metavar="FOLDER",
-        help="folder for all results, created if it does not exist (default: demo)",
-    )
-    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
-    add("--quiet", action="store_true", help="show no progress")
-    parser.set_defaults(run=run)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The folder, the seed and the progress."""
+    output = "folder for all results, created if it does not exist (default: demo)"
+    parser.add_argument("-o", "--output", **kinds.FOLDER, default=Path("demo"), help=output)
+    kinds.add_shared(parser, "seed quiet")
 
 
 def run(args: argparse.Namespace) -> int:
     """Make motions, train, measure and draw."""
-    from numpy_cae.cli.takes import read_takes
-    from numpy_cae.experiments.material import unlabelled
-    from numpy_cae.experiments.repair import figure_1, half_zeroed
-    from numpy_cae.manifold import learn_manifold, save_manifold
-    from numpy_cae.motion import fit_motion, write_bvh
-
     out = args.output
     (out / "motions").mkdir(parents=True, exist_ok=True)
     paths = _make_motions(out / "motions", args.seed)
@@ -70,9 +59,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _make_motions(folder: Path, seed: int) -> list[Path]:
     """Write takes of every kind in turn as BVH files, every sixth of a kind for testing."""
-    from data_synth import make_take
-    from numpy_cae.motion import write_bvh
-
     paths = []
     for number in range(TAKES):
         kind, round_ = KINDS[number % len(KINDS)], number // len(KINDS)

@@ -1,49 +1,33 @@
-"""`numpy-cae download cmu -o FOLDER`: download the CMU database, or some of its subjects."""
+"""Download Acclaim files (.asf, .amc) of the Carnegie Mellon Graphics Lab Motion Capture Database.
+An interrupted download continues when the command is run again; a file gets its name only when it
+is complete and can be read.
+
+example: numpy-cae download cmu --subjects 2,7,35 -o cmu
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import time
-from pathlib import Path
 
+from numpy_cae.cli import arguments as kinds
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
 from numpy_cae.download.cmu import SITE, TERMS
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    parser = subparsers.add_parser(
-        "download",
-        help="download motion files of the CMU database",
-        description="Download Acclaim files (.asf, .amc) of the Carnegie Mellon Graphics Lab "
-        "Motion Capture Database. An interrupted download continues when the command is run "
-        "again; a file gets its name only when it is complete and can be read. " + TERMS,
-        epilog="example: numpy-cae download cmu --subjects 2,7,35 -o cmu",
-    )
-    parser.add_argument("database", choices=["cmu"], help="name of the database")
-    parser.add_argument(
-        "--subjects",
-        type=_subjects,
-        metavar="N,N,…",
-        help="numbers of the subjects to download (default: all, one archive of over a gigabyte)",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="FOLDER",
-        help="folder for the files, created if it does not exist",
-    )
-    parser.add_argument(
-        "--site",
-        default=SITE,
-        metavar="URL",
-        help=f"address of the site or of a mirror (default: {SITE})",
-    )
-    parser.add_argument("--quiet", action="store_true", help="do not show the progress")
-    parser.set_defaults(run=run)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The database, the subjects and the folder; the help ends with the terms of use."""
+    parser.epilog = f"{parser.epilog}\n{TERMS}"
+    add = parser.add_argument
+    add("database", choices=["cmu"], help="name of the database")
+    some = "numbers of the subjects to download (default: all, one archive of over a gigabyte)"
+    add("--subjects", type=_subjects, metavar="N,N,…", help=some)
+    output = "folder for the files, created if it does not exist"
+    add("-o", "--output", **kinds.FOLDER, required=True, help=output)
+    site = f"address of the site or of a mirror (default: {SITE})"
+    add("--site", default=SITE, metavar="URL", help=site)
+    kinds.add_shared(parser, "quiet")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -1,4 +1,11 @@
-"""`numpy-cae fill FILE -m model.npz -o filled.bvh`: fill in a joint, or poses between keyframes."""
+"""Fill in what is missing from a motion by a learned manifold, and write the result as BVH, with
+the rig, frame rate, unit and length of the input file. Known values do not change: with --joint all
+other joints, with --keyframes every N-th frame.
+
+examples:
+  numpy-cae fill take.bvh -m model.npz -o filled.bvh --joint left_wrist
+  numpy-cae fill stepped.bvh -m model.npz -o smooth.bvh --keyframes 15 --gif smooth.gif
+"""
 
 from __future__ import annotations
 
@@ -14,40 +21,22 @@ from numpy_cae.manifold import fill_joint, fill_motion_joint, fill_motion_keyfra
 from numpy_cae.motion import Motion
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand and its arguments."""
-    parser = subparsers.add_parser(
-        "fill",
-        description="Fill in what is missing from a motion by a learned manifold, and write the "
-        "result as BVH, with the rig, frame rate, unit and length of the input file. Known values "
-        "do not change: with --joint all other joints, with --keyframes every N-th frame.",
-        epilog="examples: numpy-cae fill take.bvh -m model.npz -o filled.bvh --joint left_wrist; "
-        "numpy-cae fill stepped.bvh -m model.npz -o smooth.bvh --keyframes 15 --gif smooth.gif",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motion, the model and what is missing."""
     one_motion.add_file_arguments(parser)
+    add = parser.add_argument
     missing = parser.add_mutually_exclusive_group(required=True)
     missing.add_argument("--joint", metavar="NAME", help="missing joint, such as left_wrist")
-    missing.add_argument(
-        "--keyframes",
-        type=kinds.positive_number,
-        metavar="N",
-        help="number of frames from one keyframe to the next; the first frame is a keyframe",
+    every = "number of frames from one keyframe to the next; the first frame is a keyframe"
+    missing.add_argument("--keyframes", **kinds.COUNT, help=every)
+    gap = "with --joint: first and last frame without the joint, from 0 (default: all frames)"
+    add("--frames", type=kinds.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=gap)
+    fit = (
+        "with --joint: find the motion that fits the known values, instead of one projection as in "
+        "the paper (one second for five of motion)"
     )
-    parser.add_argument(
-        "--frames",
-        type=kinds.whole_number,
-        nargs=2,
-        metavar=("FIRST", "LAST"),
-        help="with --joint: first and last frame without the joint, from 0 (default: all frames)",
-    )
-    parser.add_argument(
-        "--fit",
-        action="store_true",
-        help="with --joint: find the motion that fits the known values, instead of one projection "
-        "as in the paper (one second for five of motion)",
-    )
-    one_motion.add_data_argument(parser, "with --fit: folders of motions for PCA of initial poses")
-    parser.set_defaults(run=run)
+    add("--fit", **kinds.FLAG, help=fit)
+    add("--data", **kinds.FOLDERS, help="with --fit: folders of motions for PCA of initial poses")
 
 
 def run(args: argparse.Namespace) -> int:

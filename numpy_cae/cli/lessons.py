@@ -1,4 +1,12 @@
-"""`numpy-cae lessons student/`: the students' copies of the lessons, without the solutions."""
+"""Write the student's copy of every lesson: a stub in place of each solution, no outputs. With
+--execute, run the instructor's copies in a fresh kernel instead and store their outputs and the
+pictures of the gallery. With --gallery, make the pictures from the stored outputs.
+
+examples: numpy-cae lessons student/              write the student's copy of every lesson
+          numpy-cae lessons --execute             execute the instructor's copies
+          numpy-cae lessons --execute --only 03   of one lesson
+          numpy-cae lessons --gallery             pictures from the stored outputs
+"""
 
 from __future__ import annotations
 
@@ -6,6 +14,7 @@ import argparse
 import time
 from pathlib import Path
 
+from numpy_cae.cli import arguments as kinds
 from numpy_cae.course import (
     execute,
     find_lessons,
@@ -15,42 +24,16 @@ from numpy_cae.course import (
     write_picture,
 )
 
-EXAMPLE = """\
-examples: numpy-cae lessons student/              write the student's copy of every lesson
-          numpy-cae lessons --execute             execute the instructor's copies
-          numpy-cae lessons --execute --only 03   of one lesson
-          numpy-cae lessons --gallery             pictures from the stored outputs"""
 
-
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    parser = subparsers.add_parser(
-        "lessons",
-        help="write the student's copies of the lessons, or execute the instructor's",
-        description="Write the student's copy of every lesson: a stub in place of each solution, "
-        "no outputs. With --execute, run the instructor's copies in a fresh kernel instead and "
-        "store their outputs and the pictures of the gallery. With --gallery, make the pictures "
-        "from the stored outputs.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("folder", type=Path, nargs="?", help="folder for the student's copies")
-    parser.add_argument(
-        "--from",
-        dest="source",
-        type=Path,
-        default=Path("lessons"),
-        metavar="FOLDER",
-        help="folder of the instructor's copies (default: lessons, as in a clone)",
-    )
-    parser.add_argument("--execute", action="store_true", help="execute the instructor's copies")
-    parser.add_argument(
-        "--gallery",
-        action="store_true",
-        help="make the pictures from stored outputs, without execution",
-    )
-    parser.add_argument("--only", metavar="NN", help="number of the only lesson to process")
-    parser.set_defaults(run=run)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The folders and what to do with the lessons."""
+    add = parser.add_argument
+    add("folder", type=Path, nargs="?", help="folder for the student's copies")
+    source = "folder of the instructor's copies (default: lessons, as in a clone)"
+    add("--from", dest="source", **kinds.FOLDER, default=Path("lessons"), help=source)
+    add("--execute", **kinds.FLAG, help="execute the instructor's copies")
+    add("--gallery", **kinds.FLAG, help="make the pictures from stored outputs, without execution")
+    add("--only", metavar="NN", help="number of the only lesson to process")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -65,33 +48,28 @@ def run(args: argparse.Namespace) -> int:
         if not lessons:
             raise ValueError(f"no lesson {args.only} in {args.source}")
     if args.folder is not None:
-        return _write_copies(lessons, args.folder)
-    return _execute(lessons) if args.execute else _gallery(lessons)
-
-
-def _execute(lessons: list[Path]) -> int:
+        _write_copies(lessons, args.folder)
+        return 0
     for path in lessons:
+        try:
+            _make_picture(path, args.execute)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+    return 0
+
+
+def _make_picture(path: Path, executed: bool) -> None:
+    """Make a lesson's picture and, if requested, execute it before that."""
+    notebook = read_notebook(path)
+    if executed:
         began = time.monotonic()
-        try:
-            executed = execute(read_notebook(path))
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
-        write_notebook(executed, path)
+        notebook = execute(notebook)
+        write_notebook(notebook, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
-        print(write_picture(executed, path))
-    return 0
+    print(write_picture(notebook, path))
 
 
-def _gallery(lessons: list[Path]) -> int:
-    for path in lessons:
-        try:
-            print(write_picture(read_notebook(path), path))
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
-    return 0
-
-
-def _write_copies(lessons: list[Path], folder: Path) -> int:
+def _write_copies(lessons: list[Path], folder: Path) -> None:
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
     folder.mkdir(parents=True, exist_ok=True)
@@ -104,4 +82,3 @@ def _write_copies(lessons: list[Path], folder: Path) -> int:
     for path in lessons:
         write_notebook(student_copy(read_notebook(path)), folder / path.name)
         print(folder / path.name)
-    return 0

@@ -32,18 +32,13 @@ def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
     if gif:
         add("-o", "--output", type=Path, required=True, help="path of the .bvh file to write")
         add("--gif", type=Path, help=gif)
-    kinds.add_motion_arguments(parser)
+    kinds.add_shared(parser, "mapping unit")
 
 
 def add_file_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of a command that changes one motion file."""
     parser.add_argument("file", type=Path, help="motion file (.bvh or .amc) to read")
     add_model_arguments(parser, "path of an animation of the motion before and after")
-
-
-def add_data_argument(parser: argparse.ArgumentParser, purpose: str) -> None:
-    """`--data`, folders of motion files."""
-    parser.add_argument("--data", type=Path, nargs="+", metavar="FOLDER", default=[], help=purpose)
 
 
 def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = True) -> Manifold:
@@ -60,8 +55,22 @@ def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = T
 def load_features(args: argparse.Namespace, manifold: Manifold) -> list[np.ndarray]:
     """The features of every motion in the folders of `--data`."""
     mapping = kinds.chosen_mapping(args)
-    files = [path for folder in args.data for path in find_motion_files(folder)]
+    files = [path for folder in args.data or [] for path in find_motion_files(folder)]
     return [manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files]
+
+
+def write(motion: Motion, path: Path) -> None:
+    """Write a motion as BVH and print what was written."""
+    write_bvh(motion, path)
+    joints = len(motion.skeleton.names)
+    print(f"{path}: {len(motion)} frames at {motion.rate:g} a second, {joints} joints")
+
+
+def animate(path: Path | None, content: str, *actors: tuple[np.ndarray, str, str]) -> None:
+    """Write an animation of bodies, each with its name and colour, unless the path is None."""
+    if path:
+        save_gif([Actor(body, PARENTS, name, colour) for body, name, colour in actors], path, 30.0)
+        print(f"{path}: {content}")
 
 
 def change(
@@ -77,14 +86,9 @@ def change(
         result = changed(motion, mapping=mapping)
     except UnknownRigError as error:
         raise UnknownRigError(f"{args.file}: {error}") from None
-    write_bvh(result, args.output)
-    frames, joints = len(result), len(result.skeleton.names)
-    print(f"{args.output}: {frames} frames at {result.rate:g} a second, {joints} joints")
+    write(result, args.output)
     if args.gif:
-        actors = [
-            Actor(body_of(before(motion), mapping), PARENTS, "before", CORRUPTED),
-            Actor(body_of(result, mapping), PARENTS, "after", PROJECTED),
-        ]
-        save_gif(actors, args.gif, 30.0)
-        print(f"{args.gif}: before and after")
+        bodies = [body_of(each, mapping) for each in (before(motion), result)]
+        drawn = (bodies[0], "before", CORRUPTED), (bodies[1], "after", PROJECTED)
+        animate(args.gif, "before and after", *drawn)
     return 0

@@ -16,12 +16,8 @@ from numpy_cae.training import Checkpoint
 def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
     """Yield the checkpoint of the run that writes `output`, under a lock.
 
-    Raises
-    ------
-    FileError
-        If another process writes there.
-    CheckpointError
-        If a run was interrupted and `resume` is False.
+    Raises FileError if another process writes there, CheckpointError if a run was interrupted and
+    `resume` is False.
     """
     checkpoint = Checkpoint(state_of(output), seconds, resume)
     with lock(output), _stopped_by_sigterm():

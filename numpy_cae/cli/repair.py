@@ -1,4 +1,8 @@
-"""`numpy-cae repair FILE -m model.npz -o fixed.bvh`: project a damaged motion."""
+"""Project a motion onto a learned manifold and write the result as BVH, with the rig, frame rate,
+unit and length of the input file.
+
+example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif
+"""
 
 from __future__ import annotations
 
@@ -7,25 +11,17 @@ import sys
 from functools import partial
 from pathlib import Path
 
+from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
 from numpy_cae.manifold import SequenceManifold, repair, repair_sequence
 from numpy_cae.motion import Motion
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand and its arguments."""
-    parser = subparsers.add_parser(
-        "repair",
-        description="Project a motion onto a learned manifold and write the result as BVH, with "
-        "the rig, frame rate, unit and length of the input file.",
-        epilog="example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motion, the model and the constraints."""
     one_motion.add_file_arguments(parser)
-    parser.add_argument(
-        "--constrain",
-        action="store_true",
-        help="keep bone lengths, standing feet and the ground (one second for five of motion)",
-    )
+    constrain = "keep bone lengths, standing feet and the ground (one second for five of motion)"
+    parser.add_argument("--constrain", **kinds.FLAG, help=constrain)
     parser.add_argument(
         "--pin",
         type=Path,
@@ -35,7 +31,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         '"frames": [0, 119], "path": [[0, null, 0], [50, null, 200]]}], in the unit and the '
         "frames of the motion, counted from 0; a coordinate that is null is free",
     )
-    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:

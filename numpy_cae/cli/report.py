@@ -1,6 +1,10 @@
-"""`numpy-cae report --data FOLDER -m model.npz -o report/`: every experiment on one page.
+"""Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
+Write report.html (one self-contained page: each claim, whether it held, tables and pictures) and
+report.txt. With --ablation, measure what each choice of the paper contributes instead.
 
-`--ablation` makes another page: see `numpy_cae.cli.ablation`.
+examples:
+  numpy-cae report --data motions/ -m model.npz -o report
+  numpy-cae report --ablation
 """
 
 from __future__ import annotations
@@ -9,46 +13,31 @@ import argparse
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
-from numpy_cae.cli import ablation
+from numpy_cae.cli import ablation, one_motion
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.as_json import add_json_argument, print_json
+from numpy_cae.cli.output import print_json, write_texts
+from numpy_cae.experiments.material import Material, read_material
+from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import EXPERIMENTS, run_section
-
-if TYPE_CHECKING:
-    from numpy_cae.experiments.material import Material
-    from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold import MotionManifold
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    parser = subparsers.add_parser(
-        "report",
-        help="run every experiment and write a page of the claims that held",
-        description="Run every experiment of holden2015, section 7, on the takes that the model "
-        "was not trained on. Write report.html (one self-contained page: each claim, whether it "
-        "held, tables and pictures) and report.txt.",
-        epilog="example: numpy-cae report --data motions/ -m model.npz -o report; to measure what "
-        "each choice of the paper contributes: numpy-cae report --ablation",
-    )
-    add = parser.add_argument
-    add("--data", type=Path, nargs="+", metavar="FOLDER", help="folders of motion files")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motions, the model, the folder and the experiments."""
+    add, names = parser.add_argument, tuple(EXPERIMENTS)
+    add("--data", **kinds.FOLDERS, help="folders of motion files")
     add("-m", "--model", type=Path, help="model file from `numpy-cae train --test PATTERN`")
-    add("-o", "--output", type=Path, metavar="FOLDER", help="folder to write, made if missing")
-    test_help = "names of the test files, where the model does not record them"
-    add("--test", nargs="+", metavar="PATTERN", default=[], help=test_help)
-    names = tuple(EXPERIMENTS)
-    only_help = f"run only these experiments, of {', '.join(names)}"
-    add("--only", nargs="+", choices=names, default=names, metavar="NAME", help=only_help)
-    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
-    add_json_argument(parser)
-    kinds.add_motion_arguments(parser)
+    output = "folder to write, created if it does not exist"
+    add("-o", "--output", **kinds.FOLDER, help=output)
+    test = "names of the test files, where the model does not record them"
+    add("--test", **kinds.PATTERNS, help=test)
+    only = f"run only these experiments, of {', '.join(names)}"
+    add("--only", nargs="+", choices=names, default=names, metavar="NAME", help=only)
+    kinds.add_shared(parser, "seed json mapping unit")
     ablation.add_arguments(parser)
-    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -58,10 +47,6 @@ def run(args: argparse.Namespace) -> int:
     missing = [name for name in ("data", "model", "output") if getattr(args, name) is None]
     if missing:
         raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
-    from numpy_cae.cli import one_motion
-    from numpy_cae.experiments.material import read_material
-    from numpy_cae.experiments.page import page, plain_text
-
     started = time.monotonic()
     manifold = one_motion.load_model(args, bvh=False)
     patterns = _test_patterns(manifold, args)
@@ -77,10 +62,8 @@ def run(args: argparse.Namespace) -> int:
         sections.append(run_section(name, manifold, material, args.seed))
         _say(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
     how = _provenance(manifold, material, patterns, args, time.monotonic() - started)
-    pages = {"report.html": page(sections, how), "report.txt": plain_text(sections, how)}
-    for name, text in pages.items():
-        with atomic_write(args.output / name) as beside:
-            beside.write_text(text, encoding="utf-8")
+    html, text = page(sections, how), plain_text(sections, how)
+    write_texts(args.output, {"report.html": html, "report.txt": text})
     claims = sum(len(section.claims) for section in sections)
     held = sum(section.held for section in sections)
     if args.json:
@@ -125,8 +108,8 @@ def _provenance(
         f"seed {settings.get('seed')}",
         "network": f"{' + '.join(str(layer.b.size) for layer in layers)} filters of "
         f"{len(layers[0].w)} frames",
-        "layers": _listed(schedule.get("layer", {})),
-        "fine tuning": _listed(schedule.get("fine_tuning", {})),
+        "layers": ablation.listed(schedule.get("layer", {})),
+        "fine tuning": ablation.listed(schedule.get("fine_tuning", {})),
         "data": f"{', '.join(folder.name for folder in args.data)}: {_counts(material)}",
         "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
         "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s",
@@ -141,7 +124,3 @@ def _provenance(
 
 def _counts(material: Material) -> str:
     return f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
-
-
-def _listed(settings: dict) -> str:
-    return ", ".join(f"{key} {value}" for key, value in settings.items())

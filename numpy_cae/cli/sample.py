@@ -1,9 +1,13 @@
-"""`numpy-cae sample -m model.npz -o out.bvh`: draw new motions from a prior."""
+"""Draw new motions from a learned manifold and write them as BVH. The fitted prior mixes similar
+windows of the motions in --data; the uniform prior needs no data, but its samples hardly resemble
+motion. A sequential model has a prior of its own.
+
+example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 --like take.bvh
+"""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 
@@ -13,41 +17,31 @@ from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
-    PARENTS,
     Motion,
     RootTransform,
     body_of,
     features_to_positions,
     fit_motion,
     load_body,
-    write_bvh,
 )
 from numpy_cae.motion.body import hold_first_pose
-from numpy_cae.viz import PROJECTED, Actor, save_gif
+from numpy_cae.viz import PROJECTED
 
 MAX_DRAWN = 5
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand and its arguments."""
-    parser = subparsers.add_parser(
-        "sample",
-        description="Draw new motions from a learned manifold and write them as BVH. The fitted "
-        "prior mixes similar windows of the motions in --data; the uniform prior needs no data, "
-        "but its samples hardly resemble motion. A sequential model has a prior of its own.",
-        epilog="example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 "
-        "--seconds 8 --like take.bvh",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The model, the prior, and the number and length of the motions."""
     one_motion.add_model_arguments(parser, f"path of an animation of up to {MAX_DRAWN} motions")
-    one_motion.add_data_argument(parser, "folders of motions that the prior is fitted to")
-    priors, number = ("fitted", "uniform"), "number of motions, written as new_1.bvh, new_2.bvh, …"
     add = parser.add_argument
+    add("--data", **kinds.FOLDERS, help="folders of motions that the prior is fitted to")
+    priors = ("fitted", "uniform")
     add("--prior", choices=priors, default="fitted", help="prior (default: fitted)")
-    add("--number", type=kinds.positive_number, default=1, metavar="N", help=number)
+    number = "number of motions, written as new_1.bvh, new_2.bvh, … (default: 1)"
+    add("--number", **kinds.COUNT, default=1, help=number)
     add("--seconds", type=kinds.positive, default=5.0, help="length of each motion (default: 5)")
-    add("--seed", type=kinds.whole_number, default=0, help="seed of the draws (default: 0)")
-    add("--like", type=Path, metavar="FILE", help="motion file whose rig, rate and unit are used")
-    parser.set_defaults(run=run)
+    add("--like", **kinds.FILE, help="motion file whose rig, rate and unit are used")
+    kinds.add_shared(parser, "seed")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -68,13 +62,10 @@ def run(args: argparse.Namespace) -> int:
         made = [_motion(manifold, each, rig, mapping) for each in features]
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
-        path = args.output.with_stem(stem)
-        write_bvh(motion, path)
-        print(f"{path}: {len(motion)} frames at {motion.rate:g} a second")
+        one_motion.write(motion, args.output.with_stem(stem))
     if args.gif:
         bodies = [body_of(motion, mapping) for motion in made[:MAX_DRAWN]]
-        save_gif([Actor(body, PARENTS, "", PROJECTED) for body in bodies], args.gif, 30.0)
-        print(f"{args.gif}: what was drawn")
+        one_motion.animate(args.gif, "what was drawn", *[(body, "", PROJECTED) for body in bodies])
     return 0
 
 

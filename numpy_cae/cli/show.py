@@ -1,4 +1,7 @@
-"""`numpy-cae show FILE`: a strip of poses and an animation of any motion file."""
+"""Draw a motion file as a strip of poses (PNG) and as an animation (GIF), named after the file.
+
+example: numpy-cae show walk.bvh -o pictures
+"""
 
 from __future__ import annotations
 
@@ -8,34 +11,14 @@ from pathlib import Path
 from numpy_cae.cli import arguments as kinds
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the subcommand `show`."""
-    parser = subparsers.add_parser(
-        "show",
-        help="draw a motion file: a strip of poses and a GIF",
-        description="Draw a motion file as a strip of poses (PNG) and as an animation (GIF), "
-        "named after the file.",
-        epilog="example: numpy-cae show walk.bvh -o pictures",
-    )
-    parser.add_argument("file", type=Path, help="a .bvh, .amc or .txt file")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path(),
-        metavar="FOLDER",
-        help="folder to write to, created if missing; default: the current folder",
-    )
-    parser.add_argument(
-        "--poses", type=kinds.positive_number, default=9, help="number of poses in the strip"
-    )
-    parser.add_argument(
-        "--unit",
-        type=kinds.positive,
-        metavar="METRES",
-        help="length of one unit of the file in metres; default: guessed or as the file says",
-    )
-    parser.set_defaults(run=run)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, the folder to write and the number of poses."""
+    add = parser.add_argument
+    add("file", type=Path, help="motion file (.bvh, .amc or .txt) to read")
+    output = "folder to write, created if it does not exist (default: the current folder)"
+    add("-o", "--output", **kinds.FOLDER, default=Path(), help=output)
+    add("--poses", **kinds.COUNT, default=9, help="number of poses in the strip (default: 9)")
+    kinds.add_shared(parser, "unit")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -51,10 +34,9 @@ def run(args: argparse.Namespace) -> int:
     drawn = motion.resampled(min(30.0, motion.rate))
     actor = Actor(drawn.positions(), drawn.skeleton.parents, args.file.name)
     args.output.mkdir(parents=True, exist_ok=True)
-    strip = args.output / f"{args.file.stem}.png"
+    strip, gif = (args.output / f"{args.file.stem}.{suffix}" for suffix in ("png", "gif"))
     save_figure(strip_figure([actor], drawn.rate, args.poses), strip)
     print(f"{strip}: {args.poses} poses")
-    gif = args.output / f"{args.file.stem}.gif"
     save_gif([actor], gif, drawn.rate)
     print(f"{gif}: the first {min(10.0, drawn.seconds):.1f} s")
     return 0

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion.io.cache import read_bodies
+from numpy_cae.motion.io.cache import Body, read_bodies
 
 
 def read_takes(
@@ -22,30 +22,15 @@ def read_takes(
     strict: bool = False,
     cache: Path | None = None,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Each motion file as twenty joints at 30 frames a second.
+    """Each motion file as twenty joints at 30 frames a second, for training and for testing.
 
-    Parameters
-    ----------
-    paths : sequence of paths
-    mapping, unit
-        See `load_body`.
-    test : sequence of str
-        Patterns such as "*_005.bvh": files whose name matches one are for testing.
-    strict : bool
-        Whether a file that cannot be used is an error; otherwise it is reported and skipped.
-    cache : path, optional
-        Folder of the cache of `read_bodies`; None for no cache.
+    Files whose name matches a pattern in `test` are for testing. A file that cannot be used is an
+    error of `read_bodies` if `strict` or if it is the only one, otherwise it is reported and
+    skipped. Raises ValueError if the patterns leave nothing to test or to train on.
 
     Returns
     -------
     training, testing : lists of (F, 20, 3) arrays in metres
-
-    Raises
-    ------
-    MotionFileError, UnknownRigError
-        As `load_body`, if strict or if there is only one file.
-    ValueError
-        If a pattern leaves nothing to test, or all of them nothing to train on.
     """
     for pattern in test:
         if not any(is_test(path, [pattern]) for path in paths):
@@ -54,9 +39,7 @@ def read_takes(
     testing: list[np.ndarray] = []
     notes: Counter[str] = Counter()
     left_out = 0
-    progress = _Progress(len(paths))
-    for body in read_bodies(paths, mapping, unit, cache):
-        progress.advance()
+    for body in _with_progress(read_bodies(paths, mapping, unit, cache), len(paths)):
         if body.problem is not None:
             if strict or len(paths) == 1:
                 raise body.problem
@@ -82,18 +65,12 @@ def read_takes(
     return training, testing
 
 
-class _Progress:
-    """Print the remaining time every few seconds while many files are read."""
-
-    def __init__(self, files: int):
-        self.files, self.read = files, 0
-        self.begun = self.printed = time.monotonic()
-
-    def advance(self) -> None:
-        """Count one more file."""
-        self.read += 1
+def _with_progress(bodies: Iterable[Body], files: int) -> Iterator[Body]:
+    """The same bodies; print the remaining time every five seconds."""
+    begun = printed = time.monotonic()
+    for read, body in enumerate(bodies, start=1):
         now = time.monotonic()
-        if now - self.printed > 5:
-            self.printed = now
-            left = (now - self.begun) / self.read * (self.files - self.read)
-            print(f"{self.read} of {self.files} files read, {left:.0f} s to go", file=sys.stderr)
+        if now - printed > 5:
+            printed, left = now, (now - begun) / read * (files - read)
+            print(f"{read} of {files} files read, {left:.0f} s to go", file=sys.stderr)
+        yield body

@@ -1,4 +1,9 @@
-"""`numpy-cae train FOLDER -o model.npz`: learn a manifold from a folder of motion files."""
+"""Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
+folders. A recipe is a set of training options: paper is that of holden2015, best repairs best, fast
+trains all layers at once with Adam. Options given beside it replace its own.
+
+example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
+"""
 
 from __future__ import annotations
 
@@ -10,100 +15,65 @@ from typing import Any
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options as options
-from numpy_cae.cli.as_json import add_json_argument, print_json
 from numpy_cae.cli.one_run import one_run, state_of
+from numpy_cae.cli.output import print_json, require_place
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the parser of `train`."""
-    parser = subparsers.add_parser(
-        "train",
-        description="Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in "
-        "one or more folders. A recipe is a set of training options: paper is that of holden2015, "
-        "best repairs best, fast trains all layers at once with Adam. Options given beside it "
-        "replace its own.",
-        epilog="example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the model, the recipe and every option of a training."""
     add = parser.add_argument
-    add(
-        "folders",
-        type=Path,
-        nargs="+",
-        metavar="FOLDER",
-        help="folders of motion files, searched with their subfolders",
-    )
+    add("folders", **kinds.FOLDERS, help="folders of motion files, searched with their subfolders")
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
-    add(
-        "--test",
-        metavar="PATTERN",
-        nargs="+",
-        default=[],
-        help="names of files to test on, which are not trained on (default: none)",
+    test = "names of files to test on, which are not trained on (default: none)"
+    add("--test", **kinds.PATTERNS, help=test)
+    picture = "picture to write: figure 1 of a test take, or samples of the sequential model"
+    add("--picture", type=Path, metavar="PNG", help=picture)
+    models = ("convolutional", "sequential")
+    model = (
+        "network of holden2015 or of jang2018, the latter for motions of one action "
+        f"(default: {models[0]})"
     )
-    add(
-        "--picture",
-        type=Path,
-        metavar="PNG",
-        help="picture to write: figure 1 of a test take, or samples of the sequential model",
-    )
-    add(
-        "--model",
-        choices=["convolutional", "sequential"],
-        default="convolutional",
-        help="network of holden2015 or of jang2018, the latter for motions of one action "
-        "(default: convolutional)",
-    )
+    add("--model", choices=models, default=models[0], help=model)
     add("--recipe", choices=options.RECIPES, default="paper", help="recipe (default: paper)")
-    add(
-        "--engine",
-        choices=["fast", "ops"],
-        default="fast",
-        help="code that computes the gradients: fast, or the definitions in numpy_cae.ops, which "
-        "take about four times as long (default: fast)",
+    engine = (
+        "code that computes the gradients: fast, or the definitions in numpy_cae.ops, which take "
+        "about four times as long (default: fast)"
     )
-    add("--seed", type=kinds.whole_number, default=0, help="seed of all random numbers (default 0)")
-    add("--quiet", action="store_true", help="show no progress")
-    add(
-        "--resume",
-        action="store_true",
-        help="continue from MODEL.checkpoint.npz, which an interrupted run leaves; the result has "
-        "the same bits as that of an uninterrupted run",
+    add("--engine", choices=("fast", "ops"), default="fast", help=engine)
+    resume = (
+        "continue from MODEL.checkpoint.npz, which an interrupted run leaves; the result has the "
+        "same bits as that of an uninterrupted run"
     )
-    add_json_argument(parser)
-    kinds.add_motion_arguments(parser)
+    add("--resume", **kinds.FLAG, help=resume)
+    kinds.add_shared(parser, "seed quiet json mapping unit")
     options.add_training_options(parser)
     _add_file_options(parser.add_argument_group("advanced, files"))
-    parser.set_defaults(run=lambda args: run(args, parser))
 
 
 def _add_file_options(group: argparse._ArgumentGroup) -> None:
-    add = group.add_argument
-    add(
-        "--checkpoint",
-        type=kinds.rate,
-        default=60.0,
-        metavar="SECONDS",
-        help="time between two saved states within an epoch, in seconds (default: 60); a state is "
-        "also saved after every epoch",
+    often = (
+        "time between two saved states within an epoch, in seconds (default: 60); a state is also "
+        "saved after every epoch"
     )
-    caching = group.add_mutually_exclusive_group()
-    caching.add_argument(
-        "--cache",
-        type=Path,
-        metavar="FOLDER",
-        help="folder for what was read of the files, by their content (default: a folder of the "
-        "user's cache, for 20 MB of files or more)",
+    seconds = {"default": 60.0, "metavar": "SECONDS", "help": often}
+    group.add_argument("--checkpoint", type=kinds.rate, **seconds)
+    caching = group.add_mutually_exclusive_group().add_argument
+    cache = (
+        "folder for what was read of the files, by their content (default: a folder of the user's "
+        "cache, for 20 MB of files or more)"
     )
-    caching.add_argument("--no-cache", action="store_true", help="read every file anew")
-    add("--strict", action="store_true", help="stop at a file that cannot be used, not skip it")
+    caching("--cache", **kinds.FOLDER, help=cache)
+    caching("--no-cache", **kinds.FLAG, help="read every file anew")
+    strict = "stop at a file that cannot be used, not skip it"
+    group.add_argument("--strict", **kinds.FLAG, help=strict)
 
 
-def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
+def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
-    options.require_options_of_model(args, parser)
+    options.require_options_of_model(args)
     if args.picture and not args.test:
         raise ValueError("--picture draws a test take: name the test takes with --test")
-    kinds.require_place(args.output)
+    require_place(args.output)
     if args.resume and args.output.exists() and not state_of(args.output).exists():
         if args.json:
             print_json({"model": args.output, "settings": None, "test": None})
@@ -113,9 +83,10 @@ def run(args: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
     from numpy_cae.manifold import save_manifold
 
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
-        learn = _learn_sequences if args.model == "sequential" else _learn_windows
+        sequential = args.model == "sequential"
+        learn = _learn_sequences if sequential else _learn_windows
         how = {"show_progress": not args.quiet, "checkpoint": checkpoint, "engine": args.engine}
-        manifold, summary, measure = learn(args, options.network_of(args) | how)
+        manifold, summary, measure = learn(args, options.network_of(args, sequential) | how)
         manifold.settings["test"] = args.test
         save_manifold(manifold, args.output)
         checkpoint.remove()
@@ -155,12 +126,9 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     training, testing = read_takes(paths, mapping, args.unit, args.test, args.strict, cache)
     manifold = learn_manifold(training, schedule, args.seed, **how)
     manifold.settings["folders"] = [
-        {
-            "name": folder.resolve().name,
-            "files": len(paths),
-            "test": sum(is_test(path, args.test) for path in paths),
-        }
-        for folder, paths in found.items()
+        {"name": folder.resolve().name, "files": len(files)}
+        | {"test": sum(is_test(path, args.test) for path in files)}
+        for folder, files in found.items()
     ]
 
     def measure() -> tuple:
@@ -199,4 +167,4 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
         study = Study(action, manifold)
         return reconstruction([study]), figure_3(study) if args.picture else None
 
-    return manifold, f"clips of {args.frames} frames of {count} motions", measure
+    return manifold, f"clips of {how['frames']} frames of {count} motions", measure

@@ -1,7 +1,8 @@
 """The options of `numpy-cae train` that describe a training, and the schedules that they make.
 
 An option of a stage has the name of its field, such as `--rate`, with the prefix `--fine-` for fine
-tuning. Both models have the same names.
+tuning. Both models have the same names. An option that is not given is no attribute of the parsed
+arguments: the recipe or the default below applies.
 """
 
 from __future__ import annotations
@@ -50,17 +51,17 @@ _SEQUENTIAL = {
     "posture": (kinds.rate, "standard deviation of the random postures added to clips"),
 }
 _SEQUENTIAL_NETWORK = {
-    "hidden": (kinds.positive_number, HIDDEN, "number of hidden units of each GRU"),
-    "latent": (kinds.positive_number, LATENT, "number of latent variables"),
-    "frames": (kinds.positive_number, CLIP, "number of frames in a clip, at 25 frames a second"),
+    "hidden": (kinds.positive_number, "number of hidden units of each GRU", HIDDEN),
+    "latent": (kinds.positive_number, "number of latent variables", LATENT),
+    "frames": (kinds.positive_number, "number of frames in a clip, at 25 frames a second", CLIP),
 }
 _CONVOLUTIONAL_NETWORK = {
-    "window": (kinds.positive_number, LENGTH, "number of frames in a window, at 30 a second"),
-    "overlap": (kinds.whole_number, OVERLAP, "number of frames that successive windows share"),
-    "filters": (kinds.positive_number, [64, 128, 256], "number of filters of each layer"),
-    "taps": (kinds.odd_number, 15, "number of frames that a filter covers, odd"),
-    "bound": (kinds.bound, 0.9, "absolute value at which the input of arctanh is clipped"),
-    "rms": (kinds.positive, RMS, "root mean square that the features are scaled to"),
+    "window": (kinds.positive_number, "number of frames in a window, at 30 a second", LENGTH),
+    "overlap": (kinds.whole_number, "number of frames that successive windows share", OVERLAP),
+    "filters": (kinds.positive_number, "number of filters of each layer", [64, 128, 256]),
+    "taps": (kinds.odd_number, "number of frames that a filter covers, odd", 15),
+    "bound": (kinds.bound, "absolute value at which the input of arctanh is clipped", 0.9),
+    "rms": (kinds.positive, "root mean square that the features are scaled to", RMS),
 }
 
 
@@ -74,37 +75,31 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
         usual = f"{_field(paper.layer, name)}, sequential model {_field(sequence, name)}"
         _add(group, name, kind, f"{text} (recipe paper: {usual})")
     group = parser.add_argument_group("advanced, convolutional model")
-    _add_network(group, _CONVOLUTIONAL_NETWORK)
+    _add_all(group, _CONVOLUTIONAL_NETWORK)
     for name, (kind, text) in _CONVOLUTIONAL.items():
         _add(group, name, kind, f"{text} (recipe paper: {_field(paper.layer, name)})")
     for name, (kind, _) in {**_COMMON, **_CONVOLUTIONAL}.items():
         usual = _field(paper.fine_tuning, name)
         _add(group, f"fine-{name}", kind, f"--{name} for fine tuning (recipe paper: {usual})")
     group = parser.add_argument_group("advanced, sequential model")
-    _add_network(group, _SEQUENTIAL_NETWORK)
-    _add_fields(group, _SEQUENTIAL)
+    _add_all(group, _SEQUENTIAL_NETWORK | _SEQUENTIAL)
 
 
 def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     """The options of the sequential model alone, for `numpy-cae study`."""
     group = parser.add_argument_group("training")
-    _add_network(group, _SEQUENTIAL_NETWORK)
-    _add_fields(group, _COMMON | _SEQUENTIAL)
+    _add_all(group, _SEQUENTIAL_NETWORK | _COMMON | _SEQUENTIAL)
 
 
-def _add_network(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
-    for name, (kind, default, text) in options.items():
-        _add(group, name, kind, f"{text} (default: %(default)s)", default)
+def _add_all(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
+    """Options with their own defaults or those of the sequential model's schedule."""
+    for name, (kind, text, *default) in options.items():
+        shown = default[0] if default else _field(SequenceSchedule(), name)
+        _add(group, name, kind, f"{text} (default: {shown})")
 
 
-def _add_fields(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
-    for name, (kind, text) in options.items():
-        _add(group, name, kind, f"{text} (default: %(default)s)", _field(SequenceSchedule(), name))
-
-
-def _add(group: Any, name: str, kind: Any, text: str, default: Any = None) -> None:
-    """One option; None as its default leaves it to the recipe."""
-    settings: dict[str, Any] = {"default": default, "help": text}
+def _add(group: Any, name: str, kind: Any, text: str) -> None:
+    settings: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
     if kind is None:
         settings["action"] = argparse.BooleanOptionalAction
     elif isinstance(kind, tuple):
@@ -120,7 +115,7 @@ def _field(stage: Stage | SequenceSchedule, option: str) -> Any:
     return getattr(stage, option.replace("-", "_"))
 
 
-def require_options_of_model(args: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
+def require_options_of_model(args: argparse.Namespace) -> None:
     """Raise ValueError where an option of the other model is given."""
     others = {*_SEQUENTIAL, *_SEQUENTIAL_NETWORK}
     if args.model == "sequential":
@@ -129,26 +124,24 @@ def require_options_of_model(args: argparse.Namespace, parser: argparse.Argument
         if args.recipe != "paper":
             raise ValueError(f"--recipe {args.recipe} is for the convolutional model")
     for name in sorted(others):
-        option = name.replace("-", "_")
-        if getattr(args, option) != parser.get_default(option):
+        if hasattr(args, name.replace("-", "_")):
             raise ValueError(f"--{name} is not an option of the {args.model} model")
 
 
-def network_of(args: argparse.Namespace) -> dict[str, Any]:
+def network_of(args: argparse.Namespace, sequential: bool) -> dict[str, Any]:
     """The arguments of `learn_manifold` or `learn_sequences` that describe the network."""
-    sequential = args.model == "sequential"
-    names = _SEQUENTIAL_NETWORK if sequential else _CONVOLUTIONAL_NETWORK
-    return {name: getattr(args, name) for name in names}
+    options = _SEQUENTIAL_NETWORK if sequential else _CONVOLUTIONAL_NETWORK
+    return {name: getattr(args, name, default) for name, (_, _, default) in options.items()}
 
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The recipe with the options that are given; end to end, those of a layer are for all."""
     recipe = RECIPES[args.recipe]
-    fine_tuning = recipe.fine_tuning
     if recipe.layer.epochs == 0:
-        fine_tuning = _changed(fine_tuning, args, "")
-        return Schedule(recipe.layer, _changed(fine_tuning, args, "fine_"))
-    return Schedule(_changed(recipe.layer, args, ""), _changed(fine_tuning, args, "fine_"))
+        end_to_end = _changed(recipe.fine_tuning, args, "")
+        return Schedule(recipe.layer, _changed(end_to_end, args, "fine_"))
+    layer = _changed(recipe.layer, args, "")
+    return Schedule(layer, _changed(recipe.fine_tuning, args, "fine_"))
 
 
 def sequence_schedule_of(args: argparse.Namespace) -> SequenceSchedule:
@@ -158,8 +151,8 @@ def sequence_schedule_of(args: argparse.Namespace) -> SequenceSchedule:
 
 def _changed(stage: Any, args: argparse.Namespace, prefix: str) -> Any:
     """The stage with the fields for which an option is given."""
-    options = {field.name: getattr(args, prefix + field.name, None) for field in fields(stage)}
-    given = {name: value for name, value in options.items() if value is not None}
+    names = [field.name for field in fields(stage) if hasattr(args, prefix + field.name)]
+    given = {name: getattr(args, prefix + name) for name in names}
     if "zeroed" in given:
         given["zeroed"] = _zeroed(prefix, given["zeroed"])
     changed = replace(stage, **given)

@@ -105,7 +105,7 @@ def test_options_change_the_recipe(monkeypatch, options, expected):
     from numpy_cae.cli import train, train_options
 
     seen = []
-    monkeypatch.setattr(train, "run", lambda args, _: seen.append(args) or 0)
+    monkeypatch.setattr(train, "run", lambda args: seen.append(args) or 0)
     assert main(["train", "folder", "-o", "m.npz", *options]) == 0
     assert train_options.schedule_of(seen[0]) == expected
 

@@ -1,19 +1,19 @@
-"""`--json`: print results as one JSON value on standard output; messages go to standard error."""
+"""Output of the commands: text or JSON on standard output, text files, and a check of paths.
+
+With `--json` one JSON value is printed; messages always go to standard error.
+"""
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
+import tempfile
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
 
-
-def add_json_argument(parser: argparse.ArgumentParser) -> None:
-    """Add the option `--json`."""
-    parser.add_argument("--json", action="store_true", help="print JSON instead of text")
+from numpy_cae.atomic_write import atomic_write
 
 
 def print_json(value: object) -> None:
@@ -40,3 +40,22 @@ def plain(value: object) -> object:
     if isinstance(value, Path):
         return str(value)
     raise TypeError(f"{type(value).__name__} has no form in JSON")
+
+
+def write_texts(folder: Path, texts: dict[str, str]) -> None:
+    """Write text files by name into a folder."""
+    for name, text in texts.items():
+        with atomic_write(folder / name) as beside:
+            beside.write_text(text, encoding="utf-8")
+
+
+def require_place(path: Path) -> None:
+    """Raise ValueError unless a file can be created there; call it before hours of work."""
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise ValueError(f"{path}: cannot be written: there is no folder {folder}")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None
