@@ -9,7 +9,7 @@ from numpy_cae.experiments.clips import (
     project,
     project_ends_held,
 )
-from numpy_cae.experiments.split import split_of, split_takes
+from numpy_cae.experiments.split import split_takes
 from numpy_cae.measures import jitter
 from numpy_cae.motion import features_to_positions
 
@@ -79,9 +79,3 @@ def test_settings_are_chosen_on_takes_outside_the_first_fit(labelled):
         assert len(paths[0]) + len(paths[1]) == count
     with pytest.raises(ValueError, match="1 takes to train on, expected 2 or more"):
         split_takes(labelled.training[:1])
-
-
-def test_a_split_describes_its_windows(small_manifold, labelled):
-    split = split_of(small_manifold, labelled)
-    assert f"{len(split.testing)} windows of {len(labelled.testing)} takes" in split.text()
-    assert len(split.training) > len(split.fitting)

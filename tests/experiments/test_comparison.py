@@ -1,7 +1,5 @@
 """Distances between motions and what they find."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -14,6 +12,8 @@ from numpy_cae.experiments.comparison.distances import (
     euclidean,
 )
 from numpy_cae.experiments.comparison.shift import SHIFTS
+from numpy_cae.experiments.filters import top_activations
+from numpy_cae.experiments.interpolation import interpolation
 from numpy_cae.experiments.material import Material
 from numpy_cae.manifold import G, hidden_units
 
@@ -68,14 +68,11 @@ def test_only_takes_with_something_to_find_are_queries(scores):
         "content, other style": 4,
         "style, other content": 2,
     }
-    for each in [*scores[0].values(), *scores[1].values()]:
-        assert all(np.all((one >= 0) & (one <= 1)) for one in each.values())
-
-
-def test_contents_are_told_apart_except_by_chance(scores):
     for name in (EQUATION_4, EUCLIDEAN):
         assert scores[1]["content"][name].mean() > 0.9
     assert scores[1]["content"][comparison.RANDOM].mean() < 0.9
+    for each in [*scores[0].values(), *scores[1].values()]:
+        assert all(np.all((one >= 0) & (one <= 1)) for one in each.values())
 
 
 def test_claims_follow_the_differences(result_of):
@@ -85,11 +82,6 @@ def test_claims_follow_the_differences(result_of):
         gap = gaps.value(EUCLIDEAN, label)
         assert gap in claim.figures
         assert claim.held == (float(gap.split("(")[1].split()[0]) > 0)
-
-
-def test_comparison_needs_labelled_test_takes(small_manifold, labelled):
-    with pytest.raises(ValueError, match="labelled takes"):
-        comparison.run(small_manifold, Material(labelled.training, []))
 
 
 def test_a_still_clip_does_not_change_when_shifted(small_manifold, clips):
@@ -109,12 +101,6 @@ def test_a_shift_is_relative_to_the_distance_to_others(small_manifold, clips):
     assert moved[EUCLIDEAN][1, SHIFTS.index(5)] == pytest.approx(itself / np.median(others))
 
 
-def test_takes_too_short_to_shift_are_refused(small_manifold, labelled):
-    short = [replace(take, positions=take.positions[:60]) for take in labelled.testing]
-    with pytest.raises(ValueError, match="two held-out takes of 72 frames, there are 0"):
-        shift.run(small_manifold, Material([], short))
-
-
 def test_claims_of_the_nearest_motions_follow_the_lists(monkeypatch):
     monkeypatch.setattr(nearest, "QUERIES", 2)
     alike, odd = list(nearest.ALIKE), nearest.ODD[0]
@@ -129,3 +115,19 @@ def test_claims_of_the_nearest_motions_follow_the_lists(monkeypatch):
     assert held(good, bad) == [True, True]
     assert held(bad, good) == [False, False]
     assert held(good, [bad[0], good[0]]) == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("experiment", "message"),
+    [
+        (comparison, "labelled takes"),
+        (shift, "two held-out takes of 72 frames, there are 0"),
+        (top_activations, "needs 5 held-out takes, there are 0"),
+        (interpolation, "neither press-ups"),
+    ],
+)
+def test_without_suitable_takes_an_experiment_is_refused(
+    small_manifold, labelled, experiment, message
+):
+    with pytest.raises(ValueError, match=message):
+        experiment.run(small_manifold, Material(labelled.training, []))

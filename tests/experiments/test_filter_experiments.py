@@ -5,8 +5,7 @@ import pytest
 
 from numpy_cae.experiments.comparison.distances import untrained
 from numpy_cae.experiments.filters import top_activations
-from numpy_cae.experiments.filters.responses import Responses, decoded, encoded, responses_of
-from numpy_cae.experiments.material import Material
+from numpy_cae.experiments.filters.responses import Responses, responses_of
 from numpy_cae.manifold import hidden_units
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import joint_slice
@@ -28,14 +27,6 @@ def test_a_first_layer_unit_adds_its_transposed_filter_on_both_frames():
             if 0 <= tap < 5:
                 expected[frame] += gained / 2 * w[tap]
     np.testing.assert_allclose(added[0], expected, atol=1e-12)
-
-
-def test_encoded_and_decoded_equal_the_network():
-    network = ConvAutoencoder(filters=(6, 8), taps=5)
-    x = np.random.default_rng(0).normal(0, 0.2, size=(2, 16, 63)).astype(np.float32)
-    every = encoded(network.layers, x)
-    np.testing.assert_allclose(every[-1], network.encode(x), atol=1e-5)
-    np.testing.assert_allclose(decoded(network.layers, every[-1]), network.project(x), atol=1e-5)
 
 
 def one_filter(*movements):
@@ -93,16 +84,3 @@ def test_the_commonest_label_of_the_top_takes():
     # Unit 1: takes 0 to 4; unit 2: takes 6 to 2.
     agreement = top_activations.label_agreement(largest, ["a", "a", "b", "a", "a", "c", "c"])
     np.testing.assert_allclose(agreement, [4 / 5, 2 / 5])
-
-
-def test_drawn_frames_are_around_the_moment(small_manifold, labelled):
-    clip, frames = small_manifold.features(labelled.testing[0].positions)[0], top_activations.FRAMES
-    for moment in (0, 40, 89):
-        assert top_activations._around(clip, moment).shape == (frames, 63)
-    np.testing.assert_array_equal(top_activations._around(clip, 89)[-1], clip[-1])
-    np.testing.assert_array_equal(top_activations._around(clip, 40)[frames // 2], clip[40])
-
-
-def test_too_few_takes(small_manifold, labelled):
-    with pytest.raises(ValueError, match="needs 5 held-out takes, there are 4"):
-        top_activations.run(small_manifold, Material([], labelled.testing[:4]))

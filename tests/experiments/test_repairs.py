@@ -29,26 +29,15 @@ from numpy_cae.motion import PARENTS
 HALF = "p = 0.5"
 
 
-@pytest.fixture(scope="module")
-def sweep(result_of):
-    return result_of("repair_sweep").tables
-
-
-def test_the_corrupted_error_grows_with_the_root_of_p(sweep):
-    errors = np.array(sweep[0].rows[0][1:])
-    assert sweep[0].rows[0][0] == CORRUPTED_ROW
+def test_the_sweep_of_lost_values(result_of):
+    blind, known, _ = result_of("repair_sweep").tables
+    assert blind.rows[0][0] == CORRUPTED_ROW
+    errors = np.array(blind.rows[0][1:])  # they grow with the root of p
     np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)
-
-
-def test_interpolation_of_few_known_holes_is_best(sweep):
-    blind, known, _ = sweep
     assert known.rows[0][1] < min(row[1] for row in blind.rows)
-
-
-def test_the_linear_denoiser_beats_other_linear_filters(sweep):
-    for row in sweep[0].rows:
+    for row in blind.rows:
         if row[0].startswith("Savitzky"):
-            assert sweep[0].value(LINEAR, HALF) < row[2]
+            assert blind.value(LINEAR, HALF) < row[2]
 
 
 def test_claims_of_the_sweep_follow_its_errors():
@@ -134,31 +123,16 @@ def test_a_take_in_one_piece_is_the_whole_take(result_of):
     assert result_of("lengths").claims[0].held
 
 
-def test_a_constrained_projection_keeps_the_bones(result_of):
-    for table in result_of("constrained_projection").tables:
-        kept = table.value("constrained projection", "bone length, cm")
-        assert kept < 0.1 * table.value("plain projection", "bone length, cm")
-
-
-@pytest.fixture(scope="module")
-def half(small_manifold, labelled):
-    return half_zeroed.run(small_manifold, labelled).tables[0]
-
-
-def test_half_zeroed_rows_that_need_no_network(half):
+def test_half_zeroed_rows_that_need_no_network(small_manifold, labelled):
+    half = half_zeroed.run(small_manifold, labelled).tables[0]
     whole, lost = half.header[1:3]
     assert half.value("doing nothing", whole) == 0
-    assert half.value("the mean pose", whole) == half.value("the mean pose", lost)
+    assert half.value("PCA on frames", whole) == pytest.approx(0, abs=1e-4)
     # Half of all values lost at random: half of the mean pose's squared error remains.
     mean = half.value("the mean pose", lost)
+    assert half.value("the mean pose", whole) == mean
     assert half.value("doing nothing", lost) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
-
-
-def test_pca_is_never_worse_than_the_mean_pose_and_reconstructs_frames_exactly(half):
-    whole, lost = half.header[1:3]
-    assert half.value("PCA on frames", whole) == pytest.approx(0, abs=1e-4)
-    for name in ("PCA on frames", "PCA on windows"):
-        assert half.value(name, lost) < half.value("the mean pose", lost)
+    assert half.value("PCA on frames", lost) < mean and half.value("PCA on windows", lost) < mean
 
 
 def test_figure_1_has_one_clip_three_times(small_manifold, labelled):

@@ -84,28 +84,22 @@ def html() -> str:
     return page(SECTIONS, {"model": "m.npz <1>", "seed": "0"})
 
 
-def test_the_page_is_self_contained(html):
+def test_the_page_is_self_contained_and_the_text_has_the_same(html):
     read = Checked(html)
     pictures = [source for source in read.sources if not source.startswith("#")]
     assert pictures == ["data:image/png;base64,UE5H", "data:image/gif;base64,R0lG"]
     assert "script" not in read.tags and "link" not in read.tags
-
-
-def test_claims_failures_and_tables_are_on_the_page(html):
-    text = "".join(Checked(html).words)
-    for words in (HELD.sentence, HELD.figures, NOT_HELD.sentence, "m.npz <1>", RESULT.title):
-        assert words in text
-    assert "1 of 2 claims held" in text and RESULT.note in text
-    assert "Could not be run: no press-ups among the takes" in text
-    assert text.count("not held") == 2  # in the contents and at the claim
+    words = "".join(read.words)
+    for each in (HELD.sentence, HELD.figures, NOT_HELD.sentence, "m.npz <1>", RESULT.title):
+        assert each in words
+    assert "1 of 2 claims held" in words and RESULT.note in words
+    assert "Could not be run: no press-ups among the takes" in words
+    assert words.count("not held") == 2  # in the contents and at the claim
     assert "<th>a</th><th class=number>error, cm</th>" in html
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
-
-
-def test_the_text_report_has_the_same():
     text = plain_text(SECTIONS, {"model": "m.npz"})
-    for words in ("model: m.npz", TABLE.text(), HELD.text(), NOT_HELD.text(), "no press-ups"):
-        assert words in text
+    for each in ("model: m.npz", TABLE.text(), HELD.text(), NOT_HELD.text(), "no press-ups"):
+        assert each in text
 
 
 def test_an_experiment_that_cannot_be_run_says_why(monkeypatch):

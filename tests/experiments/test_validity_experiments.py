@@ -1,12 +1,10 @@
 """Interpolation and sampling: the values of the tables are right, and claims follow from them."""
 
 import numpy as np
-import pytest
 
 from numpy_cae.experiments.interpolation import interpolation
 from numpy_cae.experiments.interpolation.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.interpolation.sampling import FITTED, REAL, UNIFORM
-from numpy_cae.experiments.material import Material
 from numpy_cae.measures import Validity
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
@@ -38,11 +36,6 @@ def test_a_claim_holds_if_all_measures_are_better():
     assert interpolation._claim(interpolation.PRESS_UPS, measured).held
     measured[LINEAR] = Validity(2, 2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
     assert not interpolation._claim(interpolation.PRESS_UPS, measured).held
-
-
-def test_interpolation_needs_pairs(small_manifold, labelled):
-    with pytest.raises(ValueError, match="neither press-ups"):
-        interpolation.run(small_manifold, Material(labelled.training, labelled.testing[:1]))
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):

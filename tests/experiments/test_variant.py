@@ -53,8 +53,7 @@ def test_untied_gradients_add_up_to_the_tied_ones_if_the_filters_are_equal():
             np.testing.assert_allclose(db, db_up + dc, atol=1e-12)
 
 
-@pytest.mark.parametrize("unpooling", ["random", "even"])
-@pytest.mark.parametrize("layer", [None, 0])
+@pytest.mark.parametrize(("unpooling", "layer"), [("random", None), ("even", 0)])
 @pytest.mark.parametrize("kind", [average_autoencoder, untied_autoencoder])
 def test_its_gradients_are_those_of_differences(kind, layer, unpooling):
     model = kind(**TINY)

@@ -33,12 +33,6 @@ def test_features_that_are_always_zero_are_not_counted():
         assert np.all(zeroed_fraction(x) == 0)
 
 
-def test_each_window_has_a_share_of_its_own():
-    lost = X.copy()
-    lost[1, ::2] = 0
-    np.testing.assert_allclose(zeroed_fraction(lost)[:, 0, 0], [0, 0.5, 0])
-
-
 def test_one_shift_is_projection_and_all_shifts_commute_with_a_shift(network):
     np.testing.assert_allclose(project_shifted(network, X), network.project(X), atol=1e-6)
     middle = np.zeros((1, 96, 63), np.float32)
@@ -48,12 +42,6 @@ def test_one_shift_is_projection_and_all_shifts_commute_with_a_shift(network):
         moved = project_shifted(network, later, shifts)[:, 9:88]
         still = project_shifted(network, middle, shifts)[:, 8:87]
         assert np.allclose(moved, still, atol=1e-5) == same
-
-
-def test_windows_are_projected_in_parts_as_at_once(network, monkeypatch):
-    whole = project_shifted(network, X, 4)
-    monkeypatch.setattr("numpy_cae.manifold.blind.WINDOWS_AT_ONCE", 2)
-    np.testing.assert_allclose(project_shifted(network, X, 4), whole, atol=1e-6)
 
 
 def test_only_a_network_trained_on_rescaled_input_is_given_it(network):

@@ -35,14 +35,6 @@ def test_the_matrix_is_equation_4_of_each_pair(some, others):
     np.testing.assert_allclose(square, [[G(a, b) for b in some] for a in some], atol=1e-12)
 
 
-@given(UNITS, st.randoms(use_true_random=False))
-def test_the_time_of_an_event_does_not_matter(units, random):
-    order = list(range(len(units)))
-    random.shuffle(order)
-    assert G(units, units[order]) == 0
-    assert G(units, np.repeat(units, 2, axis=0)) == 0
-
-
 @pytest.mark.parametrize("frames", [1, 3, 4, 5, 120])
 def test_every_frame_has_its_hidden_unit_and_no_other(untrained_manifold, features, frames):
     units = hidden_units(untrained_manifold, features[:frames])
