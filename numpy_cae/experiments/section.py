@@ -24,7 +24,6 @@ EXPERIMENTS = {
     "shift": "comparison.shift",
     "sampling": "interpolation.sampling",
     "filters": "filters.filters",
-    "top_activations": "filters.top_activations",
     "two_unpoolings": "repair.two_unpoolings",
     "lengths": "repair.lengths",
     "constrained_projection": "repair.constrained_projection",

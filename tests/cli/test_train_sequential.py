@@ -33,7 +33,7 @@ def test_it_trains_on_exponential_map_text(tmp_path, run):
 
 
 def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, monkeypatch, run):
-    sizes = {"reconstruction.PCA_CLIPS": 200, "samples.SAMPLES": 20, "uses.PAIRS": 10}
+    sizes = {"reconstruction.PCA_CLIPS": 200, "samples.SAMPLES": 20}
     for name, fewer in {**sizes, "regulariser.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
@@ -59,7 +59,6 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     assert all(claim["sentence"] in said and claim["figures"] in said for claim in claims)
     written = {path.name for path in out.iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
-    assert {"walking_uses.png", "walking_uses.gif"} <= written
 
 
 def test_a_study_needs_motions_to_test_on(walks, tmp_path, error_of):

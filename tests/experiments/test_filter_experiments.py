@@ -1,12 +1,10 @@
-"""What one unit adds to a motion, and the takes in which a unit is largest."""
+"""What one unit adds to a motion."""
 
 import numpy as np
 import pytest
 
 from numpy_cae.experiments.comparison.distances import untrained
-from numpy_cae.experiments.filters import top_activations
 from numpy_cae.experiments.filters.responses import Responses, responses_of
-from numpy_cae.manifold import hidden_units
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import joint_slice
 
@@ -70,17 +68,3 @@ def test_the_untrained_network_is_the_one_before_training(small_manifold, result
     result = result_of("filters")
     assert [row[1] for row in result.tables[0].rows] == [12, 16]
     assert len(result.claims) == 4
-
-
-def test_top_activations_are_where_the_unit_is_largest(small_manifold, labelled):
-    clips = [small_manifold.features(take.positions)[0] for take in labelled.training[:5]]
-    largest, moment = top_activations._largest(small_manifold, clips)
-    units = hidden_units(small_manifold, clips[3])
-    assert largest[3, 7] == units[:, 7].max() == units[moment[3, 7] // 4, 7]
-
-
-def test_the_commonest_label_of_the_top_takes():
-    largest = np.array([[9.0, 1], [8, 2], [7, 3], [6, 4], [5, 5], [4, 6], [3, 7]])
-    # Unit 1: takes 0 to 4; unit 2: takes 6 to 2.
-    agreement = top_activations.label_agreement(largest, ["a", "a", "b", "a", "a", "c", "c"])
-    np.testing.assert_allclose(agreement, [4 / 5, 2 / 5])

@@ -25,7 +25,6 @@ from numpy_cae.experiments.sequences.study import (
     train_study,
 )
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
-from numpy_cae.experiments.sequences.uses import STRAIGHT, uses
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
@@ -40,8 +39,7 @@ def studies():
     found = []
     for kind in ("walking", "waiting"):
         takes = [angles_of(make_take(kind, seed, 4.0, 25.0).motion) for seed in range(4)]
-        styles = ("neutral", "tired", "brisk", "old") if kind == "walking" else ()
-        action = Action(kind, takes[:2], takes[2:], kind == "walking", styles)
+        action = Action(kind, takes[:2], takes[2:], kind == "walking")
         found.append(train_study(action, SHORT, **SIZES))
     return found
 
@@ -141,26 +139,6 @@ def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(st
     assert not np.array_equal(own, given)
     (claim,) = teacher_forcing(studies[0], forced).claims
     assert claim.held == (studies[0].squared_error() < forced.squared_error())
-
-
-def test_denoising_interpolation_and_analogy(studies, monkeypatch):
-    changes = {"uses.ANALOGIES": 2, "uses.PAIRS": 10, "reconstruction.PCA_CLIPS": 300}
-    for name, fewer in changes.items():
-        monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
-    result = uses(studies[0])
-    denoising, between, analogy = result.tables
-    for sigma in (0.25, 0.5, 1.0):
-        error = denoising.value(f"{sigma:g}", "doing nothing")
-        assert error == pytest.approx(sigma**2, rel=0.1)
-        assert denoising.value(f"{sigma:g}", "low-pass") < error
-    assert between.value("real training clips", "near") == 1
-    assert "c itself" in dict(analogy.rows)
-    assert not result.claims[0].held  # four steps of training
-    assert result.claims[1].held == (
-        between.value(NETWORK, "near") < between.value(STRAIGHT, "near")
-    )
-    assert len(uses(studies[1]).tables) == 2  # no styles, no analogies
-    assert len(result.png()) > 10_000
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from data_synth import JANG2018_KINDS, plan_takes, styles_of
+from data_synth import JANG2018_KINDS, plan_takes
 from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import ANGLE_RATE, AngleSequence, angles_of, find_motion_files, load_angles
 
@@ -24,15 +24,12 @@ class Action:
     training, testing : lists of AngleSequence
     periodic : bool
         Whether the motion repeats itself, as walking does.
-    styles : tuple of str
-        The styles that data_synth knows of this action; empty for recorded motions.
     """
 
     name: str
     training: list[AngleSequence]
     testing: list[AngleSequence]
     periodic: bool = False
-    styles: tuple[str, ...] = ()
 
 
 def synthetic_action(
@@ -52,7 +49,7 @@ def synthetic_action(
         ]
         for total, number in ((minutes, 2 * seed + 1), (test_minutes, 2 * seed + 2))
     ]
-    return Action(kind, *halves, periodic=kind in PERIODIC, styles=styles_of(kind))
+    return Action(kind, *halves, periodic=kind in PERIODIC)
 
 
 def read_action(

@@ -14,7 +14,6 @@ from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
 from numpy_cae.experiments.sequences.study import train_study
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
-from numpy_cae.experiments.sequences.uses import uses
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
 
@@ -51,8 +50,6 @@ def sequential(
         "regulariser": regulariser(studies, without, seed),
         "teacher_forcing": teacher_forcing(studies[0], forced),
     }
-    for study in studies:
-        results[f"{study.action.name}_uses"] = uses(study, seed)
     for study in studies:
         for source in COLOURS:
             results[f"{study.action.name}_{source}"] = figure_3(study, seed, source)
