@@ -13,7 +13,7 @@ from data_synth import make_take
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments.material import unlabelled
-from numpy_cae.experiments.repair import figure_1, half_zeroed
+from numpy_cae.experiments.repair import half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
@@ -42,11 +42,11 @@ def run(args: argparse.Namespace) -> int:
     save_manifold(manifold, out / "model.npz")
     material = unlabelled(training, testing)
     print(f"\n{half_zeroed.run(manifold, material, args.seed).text()}\n")
-    figure = figure_1.run(manifold, material, args.seed)
+    figure = half_zeroed.figure_1(manifold, material, args.seed)
     figure.save_picture(out / "figure_1.png")
     figure.save_gif(out / "figure_1.gif")
-    take = figure_1.typical(manifold, material.testing).positions
-    for name, positions in figure_1.half_lost_positions(manifold, take, args.seed).items():
+    take = half_zeroed.typical(manifold, material.testing).positions
+    for name, positions in half_zeroed.half_lost_positions(manifold, take, args.seed).items():
         motion = fit_motion(positions, manifold.lengths, manifold.rate)
         write_bvh(motion, out / f"{name}.bvh")
     print(

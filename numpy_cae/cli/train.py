@@ -132,10 +132,10 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     ]
 
     def measure() -> tuple:
-        from numpy_cae.experiments.repair import figure_1, half_zeroed
+        from numpy_cae.experiments.repair import half_zeroed
 
         material = unlabelled(training, testing)
-        figure = figure_1.run(manifold, material) if args.picture else None
+        figure = half_zeroed.figure_1(manifold, material) if args.picture else None
         return half_zeroed.run(manifold, material), figure
 
     return manifold, f"{manifold.settings['windows']} windows", measure

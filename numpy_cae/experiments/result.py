@@ -16,7 +16,7 @@ from numpy_cae.atomic_write import atomic_write
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from numpy_cae.viz import Actor
+    from numpy_cae.viz import Actor, Motions
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,18 @@ class Animation:
     rate: float
     azimuth: float = 40.0
     seconds: float = 10.0
+
+
+def moving(
+    motions: Motions, rate: float, azimuth: float = 40.0, seconds: float = 10.0
+) -> tuple[Callable[[], Figure], Animation]:
+    """The figure and the animation of a `Result` that shows motions: as strips, and moving."""
+    from numpy_cae.viz import local_actors, strip_figure, world_actors
+
+    def figure() -> Figure:
+        return strip_figure(local_actors(motions), rate, azimuth=azimuth)
+
+    return figure, Animation(world_actors(motions), rate, azimuth, seconds)
 
 
 @dataclass(frozen=True)

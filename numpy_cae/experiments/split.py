@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from numpy_cae.baselines import Moments
 from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
@@ -34,6 +36,11 @@ class Split:
     testing: Clips
     sample: str
     takes: int
+
+    @cached_property
+    def moments(self) -> Moments:
+        """Of the training windows, for linear denoisers."""
+        return Moments.of(self.training.x, self.training.real)
 
     def text(self) -> str:
         """What was measured on which windows, to stand below a table."""
@@ -82,9 +89,7 @@ def _cut(manifold: MotionManifold, takes: Sequence[LabelledTake], most: int) -> 
     return clips_of(manifold, [take.positions for take in takes]).evenly(most)
 
 
-def split_takes(
-    takes: Sequence[LabelledTake],
-) -> tuple[list[LabelledTake], list[LabelledTake]]:
+def split_takes(takes: Sequence[LabelledTake]) -> tuple[list[LabelledTake], list[LabelledTake]]:
     """All takes but every fifth, and every fifth; at least one of both."""
     if len(takes) < 2:
         raise ValueError(f"{len(takes)} takes to train on, expected 2 or more to choose settings")

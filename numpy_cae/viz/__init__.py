@@ -3,7 +3,7 @@
 from numpy_cae.viz.actor import Actor, Motions, local_actors, world_actors
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
-from numpy_cae.viz.curves import Curve, bars_figure, curves_figure
+from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, dots_figure, feature_figure
 from numpy_cae.viz.notebook import in_notebook
 from numpy_cae.viz.strip import save_figure, strip_figure
 
@@ -17,6 +17,8 @@ __all__ = [
     "Motions",
     "bars_figure",
     "curves_figure",
+    "dots_figure",
+    "feature_figure",
     "in_notebook",
     "local_actors",
     "save_figure",

@@ -91,12 +91,14 @@ def test_a_claim_holds_if_every_seed_agrees():
     result = ablation_result(rows, "sample")
     assert [claim.held for claim in result.claims][:4] == [False, True, False, True]
     text = result.text()
-    assert "neither surely better nor worse than one and better than two" in text
-    assert "worse than one and better than two" in text
-    assert "1.50 (1 diverged)" in text and "1.50 ± 0.71" in text and "(+33%)" in text
+    figures = [claim.figures for claim in result.claims]
+    assert "in 1 of 2 seeds" in figures[0] and "in 2 of 2 seeds" in figures[1]
+    assert "in 0 of 2 seeds" in figures[2] and "repair by -33%" in figures[2]
+    assert "1.50 (1 diverged)" in text and "1.50 ± 0.71" in text and "by +33%" in figures[3]
     assert len(result.png()) > 10_000
     rows[1] = with_errors(names[0], None, None)
-    assert "(1: diverged, 2: 1.50 (1 diverged))" in ablation_result(rows, "sample").text()
+    (depth_1, *_) = ablation_result(rows, "sample").claims
+    assert depth_1.held and "against diverged" in depth_1.figures
 
 
 def test_the_command_names_what_it_needs(tmp_path, capsys):

@@ -14,7 +14,6 @@ from numpy_cae.experiments.clips import (
 )
 from numpy_cae.experiments.material import LabelledTake, unlabelled
 from numpy_cae.experiments.repair import (
-    figure_1,
     half_zeroed,
     kinect,
     lengths,
@@ -139,10 +138,10 @@ def test_figure_1_has_one_clip_three_times(small_manifold, labelled):
     take = labelled.testing[0].positions
     material = unlabelled([], [take])
     assert material.testing[0] == LabelledTake(Path("take 1"), take)
-    result = figure_1.run(small_manifold, material)
+    result = half_zeroed.figure_1(small_manifold, material)
     (table,) = result.tables
     assert table.value("truth", "error, cm") == 0 < table.value("corrupted", "error, cm")
-    truth = figure_1.half_lost_positions(small_manifold, take)["truth"]
+    truth = half_zeroed.half_lost_positions(small_manifold, take)["truth"]
     bones = truth[:, 1:] - truth[:, list(PARENTS[1:])]
     expected = small_manifold.lengths[1:]
     np.testing.assert_allclose(np.linalg.norm(bones, axis=-1).mean(axis=0), expected, atol=1e-9)

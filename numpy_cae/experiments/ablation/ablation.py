@@ -33,17 +33,9 @@ def measure_rows(
 ) -> list[Row]:
     """Train and measure every choice and every baseline, all of them from one seed after another.
 
-    Parameters
-    ----------
-    evaluation : Evaluation
-    choices : sequence of Choice
-        The paper's first.
-    seeds : int
-    cache : path, optional
-        A file in which each measurement is saved as soon as it is made. What it holds for the
-        same windows and the same choice is not measured again.
-    progress : function
-        Called with a line of text after each measurement.
+    The paper's choice is the first. Each measurement is saved in the file `cache` as soon as it is
+    made; what the file holds for the same windows and the same choice is not measured again.
+    `progress` is called with a line of text after each measurement.
     """
     rows, jobs = [], []
     for choice in choices:
@@ -60,7 +52,9 @@ def measure_rows(
                 known[key] = measure(seed)
                 _write(cache, known)
             row.measured.append(known[key])
-            progress(f"seed {seed}: {row.status()}")
+            last = known[key]
+            status = f"half zeroed {last['half_zeroed']:.2f} cm" if last else "diverged"
+            progress(f"seed {seed}: {row.name}: {status}")
     return rows
 
 

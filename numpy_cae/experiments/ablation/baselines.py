@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 
-from numpy_cae.baselines import Moments
 from numpy_cae.experiments.ablation.evaluation import P
 from numpy_cae.experiments.repair.repair_baselines import pca_on_windows
 from numpy_cae.experiments.split import Split
@@ -28,8 +27,7 @@ def baselines(split: Split) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
     practice = zero_values(split.choosing.x, P, np.random.default_rng(0))
     plain = pca.best(practice, split.choosing)
     rescaled = pca.best(practice / (1 - P), split.choosing)
-    moments = Moments.of(split.training.x, split.training.real)
-    linear = cache(lambda p: moments.solve(1 - p))
+    linear = cache(lambda p: split.moments.solve(1 - p))
 
     def linearly(x: np.ndarray) -> np.ndarray:
         ps = [round(float(p), 1) for p in zeroed_fraction(x)[:, 0, 0]]

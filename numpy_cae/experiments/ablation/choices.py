@@ -64,10 +64,8 @@ def parameters_of(filters: tuple[int, ...]) -> int:
 
 
 def doubling(width: int, depth: int) -> tuple[int, ...]:
-    """Filters that double with each layer, as in the paper.
-
-    Pooling halves the frames, so the number of hidden units of a window does not depend on the
-    depth n: T / 2^n · 2^(n-1) width.
+    """Filters that double with each layer, as in the paper. Pooling halves the frames, so every
+    depth n has as many hidden units for a window: T / 2^n · 2^(n-1) width.
     """
     return tuple(width << layer for layer in range(depth))
 
@@ -86,14 +84,9 @@ def choices(
 ) -> list[Choice]:
     """Every network of the table, the paper's first.
 
-    Steps average over eight windows and have momentum, to train quickly; the rate falls to a tenth
-    over each stage. α, corruption and unpooling are the paper's.
-
-    Parameters
-    ----------
-    width : int
-        Filters of the lowest of three layers; the others have twice and four times as many.
-    layer_epochs, fine_epochs : int
+    `width` filters are in the lowest of three layers. Steps average over eight windows and have
+    momentum, to train quickly; the rate falls to a tenth over each stage. α, corruption and
+    unpooling are the paper's.
     """
     three = doubling(width, 3)
     layer = Stage(layer_epochs, 0.5, _decay(layer_epochs), batch=8, momentum=0.9)

@@ -31,13 +31,7 @@ Measured = dict[str, float]
 
 
 class Evaluation:
-    """Takes, cut into windows once.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two takes to train on or none to test on.
-    """
+    """Takes, cut into windows once; ValueError for fewer than two to train on or none to test."""
 
     def __init__(self, material: Material):
         takes = [take.positions for take in material.training]
@@ -56,16 +50,10 @@ class Evaluation:
     def measure(
         self, repair: Callable[[np.ndarray], np.ndarray], seed: int, y: np.ndarray | None = None
     ) -> Measured:
-        """Every measure of a method.
+        """Every measure of a method that repairs normalised windows (N, T, 63).
 
-        Parameters
-        ----------
-        repair : (N, T, 63) -> (N, T, 63)
-            From normalised windows to their repair.
-        seed : int
-            Chooses the values that are lost.
-        y : (N, T / 2^n, D) array, optional
-            The hidden units of the test windows.
+        The seed chooses the values that are lost; y (N, T / 2^n, D) are the hidden units of the
+        test windows, where the method has any.
         """
         truth = self.split.testing
         lost = zero_values(truth.x, P, np.random.default_rng(seed))

@@ -16,20 +16,12 @@ import numpy as np
 from numpy_cae.baselines import PCA
 from numpy_cae.experiments.clips import window_length
 from numpy_cae.experiments.material import LabelledTake, Material
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
 from numpy_cae.measures import Validity, ValidityMeasure
 from numpy_cae.motion import FEATURES, cut_windows
-from numpy_cae.viz import (
-    CORRUPTED,
-    PLAIN,
-    PROJECTED,
-    TRUTH,
-    local_actors,
-    strip_figure,
-    world_actors,
-)
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH
 
 SHARES = (0.25, 0.5, 0.75)
 SIZE = 200
@@ -77,8 +69,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Interpolation of two motions",
         tables,
         claims,
-        lambda: strip_figure(local_actors(motions), manifold.rate, azimuth=75.0),
-        Animation(world_actors(motions), manifold.rate, azimuth=75.0, seconds=5.0),
+        *moving(motions, manifold.rate, azimuth=75.0, seconds=5.0),
     )
 
 

@@ -14,11 +14,11 @@ import numpy as np
 
 from numpy_cae.baselines import PCA
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
 from numpy_cae.manifold.sample import decode_units, encode_windows
 from numpy_cae.measures import Validity, ValidityMeasure
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, local_actors, strip_figure, world_actors
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED
 
 DRAWN = 24
 """Motions drawn from each prior."""
@@ -70,8 +70,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 measured[PROJECTED_REAL],
             ),
         ],
-        lambda: strip_figure(local_actors(motions), manifold.rate, azimuth=40.0),
-        Animation(world_actors(motions), manifold.rate, seconds=5.0),
+        *moving(motions, manifold.rate, seconds=5.0),
     )
 
 

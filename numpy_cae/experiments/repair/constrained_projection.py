@@ -7,13 +7,13 @@ import numpy as np
 
 from numpy_cae.beyond import project_constrained
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import bone_length_error, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values
-from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, local_actors, strip_figure, world_actors
+from numpy_cae.viz import PLAIN, PROJECTED, TRUTH
 
 TAKES = 6
 """Of each source, spread over all test takes; an optimisation takes about a second."""
@@ -50,8 +50,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Constrained projection: bones, feet and ground",
         tables,
         claims,
-        lambda: strip_figure(local_actors(drawn), manifold.rate, azimuth=75.0),
-        Animation(world_actors(drawn), manifold.rate, azimuth=75.0, seconds=5.0),
+        *moving(drawn, manifold.rate, azimuth=75.0, seconds=5.0),
     )
 
 

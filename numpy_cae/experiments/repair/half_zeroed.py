@@ -1,22 +1,25 @@
 """Half of all values set to zero, then repaired: holden2015, section 7 and figure 1, left.
 
-`train` and `demo` print this table. Everything is measured on normalised windows of test takes, so
-zero is the mean pose. The error is the root mean square of a coordinate of the 60 position
-features, in centimetres; padded frames do not count.
+`train` and `demo` print this table and draw the figure. Everything is measured on normalised
+windows of test takes, so zero is the mean pose. The error is the root mean square of a coordinate
+of the 60 position features, in centimetres; padded frames do not count.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from numpy_cae.baselines import PCA
 from numpy_cae.experiments.clips import clips_of
-from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.result import Result, Table
+from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.result import Result, Table, moving
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.measures import position_error
+from numpy_cae.motion import features_to_positions
 from numpy_cae.training import zero_values
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 P = 0.5
 """The probability with which a value is lost."""
@@ -73,3 +76,43 @@ def _pca(
 
     (reconstruction, whole), (repair, few) = best(truth), best(lost)
     return [name, reconstruction, repair, f"{whole}; {few}"]
+
+
+def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """The typical test take with half of its values lost, projected, and in truth, drawn."""
+    features, _ = manifold.features(typical(manifold, material.testing).positions)
+    motions = _half_lost(manifold, features, seed)
+    errors = {name: position_error(x, features) for name, x in motions.items()}
+    labels = [*(f"{name}, {errors[name]:.1f} cm off" for name in list(errors)[:2]), "truth"]
+    drawn = zip(motions.values(), (CORRUPTED, PROJECTED, TRUTH), strict=True)
+    return Result(
+        "Figure 1: half of the values lost",
+        [Table("", ["motion", "error, cm"], [[name, error] for name, error in errors.items()])],
+        (),
+        *moving(dict(zip(labels, drawn, strict=True)), manifold.rate, azimuth=55.0),
+    )
+
+
+def half_lost_positions(
+    manifold: MotionManifold, take: np.ndarray, seed: int = 0
+) -> dict[str, np.ndarray]:
+    """World positions (F, 20, 3) in metres of a take: "corrupted", "projected" and "truth"."""
+    features, start = manifold.features(take)
+    motions = _half_lost(manifold, features, seed)
+    return {name: features_to_positions(x, start) for name, x in motions.items()}
+
+
+def _half_lost(manifold: MotionManifold, features: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    lost = zero_values(manifold.normalise(features), P, np.random.default_rng(seed))
+    corrupted = manifold.denormalise(lost)
+    return {"corrupted": corrupted, "projected": manifold.project(corrupted), "truth": features}
+
+
+def typical(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> LabelledTake:
+    """The take whose distance from the mean pose is the median of all."""
+
+    def distance(take: LabelledTake) -> float:
+        features, _ = manifold.features(take.positions)
+        return position_error(np.broadcast_to(manifold.mean_pose, features.shape), features)
+
+    return sorted(takes, key=distance)[len(takes) // 2]

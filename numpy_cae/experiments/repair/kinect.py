@@ -13,7 +13,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from data_synth import see_with_kinect
-from numpy_cae.baselines import Moments
 from numpy_cae.experiments.clips import (
     ALL_SHIFTS,
     NETWORK,
@@ -24,18 +23,11 @@ from numpy_cae.experiments.clips import (
 )
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.repair.repair_baselines import printed, repair_baselines
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.experiments.split import split_of, split_takes
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import (
-    CORRUPTED,
-    PROJECTED,
-    TRUTH,
-    local_actors,
-    strip_figure,
-    world_actors,
-)
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 CHOOSING_TAKES, TESTING_TAKES = 24, 60
 """At most, of each source, spread evenly."""
@@ -50,7 +42,7 @@ Measured = dict[str, tuple[float, float]]
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Simulate Kinect recordings of test takes, repair them, compare them with the takes."""
     split = split_of(manifold, material)
-    linear = Moments.of(split.training.x, split.training.real).solve(1 - P)
+    linear = split.moments.solve(1 - P)
     choosing = evenly(split_takes(material.training)[1], CHOOSING_TAKES)
     practice, practice_truth = _seen(manifold, choosing, seed + 1)
     baselines = repair_baselines(split)
@@ -86,8 +78,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Repair: a Kinect recording",
         tables,
         claims,
-        lambda: strip_figure(local_actors(motions), manifold.rate, azimuth=55.0),
-        Animation(world_actors(motions), manifold.rate),
+        *moving(motions, manifold.rate, azimuth=55.0),
         f"Measured on {' and '.join(sample)} not used in training, seen by a simulated Kinect. "
         f"{split.fitted()}",
     )

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.baselines import Moments
 from numpy_cae.experiments.clips import NETWORK, Clips
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import pca_on_frames, pca_on_windows
@@ -38,7 +37,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     split = split_of(manifold, material)
     testing = split.testing
     pcas = [pca_on_frames(split), pca_on_windows(split)]
-    moments = Moments.of(split.training.x, split.training.real)
     errors: Errors = {}
     motions = {}
     for joint in JOINTS:
@@ -48,7 +46,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             size = pca.best(_without(split.choosing, joint), split.choosing, joint)
             filled[pca.name] = pca.repair(lost, size)
         filled[NETWORK] = testing.each(lambda x, joint=joint: fill_joint(manifold, x, joint))
-        filled[LINEAR] = moments.solve(_kept(joint)).repair(lost)
+        filled[LINEAR] = split.moments.solve(_kept(joint)).repair(lost)
         errors[joint] = {name: testing.error(x, joint) for name, x in filled.items()}
         if joint == WRISTS[0]:
             window = testing.typical()

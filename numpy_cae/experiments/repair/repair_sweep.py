@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.baselines import Moments, interpolate_linearly
+from numpy_cae.baselines import interpolate_linearly
 from numpy_cae.experiments.clips import (
     ALL_SHIFTS,
     ENDS_HELD,
@@ -19,11 +19,7 @@ from numpy_cae.experiments.clips import (
     project_ends_held,
 )
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.repair.repair_baselines import (
-    MEDIAN,
-    printed,
-    repair_baselines,
-)
+from numpy_cae.experiments.repair.repair_baselines import MEDIAN, printed, repair_baselines
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold
@@ -52,7 +48,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     split = split_of(manifold, material)
     choosing, testing = split.choosing, split.testing
     baselines = repair_baselines(split)
-    moments = Moments.of(split.training.x, split.training.real)
     floor = testing.error(project(manifold, testing.x))
     errors: Errors = {}
     settings: dict[str, list[str]] = {}
@@ -78,7 +73,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             if bool(suffix) == manifold.rescales:
                 shifted = project_ends_held(manifold, lost * factor, manifold.shifts)
                 note(ALL_SHIFTS + suffix, shifted)
-        note(LINEAR, moments.solve(1 - p).repair(lost))
+        note(LINEAR, split.moments.solve(1 - p).repair(lost))
         known_holes.append(testing.error(interpolate_linearly(lost, known)))
 
     columns = [f"p = {p}" for p in PS]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.baselines import Moments, interpolate_cubically, interpolate_linearly
+from numpy_cae.baselines import interpolate_cubically, interpolate_linearly
 from numpy_cae.experiments.clips import ENDS_HELD, Clips, project_ends_held
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import MEDIAN, printed, repair_baselines
@@ -17,7 +17,7 @@ from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold, fill_keyframes
 from numpy_cae.motion import POSITIONS
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Curve, curves_figure, world_actors
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, feature_figure, world_actors
 
 EVERY = 15
 DELAY = (EVERY - 1) // 2
@@ -40,7 +40,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Hold every 15th frame of test windows and fill in the frames between."""
     split = split_of(manifold, material)
     choosing, testing = _up_to_last_key(split.choosing), _up_to_last_key(split.testing)
-    moments = Moments.of(split.training.x, split.training.real)
     keys = np.arange(0, testing.x.shape[1], EVERY)
     held, practice = _held(testing.x), _held(choosing.x)
     filled, settings = {HELD: held}, {}
@@ -50,7 +49,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         setting = baseline.best(practice, choosing)
         filled[baseline.name] = baseline.repair(held, setting)
         settings[baseline.name] = printed(setting)
-    filled[f"linear denoiser, 15 frames, p = {P}"] = moments.solve(1 - P).repair(held)
+    filled[f"linear denoiser, 15 frames, p = {P}"] = split.moments.solve(1 - P).repair(held)
     filled[ENDS_HELD] = project_ends_held(manifold, held)
     known = np.zeros(testing.x.shape, dtype=bool)
     known[:, keys] = True
@@ -66,21 +65,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     measured = {
         name: (testing.error(x), delayed.error(x), testing.jitter(x)) for name, x in filled.items()
     }
-    rows = [
-        [
-            name,
-            "" if name == TRUE else "yes" if name in KEYS_KNOWN else "no",
-            *values,
-            settings.get(name),
-        ]
-        for name, values in measured.items()
-    ]
+    knows = {name: "yes" if name in KEYS_KNOWN else "no" for name in measured} | {TRUE: ""}
+    rows = [[name, knows[name], *each, settings.get(name)] for name, each in measured.items()]
     header = ["method", "keys known", "error, cm", "delayed, cm", "jitter, m/s²", "setting"]
     window = testing.typical()
     colours = {HELD: CORRUPTED, LINEAR: PLAIN, CUBIC: PLAIN, ENDS_HELD: PROJECTED, TRUE: TRUTH}
-    motions = {
-        name: (testing.features(filled[name], window), colour) for name, colour in colours.items()
-    }
+    motions = {name: (testing.features(filled[name], window), colours[name]) for name in colours}
     moving = {name: motions[name] for name in (HELD, ENDS_HELD, TRUE)}
     return Result(
         "Filling in: stepped keyframes",
@@ -139,9 +129,4 @@ def _figure(motions: dict[str, tuple[np.ndarray, str]], rate: float):
     """The coordinate that moves most, over time."""
     column = int(np.argmax(np.ptp(motions[TRUE][0][:, POSITIONS], axis=0)))
     name = f"{JOINTS[column // 3]} {'xyz'[column % 3]}".replace("_", " ")
-    styles = {LINEAR: ":", CUBIC: "--"}
-    curves = [
-        Curve(np.arange(len(x)) / rate, 100 * x[:, column], label, colour, styles.get(label, "-"))
-        for label, (x, colour) in motions.items()
-    ]
-    return curves_figure(curves, "time, s", f"{name}, cm", (9.5, 4.0))
+    return feature_figure(motions, column, rate, name, {LINEAR: ":", CUBIC: "--"})

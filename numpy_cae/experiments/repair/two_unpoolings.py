@@ -17,10 +17,9 @@ from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import testing_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import joint_slice
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, Curve, curves_figure, world_actors
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, feature_figure, world_actors
 
 EVEN, RANDOM, TRUE = "even", "random", "truth"
-JOINT = "left_wrist"
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -51,22 +50,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         ),
     ]
     colours = {RANDOM: CORRUPTED, EVEN: PROJECTED, TRUE: TRUTH}
-    window, height = testing.typical(), joint_slice(JOINT).start + 1
+    window, height = testing.typical(), joint_slice("left_wrist").start + 1
     motions = {name: (testing.features(decoded[name], window), colours[name]) for name in decoded}
-
-    def figure():
-        curves = [
-            Curve(np.arange(len(x)) / manifold.rate, 100 * x[:, height], label, colour)
-            for label, (x, colour) in motions.items()
-        ]
-        up = f"height of the {JOINT.replace('_', ' ')}, cm"
-        return curves_figure(curves, "time, s", up, (9.5, 4.0))
-
     return Result(
         "The two unpoolings",
         [Table("", ["unpooling", "error, cm", "jitter, m/s²", "of the truth's"], rows)],
         claims,
-        figure,
+        lambda: feature_figure(motions, height, manifold.rate, "height of the left wrist"),
         Animation(world_actors(motions), manifold.rate),
         sample,
     )

@@ -24,20 +24,16 @@ PCA_CLIPS = 2500
 
 
 def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
-    """Measure each study's network on its held-out clips.
+    """Measure each study's network on its held-out clips; z has one size in all of them.
 
-    Parameters
-    ----------
-    studies : sequence of Study
-        With equal sizes of z.
-    seed : int
-        Chooses the clips that PCA is fitted to.
+    The seed chooses the clips that PCA is fitted to.
     """
     latent = studies[0].manifold.network.latent
     rows, claims = [], []
     for study in studies:
         squared = {}
-        for method, x_hat, x in _reconstructions(study, seed):
+        x = study.held_out()
+        for method, x_hat in _reconstructions(study, x, seed).items():
             squared[method] = float(np.mean((x_hat.astype(np.float64) - x) ** 2))
             angles, truth = (study.manifold.denormalise(each) for each in (x_hat, x))
             name = f"{study.action.name}: {method}"
@@ -55,27 +51,21 @@ def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
     return Result(title, [table], claims)
 
 
-def _reconstructions(study: Study, seed: int) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Method, reconstruction and held-out clips."""
-    x = study.held_out()
-    pca = clip_pca(study, study.manifold.network.latent, seed)
-    return [
-        (NETWORK, study.manifold.network.denoise(x), x),
-        (LINEAR, project_clips(pca, x), x),
-        (MEAN, np.zeros_like(x), x),
-        (HELD, np.broadcast_to(x[:, :1], x.shape), x),
-    ]
+def _reconstructions(study: Study, x: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    """Clips x (N, F, 54) by each method."""
+    network = study.manifold.network
+    return {
+        NETWORK: network.denoise(x),
+        LINEAR: _project_on_pca(study, x, network.latent, seed),
+        MEAN: np.zeros_like(x),
+        HELD: np.broadcast_to(x[:, :1], x.shape),
+    }
 
 
-def clip_pca(study: Study, size: int, seed: int) -> PCA:
-    """The first `size` axes of whole clips; the full decomposition would take minutes."""
+def _project_on_pca(study: Study, x: np.ndarray, size: int, seed: int) -> np.ndarray:
+    """Clips on the first `size` axes of whole clips; all axes would take minutes to compute."""
     rows = study.random_clips(PCA_CLIPS, seed).reshape(PCA_CLIPS, -1).astype(np.float64)
     mean = rows.mean(axis=0)
     _, spread, axes = svds(rows - mean, size, random_state=seed)
-    return PCA(mean, axes[::-1], spread[::-1] ** 2 / PCA_CLIPS)
-
-
-def project_clips(pca: PCA, clips: np.ndarray) -> np.ndarray:
-    """Clips (N, F, 54) projected onto all axes of a PCA."""
-    rows = clips.reshape(len(clips), -1).astype(np.float64)
-    return pca.project(rows, len(pca.axes)).reshape(clips.shape)
+    pca = PCA(mean, axes[::-1], spread[::-1] ** 2 / PCA_CLIPS)
+    return pca.project(x.reshape(len(x), -1).astype(np.float64), size).reshape(x.shape)

@@ -20,39 +20,19 @@ MAX_ERROR_RATIO, MAX_DISCREPANCY_RATIO = 1.15, 2.0
 
 
 def regulariser(with_it: Sequence[Study], without: Sequence[Study], seed: int = 0) -> Result:
-    """Compare studies of the same actions, trained from the same seed.
+    """Compare studies of the same actions, trained from one seed with λ above 0 and with λ = 0.
 
-    Parameters
-    ----------
-    with_it, without : sequences of Study
-        In the same order; λ is above 0 in the first and 0 in the second.
-    seed : int
-        Chooses the clips and draws of the discrepancies.
+    The seed chooses the clips and draws of the discrepancies.
     """
     manifold = with_it[0].manifold
     smallest = prior_discrepancy(manifold.network.latent, seed)
     rows = []
     for regularised, free in zip(with_it, without, strict=True):
-        seeds = range(seed, seed + REPEATS)
-        z, plain = ([_latents(study, each) for each in seeds] for study in (regularised, free))
-        rows.append(
-            [
-                regularised.action.name,
-                regularised.squared_error(),
-                free.squared_error(),
-                _mean_discrepancy(z, seed),
-                _mean_discrepancy(plain, seed),
-                smallest,
-            ]
-        )
-    header = [
-        f"λ = {manifold.settings['schedule']['weight']:g}",
-        "mean square",
-        "λ = 0",
-        "to the prior",
-        "λ = 0",
-        "draws of the prior",
-    ]
+        errors = regularised.squared_error(), free.squared_error()
+        distances = _mean_discrepancy(regularised, seed), _mean_discrepancy(free, seed)
+        rows.append([regularised.action.name, *errors, *distances, smallest])
+    name = f"λ = {manifold.settings['schedule']['weight']:g}"
+    header = [name, "mean square", "λ = 0", "to the prior", "λ = 0", "draws of the prior"]
     table = Table("", header, rows, ("", ".3f", ".3f", ".4f", ".4f", ".4f"))
     title = "The Wasserstein regulariser of jang2018: with and without"
     return Result(title, [table], _claims(rows))
@@ -85,11 +65,8 @@ def _claims(rows: Sequence[Sequence]) -> list[Claim]:
     ]
 
 
-def _latents(study: Study, seed: int) -> np.ndarray:
-    clips = study.random_clips(CLIPS, seed, training=False)
-    return study.manifold.network.encode(clips).astype(np.float64)
-
-
-def _mean_discrepancy(draws: Sequence[np.ndarray], seed: int) -> float:
+def _mean_discrepancy(study: Study, seed: int) -> float:
+    """Of `REPEATS` draws of held-out clips."""
     rng = np.random.default_rng(seed)
-    return float(np.mean([discrepancy(z, rng) for z in draws]))
+    draws = [study.random_clips(CLIPS, seed + n, training=False) for n in range(REPEATS)]
+    return float(np.mean([discrepancy(study.manifold.network.encode(x), rng) for x in draws]))

@@ -36,25 +36,19 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
     names = [study.action.name for study in studies]
     claims = _walking_claims(table) if "walking" in names else []
-    alike, other = (
-        [
-            table.value(f"{study.action.name}: {FITTED}", "diversity")
-            for study in studies
-            if study.action.periodic == periodic
-        ]
-        for periodic in (True, False)
-    )
+    alike, other = [], []
+    for study in studies:
+        spread = table.value(f"{study.action.name}: {FITTED}", "diversity")
+        (alike if study.action.periodic else other).append(spread)
     if alike and other:
-        claims.append(
-            Claim(
-                "Samples of a periodic action are alike, those of others differ "
-                "(jang2018, Results).",
-                max(alike) < min(other),
-                f"Diversity relative to real clips: {max(alike):.2f} for the periodic action, "
-                + ", ".join(f"{value:.2f}" for value in other)
-                + " for the others.",
-            )
+        others = ", ".join(f"{value:.2f}" for value in other)
+        claim = Claim(
+            "Samples of a periodic action are alike, those of others differ (jang2018, Results).",
+            max(alike) < min(other),
+            f"Diversity relative to real clips: {max(alike):.2f} for the periodic action, "
+            f"{others} for the others.",
         )
+        claims.append(claim)
     return Result("Samples of jang2018's manifolds beside real clips", [table], claims)
 
 
@@ -78,17 +72,14 @@ def _walking_claims(table: Table) -> list[Claim]:
 
 
 def _rows(study: Study, seed: int) -> list[list]:
-    held_out, training = (
-        study.random_clips(SAMPLES, seed, training=False),
-        study.random_clips(SAMPLES, seed + 1),
-    )
+    held_out = study.random_clips(SAMPLES, seed, training=False)
+    training = study.random_clips(SAMPLES, seed + 1)
     real_near, real_diversity = nearest_distance(training, held_out), diversity(held_out)
-    walks = study.action.name in WALKING
-    real_strides = _strides(study, held_out) if walks else np.nan
+    real_strides = _strides(study, held_out)
     rows = []
     for source in (FITTED, PRIOR, REAL):
         clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
-        strides = _strides(study, clips) if walks else np.nan
+        strides = _strides(study, clips)
         rows.append(
             [
                 f"{study.action.name}: {source}",
@@ -103,6 +94,8 @@ def _rows(study: Study, seed: int) -> list[list]:
 
 
 def _strides(study: Study, clips: np.ndarray) -> float:
-    """The median strides a second over the clips in which somebody strides; nan if none does."""
+    """Median strides a second over the clips in which somebody walks; nan where nobody does."""
+    if study.action.name not in WALKING:
+        return float("nan")
     found = [gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips]
     return float(np.nanmedian(found)) if np.isfinite(found).any() else float("nan")

@@ -23,20 +23,9 @@ def sequential(
 ) -> tuple[dict[str, Result], dict[str, SequenceManifold]]:
     """Train on each action with the regulariser and without, and teacher-forced on the first.
 
-    Parameters
-    ----------
-    actions : sequence of Action
-    schedule : SequenceSchedule, optional
-        Its weight λ is that of the trainings with the regulariser.
-    seed, options
-        As for `learn_sequences`.
-
-    Returns
-    -------
-    results : dict
-        By the names of their picture files.
-    manifolds : dict
-        With the regulariser, by action.
+    The schedule's weight λ is that of the regulariser; `seed` and `options` are those of
+    `learn_sequences`. Returns the results by the names of their picture files, and the manifolds
+    trained with the regulariser by action.
     """
     schedule = schedule or SequenceSchedule()
     free = replace(schedule, weight=0.0)

@@ -25,7 +25,6 @@ REPEATS = 10
 """Measurements in a mean: a single discrepancy varies by a seventh."""
 CURVE_POINTS = 40
 
-
 Curve = dict[str, np.ndarray]
 """"error" and "discrepancy" against the number of "steps", (P,) arrays."""
 
@@ -63,11 +62,7 @@ def train_study(
 ) -> Study:
     """Train on one action and record the curve of held-out errors.
 
-    Parameters
-    ----------
-    action : Action
-    schedule, seed, options
-        As for `learn_sequences`.
+    `schedule`, `seed` and `options` are those of `learn_sequences`.
     """
     schedule = schedule or SequenceSchedule()
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
@@ -85,10 +80,8 @@ def train_study(
         measured.append((step, error, discrepancy(z, rng)))
 
     manifold = learn_sequences(action.training, schedule, seed, watch=watch, **options)
-    columns = map(np.array, zip(*measured, strict=True))
-    return Study(
-        action, manifold, dict(zip(("steps", "error", "discrepancy"), columns, strict=True))
-    )
+    names, columns = ("steps", "error", "discrepancy"), map(np.array, zip(*measured, strict=True))
+    return Study(action, manifold, dict(zip(names, columns, strict=True)))
 
 
 def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
