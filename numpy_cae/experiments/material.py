@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from numpy_cae.motion import MotionFileError, find_motion_files, load_body
+
+if TYPE_CHECKING:
+    from numpy_cae.manifold import MotionManifold
 
 Take = TypeVar("Take")
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
@@ -53,24 +56,14 @@ class Material:
     training: list[LabelledTake]
     testing: list[LabelledTake]
 
-    def where(self, chosen: Callable[[LabelledTake], bool]) -> Material:
-        """The chosen takes of both halves."""
-        return Material(
-            [take for take in self.training if chosen(take)],
-            [take for take in self.testing if chosen(take)],
-        )
-
     def of(self, source: str) -> Material:
         """The takes of one source."""
-        return self.where(lambda take: take.source == source)
+        halves = (self.training, self.testing)
+        return Material(*([take for take in half if take.source == source] for half in halves))
 
     def labelled(self, what: str) -> Material:
-        """Bandai Namco's takes where any are held out, else the synthetic ones.
-
-        Raises
-        ------
-        ValueError
-            If there are none in one of the halves; the message begins with `what`.
+        """Bandai Namco's takes where any are held out, else the synthetic ones; a ValueError that
+        begins with `what` if there are none in one of the halves.
         """
         used = self.of(_BANDAI_NAMCO)
         if not used.testing:
@@ -87,6 +80,11 @@ def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) ->
         return [LabelledTake(Path(f"take {n}"), each) for n, each in enumerate(positions, 1)]
 
     return Material(takes(training), takes(testing))
+
+
+def features_of(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> list[np.ndarray]:
+    """The features (F, 63) of each take."""
+    return [manifold.features(take.positions)[0] for take in takes]
 
 
 def evenly(takes: Sequence[Take], count: int) -> list[Take]:
@@ -108,18 +106,8 @@ def read_material(
 ) -> Material:
     """Every motion file below the folders, labelled and split.
 
-    Parameters
-    ----------
-    folders : sequence of paths
-    patterns : sequence of str
-        Files whose name matches one of them are for testing.
-    mapping, unit
-        As `numpy_cae.motion.load_body` takes them.
-
-    Raises
-    ------
-    MotionFileError, UnknownRigError
-        As `load_body` does.
+    Files whose name matches one of the patterns are for testing; `mapping`, `unit` and the errors
+    are those of `numpy_cae.motion.load_body`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     for path in (path for folder in folders for path in find_motion_files(folder)):

@@ -27,15 +27,7 @@ def page(
     title: str = TITLE,
     introduction: str = INTRODUCTION,
 ) -> str:
-    """The page's HTML.
-
-    Parameters
-    ----------
-    sections : sequence of Section
-    provenance : mapping of str to str
-        What must be known to reproduce the figures; printed at the top.
-    title, introduction : str
-    """
+    """The page's HTML; `provenance`, what must be known to reproduce the figures, is at the top."""
     claims = [claim for section in sections for claim in section.claims]
     held = sum(bool(claim.held) for claim in claims)
     return _PAGE.substitute(
@@ -55,10 +47,9 @@ def plain_text(sections: Sequence[Section], provenance: Mapping[str, str]) -> st
     lines = [f"{name}: {value}" for name, value in provenance.items()]
     for section in sections:
         lines += ["", "", section.title, "=" * len(section.title), ""]
-        lines.append(
-            section.result.text() if section.result else f"Could not be run: {section.failure}"
-        )
-        lines += ["", *(claim.text() for claim in section.claims)]
+        failure = f"Could not be run: {section.failure}"
+        lines += [section.result.text() if section.result else failure, ""]
+        lines += [claim.text() for claim in section.claims]
     return "\n".join(lines) + "\n"
 
 

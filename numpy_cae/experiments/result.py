@@ -21,18 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Table:
-    """Plain values with a heading for each column.
+    """Plain values with a heading for each column; the first value of a row is its name.
 
-    Parameters
-    ----------
-    caption : str
-        What the table shows, in a sentence that ends with a colon; may be empty.
-    header : sequence of str
-    rows : sequence of sequences
-        The first value of a row is its name, a str. A value that is None or not a number (nan) is
-        an empty cell; a str or an int is printed as it is.
-    formats : str or sequence of str
-        Of the floats: one format for all columns, or one for each.
+    A value that is None or nan is an empty cell; a str or an int is printed as it is. `formats`
+    are of the floats: one format for all columns, or one for each.
     """
 
     caption: str
@@ -59,15 +51,8 @@ class Table:
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence about the method and whether it held in this measurement.
-
-    Parameters
-    ----------
-    sentence : str
-        With its source: "Projection recovers the motion (holden2015, section 7)."
-    held : bool
-    figures : str
-        The measured figures that decide, in a sentence.
+    """A sentence about the method with its source, whether it held in this measurement, and the
+    measured figures that decide, in a sentence.
     """
 
     sentence: str

@@ -35,19 +35,8 @@ experiment needs."""
 
 @dataclass(frozen=True)
 class Section:
-    """A result with its figure and animation drawn, or the reason why there is none.
-
-    Parameters
-    ----------
-    name : str
-        Of the experiment.
-    result : Result, optional
-    picture, gif : bytes
-        PNG and GIF; empty where there is none.
-    seconds : float
-        Taken to run and draw.
-    failure : str
-        Why the experiment could not be run.
+    """The result of an experiment with its figure and animation as PNG and GIF (empty where there
+    is none) and the seconds that it took, or `failure`, why it could not be run.
     """
 
     name: str

@@ -20,7 +20,7 @@ from numpy_cae.experiments.comparison.distances import (
     WHITENED,
     all_distances,
 )
-from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures.retrieval import (
@@ -44,14 +44,10 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     The seed is for the untrained network, the random order and the resampling.
     """
     used = material.labelled("comparison needs")
-    training, testing = (
-        [manifold.features(take.positions)[0] for take in takes]
-        for takes in (used.training, used.testing)
-    )
+    training, testing = features_of(manifold, used.training), features_of(manifold, used.testing)
     distances = all_distances(manifold, training, seed)
     between = {distance.name: distance.between(testing, training) for distance in distances}
-    shape = (len(testing), len(training))
-    between[RANDOM] = np.random.default_rng(seed).random(shape)
+    between[RANDOM] = np.random.default_rng(seed).random((len(testing), len(training)))
     precision, average = retrieved(between, used.testing, used.training)
     gaps = {
         name: {
@@ -143,13 +139,10 @@ def labels_of_pairs(
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """For each label which takes are alike, and which are hidden from the query, both (Q, N)."""
 
-    def same(label: str) -> np.ndarray:
-        one, other = (
-            np.array([getattr(take, label) for take in takes]) for takes in (queries, gallery)
-        )
-        return one[:, None] == other
-
-    content, style = same(CONTENT), same(STYLE)
+    content, style = (
+        np.array([[getattr(a, label) == getattr(b, label) for b in gallery] for a in queries])
+        for label in (CONTENT, STYLE)
+    )
     both, nothing = content & style, np.zeros_like(content)
     return {
         CONTENT: (content, nothing),

@@ -29,14 +29,7 @@ AXES = 20
 
 @dataclass(frozen=True)
 class Distance:
-    """A distance between clips.
-
-    Parameters
-    ----------
-    name : str
-    rows : function
-        From features (F, 63) of a clip to (n, d) numbers.
-    """
+    """A distance between clips; `rows` maps the features (F, 63) of a clip to (n, d) numbers."""
 
     name: str
     rows: Callable[[np.ndarray], np.ndarray]

@@ -20,13 +20,7 @@ _SILENT = 1e-8
 
 @dataclass(frozen=True)
 class Responses:
-    """What each filter of a layer adds.
-
-    Parameters
-    ----------
-    added : (filters, frames, 63) array
-        In normalised features.
-    """
+    """What each filter of a layer adds: `added` (filters, frames, 63), in normalised features."""
 
     added: np.ndarray
 
@@ -75,14 +69,9 @@ def _effective_number(energy: np.ndarray) -> np.ndarray:
 
 
 def responses_of(layers: Sequence[ConvLayer], units: np.ndarray) -> Responses:
-    """Raise each unit of the last of the layers, and decode through all of them.
+    """Raise each unit of the last of the layers (lowest first) and decode through all of them.
 
-    Parameters
-    ----------
-    layers : sequence of ConvLayer
-        From the lowest up.
-    units : (N, k) array of float
-        Hidden units of the last layer in many frames: they give the means and percentiles.
+    `units` (N, k), its values in many frames, give the means and percentiles.
     """
     reach = sum(len(layer.w) // 2 * 2**n for n, layer in enumerate(layers))
     middle = -(-reach // 2 ** len(layers))

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import astuple
+from functools import partial
 
 import numpy as np
 
 from numpy_cae.baselines import PCA
 from numpy_cae.experiments.clips import window_length
-from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
@@ -45,10 +46,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """
     kinds = {kind: found for kind, find in PAIRS_OF.items() if (found := find(material.testing))}
     if not kinds:
-        raise ValueError(
-            "the test takes hold neither press-ups and walking nor walks of two styles"
-        )
-    training = [manifold.features(take.positions)[0] for take in material.training]
+        raise ValueError("the test takes have neither press-ups and walks nor walks of two styles")
+    training = features_of(manifold, material.training)
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
     methods = _methods(manifold, training)
     tables, claims, motions = [], [], {}
@@ -89,10 +88,7 @@ def _methods(manifold: MotionManifold, training: list[np.ndarray]) -> dict[str, 
         projected = manifold.denormalise(pca.project(rows, SIZE).reshape(mixed.shape))
         return projected[0, : len(one)]
 
-    def along_manifold(one: np.ndarray, other: np.ndarray, share: float | str) -> np.ndarray:
-        return interpolate(manifold, one, other, share)
-
-    return {LINEAR: linear, PCA_WINDOWS: along_pca, ALONG: along_manifold}
+    return {LINEAR: linear, PCA_WINDOWS: along_pca, ALONG: partial(interpolate, manifold)}
 
 
 def _measured(
@@ -146,8 +142,8 @@ def better_measures(measured: Measured, method: str, than: str) -> list[str]:
         jitter = abs(np.log(max(each.jitter, 1e-9) / max(real, 1e-9)))
         return each.bone_length, each.foot_sliding, each.beyond_limits, jitter, each.nearest_pose
 
-    names = [heading.split(",")[0] for heading in Validity.HEADER]
-    return [name for name, a, b in zip(names, errors(method), errors(than), strict=True) if a < b]
+    each = zip(Validity.HEADER, errors(method), errors(than), strict=True)
+    return [heading.split(",")[0] for heading, a, b in each if a < b]
 
 
 def clips_of_pair(

@@ -13,7 +13,7 @@ from dataclasses import astuple
 import numpy as np
 
 from numpy_cae.baselines import PCA
-from numpy_cae.experiments.material import Material
+from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
 from numpy_cae.manifold.sample import decode_units, encode_windows
@@ -36,8 +36,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     Raises ValueError where no training take is as long as a window.
     """
     rng = np.random.default_rng(seed)
-    training = [manifold.features(take.positions)[0] for take in material.training]
-    testing = [manifold.features(take.positions)[0] for take in material.testing]
+    training = features_of(manifold, material.training)
+    testing = features_of(manifold, material.testing)
     encoded = encode_windows(manifold, training)
     prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.frames_per_unit
     drawn = {

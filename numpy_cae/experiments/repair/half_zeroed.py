@@ -7,12 +7,12 @@ of the 60 position features, in centimetres; padded frames do not count.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from numpy_cae.baselines import PCA
-from numpy_cae.experiments.clips import clips_of
+from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.result import Result, Table, moving
 from numpy_cae.manifold import MotionManifold
@@ -47,8 +47,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     rows = [
         ["doing nothing", error(truth), corrupted, None],
         ["the mean pose", error(0 * truth), error(0 * truth), None],
-        _pca("PCA on frames", seen, truth, lost, error, features),
-        _pca("PCA on windows", seen, truth, lost, error, length * features),
+        _pca("PCA on frames", seen, held_out, lost, features),
+        _pca("PCA on windows", seen, held_out, lost, length * features),
         network("the network", 1),
         network("the network, all shifts", manifold.shifts),
     ]
@@ -57,14 +57,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result("Repair: half of all values set to zero", [Table(sample, HEADER, rows)])
 
 
-def _pca(
-    name: str,
-    seen: np.ndarray,
-    truth: np.ndarray,
-    lost: np.ndarray,
-    error: Callable[[np.ndarray], float],
-    numbers: int,
-) -> list:
+def _pca(name: str, seen: np.ndarray, truth: Clips, lost: np.ndarray, numbers: int) -> list:
     """PCA of rows of so many numbers, at the best of `SIZES` (or all axes) for each column."""
     pca = PCA.fit(seen.reshape(-1, numbers).astype(np.float64))
     largest = len(pca.axes)
@@ -72,9 +65,9 @@ def _pca(
 
     def best(x: np.ndarray) -> tuple[float, int]:
         rows = x.reshape(-1, numbers)
-        return min((error(pca.project(rows, size).reshape(x.shape)), size) for size in sizes)
+        return min((truth.error(pca.project(rows, size).reshape(x.shape)), size) for size in sizes)
 
-    (reconstruction, whole), (repair, few) = best(truth), best(lost)
+    (reconstruction, whole), (repair, few) = best(truth.x), best(lost)
     return [name, reconstruction, repair, f"{whole}; {few}"]
 
 

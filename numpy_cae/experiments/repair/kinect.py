@@ -60,20 +60,15 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             TRUE: truth.x,
         }
         measured = {name: (truth.error(x), truth.jitter(x)) for name, x in repaired.items()}
-        rows = [
-            [name, *values, printed(best[name]) if name in best else None]
-            for name, values in measured.items()
-        ]
+        settings = {name: printed(setting) for name, setting in best.items()}
+        rows = [[name, *values, settings.get(name)] for name, values in measured.items()]
         tables.append(Table("", [source, "error, cm", "jitter, m/s²", "setting"], rows))
         claims += _claims(source, measured)
         sample.append(f"{len(takes)} {source} takes ({len(truth)} windows)")
         if motions is None:
             window = truth.typical()
             colours = {SEEN: CORRUPTED, ALL_SHIFTS: PROJECTED, TRUE: TRUTH}
-            motions = {
-                name: (truth.features(repaired[name], window), colour)
-                for name, colour in colours.items()
-            }
+            motions = {x: (truth.features(repaired[x], window), colours[x]) for x in colours}
     return Result(
         "Repair: a Kinect recording",
         tables,
@@ -99,12 +94,8 @@ def _seen(
 def _claims(source: str, measured: Measured) -> list[Claim]:
     (before, before_jitter), (after, after_jitter) = measured[SEEN], measured[ALL_SHIFTS]
     truth = measured[TRUE][1]
-    others = {
-        name: error
-        for name, (error, _) in measured.items()
-        if name not in (SEEN, NETWORK, ALL_SHIFTS, TRUE)
-    }
-    best = min(others, key=others.__getitem__)
+    others = set(measured) - {SEEN, NETWORK, ALL_SHIFTS, TRUE}
+    best = min(sorted(others), key=lambda name: measured[name][0])
     return [
         Claim(
             "After projection a Kinect recording matches the truth far more closely (holden2015, "
@@ -121,7 +112,7 @@ def _claims(source: str, measured: Measured) -> list[Claim]:
         ),
         Claim(
             f"Projection leaves less error than filters and linear methods do ({source} takes).",
-            after < others[best],
-            f"the network {after:.2f} cm, {best} {others[best]:.2f} cm.",
+            after < measured[best][0],
+            f"the network {after:.2f} cm, {best} {measured[best][0]:.2f} cm.",
         ),
     ]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from numpy_cae.experiments.clips import window_length
-from numpy_cae.experiments.material import Material
+from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.measures import position_error
@@ -29,7 +29,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
     A jump is how much further a joint steps across a seam than in truth.
     """
-    takes = [manifold.features(take.positions)[0] for take in material.testing]
+    takes = features_of(manifold, material.testing)
     takes = [take for take in takes if len(take) > window_length(manifold)] or takes
     truth = np.concatenate(takes)
     rows = []

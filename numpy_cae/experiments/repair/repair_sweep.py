@@ -77,18 +77,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         known_holes.append(testing.error(interpolate_linearly(lost, known)))
 
     columns = [f"p = {p}" for p in PS]
+    easier = "An easier problem, where the holes are known:"
+    chosen = "Settings chosen (axes of PCA; frames, or frames and order, of a filter):"
     tables = [
         Table(CAPTION, ["blind", *columns], _rows(errors)),
-        Table(
-            "An easier problem, where the holes are known:",
-            ["holes known", *columns],
-            _rows({INTERPOLATED: known_holes}),
-        ),
-        Table(
-            "Settings chosen (axes of PCA; frames, or frames and order, of a filter):",
-            ["setting", *columns],
-            _rows(settings),
-        ),
+        Table(easier, ["holes known", *columns], [[INTERPOLATED, *known_holes]]),
+        Table(chosen, ["setting", *columns], _rows(settings)),
     ]
     return Result(
         "Repair: values set to zero",
@@ -141,17 +135,10 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
 def _figure(errors: Errors, known_holes: list[float]):
     """Error over p; dashed: from X_c / (1 - p); dotted: holes known."""
     methods = list(dict.fromkeys(name.removesuffix(RESCALED) for name in errors))
-    curves = [
-        Curve(
-            PS,
-            row,
-            name,
-            f"C{methods.index(name.removesuffix(RESCALED))}",
-            "--" if name.endswith(RESCALED) else "-",
-        )
-        for name, row in errors.items()
-    ]
-    curves.append(Curve(PS, known_holes, INTERPOLATED, PLAIN, ":"))
+    curves = [Curve(PS, known_holes, INTERPOLATED, PLAIN, ":")]
+    for name, row in errors.items():
+        colour = f"C{methods.index(name.removesuffix(RESCALED))}"
+        curves.append(Curve(PS, row, name, colour, "--" if name.endswith(RESCALED) else "-"))
     figure = curves_figure(curves, "p, share of values set to zero", "error, cm")
     figure.axes[0].set_ylim(0, 1.5 * max(errors[CORRUPTED_ROW]))  # rescaled filters exceed it
     return figure
