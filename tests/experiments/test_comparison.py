@@ -12,7 +12,6 @@ from numpy_cae.experiments.comparison.distances import (
     euclidean,
 )
 from numpy_cae.experiments.comparison.shift import SHIFTS
-from numpy_cae.experiments.filters import top_activations
 from numpy_cae.experiments.interpolation import interpolation
 from numpy_cae.experiments.material import Material
 from numpy_cae.manifold import G, hidden_units
@@ -122,7 +121,6 @@ def test_claims_of_the_nearest_motions_follow_the_lists(monkeypatch):
     [
         (comparison, "labelled takes"),
         (shift, "two held-out takes of 72 frames, there are 0"),
-        (top_activations, "needs 5 held-out takes, there are 0"),
         (interpolation, "neither press-ups"),
     ],
 )
