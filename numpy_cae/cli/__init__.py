@@ -7,8 +7,6 @@ Errors that a user can correct (a damaged file, a missing joint, a wrong number)
 standard error and exit status 2, without a traceback.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import textwrap

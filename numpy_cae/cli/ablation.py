@@ -1,16 +1,13 @@
 """`numpy-cae report --ablation`: the contribution of each choice of holden2015, on one page."""
 
-from __future__ import annotations
-
 import argparse
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import write_texts
+from numpy_cae.cli.output import note, write_texts
 from numpy_cae.experiments.ablation import choices
 from numpy_cae.experiments.ablation.ablation import measure_rows
 from numpy_cae.experiments.ablation.evaluation import Evaluation
@@ -27,9 +24,8 @@ SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
 TITLE = "Ablation of holden2015"
 INTRODUCTION = (
     "Each choice of the network and the training of holden2015 is left out or replaced, one at a "
-    "time, on the same takes and with the same measures: the paper wishes to “justify the "
-    "effectiveness of using a deep architecture”. The networks are smaller than the paper's and "
-    "trained for less, so that each can be trained from several seeds."
+    "time, on the same takes and with the same measures. The networks are smaller than the paper's "
+    "and trained for less, so that each can be trained from several seeds."
 )
 
 
@@ -37,9 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the ablation, which also uses --data, --test and -o."""
     add = parser.add_argument_group("ablation").add_argument
     ablation = (
-        "train and compare networks of other depth, sparsity, pooling, … instead, which needs no "
-        f"model; without --data on {SYNTHETIC_MINUTES:g} minutes of synthetic motions, without -o "
-        f"into {OUTPUT}/. An interrupted run continues from what it has measured"
+        "train and compare networks of other depth, sparsity, pooling, … instead (default: on "
+        f"{SYNTHETIC_MINUTES:g} minutes of synthetic motions, into {OUTPUT}/, where it continues)"
     )
     add("--ablation", **kinds.FLAG, help=ablation)
     seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
@@ -65,14 +60,24 @@ def run(args: argparse.Namespace) -> int:
     output.mkdir(parents=True, exist_ok=True)
 
     def progress(line: str) -> None:
-        print(f"{time.monotonic() - started:.0f} s, {line}", file=sys.stderr, flush=True)
+        note(f"{time.monotonic() - started:.0f} s, {line}")
 
     networks = choices.choices(args.width, *args.epochs)
     evaluation = Evaluation(material)
     rows = measure_rows(evaluation, networks, args.seeds, output / "ablation.json", progress)
     seconds = time.monotonic() - started
     section = drawn("ablation", ablation_result(rows, evaluation.split.sample), seconds)
-    how = _provenance(material, len(evaluation.windows), networks[0], args, seconds)
+    folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
+    stages = networks[0].schedule
+    how = {
+        "data": f"{folders}: {len(material.training)} takes to learn from "
+        f"({len(evaluation.windows)} windows), {len(material.testing)} to test",
+        "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
+        "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s for what "
+        "was not measured before",
+    } | describe(
+        list(networks[0].filters), choices.TAPS, vars(stages.layer), vars(stages.fine_tuning)
+    )
     html, text = page([section], how, TITLE, INTRODUCTION), plain_text([section], how)
     write_texts(output, {"ablation.html": html, "ablation.txt": text})
     print(f"{output / 'ablation.html'}: {section.held} of {len(section.claims)} claims held")
@@ -89,28 +94,16 @@ def _synthetic() -> Material:
     return Material(*halves)
 
 
-def _provenance(
-    material: Material,
-    windows: int,
-    paper: choices.Choice,
-    args: argparse.Namespace,
-    seconds: float,
-) -> dict[str, str]:
-    """What is needed to judge the figures or to reproduce them."""
-    folders = ", ".join(folder.name for folder in args.data or [])
+def describe(filters: list[int], taps: int, layer: dict, fine_tuning: dict) -> dict[str, str]:
+    """A network and its training in words, for the provenance of a page."""
     return {
-        "data": f"{folders or 'synthetic, data_synth'}: {len(material.training)} takes to learn "
-        f"from ({windows} windows), {len(material.testing)} to test",
-        "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
-        "network": f"{' + '.join(map(str, paper.filters))} filters of {choices.TAPS} frames",
-        "layers": listed(vars(paper.schedule.layer)),
-        "fine tuning": listed(vars(paper.schedule.fine_tuning)),
-        "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s for what "
-        "was not measured before",
+        "network": f"{' + '.join(map(str, filters))} filters of {taps} frames",
+        "layers": _listed(layer),
+        "fine tuning": _listed(fine_tuning),
     }
 
 
-def listed(settings: dict) -> str:
+def _listed(settings: dict) -> str:
     """The settings of a stage that have a value, on one line."""
     return ", ".join(
         f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"

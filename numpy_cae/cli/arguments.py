@@ -1,7 +1,5 @@
 """Arguments that several subcommands share, and the types of numbers that argparse checks."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from math import inf
@@ -9,9 +7,7 @@ from pathlib import Path
 from typing import Any
 
 
-def _number(
-    kind: Callable[[str], float], allowed: Callable[[float], bool], expected: str
-) -> Callable[[str], float]:
+def _number(kind: Callable[[str], float], allowed: Callable[[float], bool], expected: str) -> Any:
     """A type for argparse: numbers that are allowed; others are refused with what is expected."""
 
     def parse(text: str) -> float:
@@ -41,24 +37,16 @@ FOLDER: dict[str, Any] = {"type": Path, "metavar": "FOLDER"}
 FOLDERS: dict[str, Any] = FOLDER | {"nargs": "+"}
 PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
 
+_SEED: dict[str, Any] = {"type": whole_number, "default": 0}
+_JSON: dict[str, Any] = {"type": Path, "metavar": "JSON"}
+_METRES: dict[str, Any] = {"type": positive, "metavar": "METRES"}
+
 SHARED: dict[str, dict[str, Any]] = {
-    "seed": {
-        "type": whole_number,
-        "default": 0,
-        "help": "seed of all random numbers (default: 0)",
-    },
+    "seed": _SEED | {"help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
     "json": FLAG | {"help": "print JSON instead of text"},
-    "mapping": {
-        "type": Path,
-        "metavar": "JSON",
-        "help": "file that maps our joint names to those of the rig, for rigs that are not known",
-    },
-    "unit": {
-        "type": positive,
-        "metavar": "METRES",
-        "help": "length unit of the files in metres, 0.01 for centimetres (default: guessed)",
-    },
+    "mapping": _JSON | {"help": "file that maps our joint names to those of an unknown rig"},
+    "unit": _METRES | {"help": "length unit of the files in metres, as 0.01 (default: guessed)"},
 }
 
 

@@ -5,16 +5,13 @@ PyTorch's time divided by this one's.
 example: numpy-cae bench --batch 1 16
 """
 
-from __future__ import annotations
-
 import argparse
 import os
-import sys
 
 from numpy_cae.bench import paper, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import print_json
+from numpy_cae.cli.output import note, print_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,15 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     rounds = "number of measurements of each time in the table (default: 21)"
     add("--rounds", **kinds.COUNT, default=21, help=rounds)
     instead = parser.add_mutually_exclusive_group().add_argument
-    sequential = (
-        "time training steps of the sequential autoencoder instead, on clips of 50 frames with "
-        "128, 512 and 1024 hidden units"
-    )
+    sequential = "time training steps of the sequential autoencoder of three sizes instead"
     instead("--sequential", **kinds.FLAG, help=sequential)
-    stages = (
-        "train the paper's four stages on 9673 windows for one epoch each instead, and scale the "
-        "times to 25 epochs"
-    )
+    stages = "train the paper's four stages for one epoch each instead, scaled to its 25 epochs"
     instead("--paper", **kinds.FLAG, help=stages)
     kinds.add_shared(parser, "json quiet")
 
@@ -61,9 +52,7 @@ def _warn_if_busy() -> None:
     """Warn if other programs use the processor, which makes all figures meaningless."""
     busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if busy > 0.5:
-        print(
+        note(
             f"numpy-cae bench: other programs use the processor ({busy:.1f} of them on average "
-            "over the last minute), so neither the times nor the ratios are reliable; threads that "
-            "wait for each other suffer most, those of PyTorch more than these",
-            file=sys.stderr,
+            "over the last minute), so neither the times nor the ratios are reliable"
         )

@@ -4,8 +4,6 @@ each. G depends on what happens in a motion, not on when.
 example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Sequence
@@ -44,21 +42,19 @@ def run(args: argparse.Namespace) -> int:
     units = [hidden_units(manifold, manifold.features(body)[0]) for body in bodies]
     distances = distance_matrix([signature(each) for each in units])
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
-    nearest, written = [names[n] for n in others.argmin(axis=1)], []
+    nearest = [names[n] for n in others.argmin(axis=1)]
     if args.output:
         _write_csv(names, distances, args.output)
-        written.append(f"{args.output}: G of {len(names)} motions")
     if args.picture:
         save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
-        written.append(f"{args.picture}: √G of {len(names)} motions, clustered")
     if args.json:
-        compared = {"motions": names, "matrix": distances, "nearest": nearest}
-        print_json({"distance": "G"} | compared)
+        print_json({"distance": "G", "motions": names, "matrix": distances, "nearest": nearest})
         return 0
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
         print(f"{name}: nearest is {other}, G = {distance:.3f}")
-    for line in written:
-        print(line)
+    for path, content in ((args.output, "G"), (args.picture, "√G, clustered,")):
+        if path:
+            print(f"{path}: {content} of {len(names)} motions")
     return 0
 
 

@@ -4,8 +4,6 @@ values, and compare that with doing nothing and with PCA.
 example: numpy-cae demo -o demo
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -5,13 +5,11 @@ is complete and can be read.
 example: numpy-cae download cmu --subjects 2,7,35 -o cmu
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 import time
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.output import note
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
 from numpy_cae.download.cmu import SITE, TERMS
 
@@ -38,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     print(f"{args.output}: {tally.new} new files, {tally.known} downloaded before")
     if tally.refused:
         for refused in tally.refused:
-            print(f"left out: {refused}", file=sys.stderr)
+            note(f"left out: {refused}")
         raise DownloadError(f"{len(tally.refused)} downloaded files cannot be read, see above")
     return 0
 
@@ -62,4 +60,4 @@ class _Progress:
         if name != self.name or now - self.time > 5:
             self.name, self.time = name, now
             share = f"{done / 1e6:.1f} of {total / 1e6:.1f} MB" if total else f"{done / 1e6:.1f} MB"
-            print(name if not done else f"{name}: {share}", file=sys.stderr, flush=True)
+            note(f"{name}: {share}" if done else name)

@@ -7,8 +7,6 @@ examples:
   numpy-cae fill stepped.bvh -m model.npz -o smooth.bvh --keyframes 15 --gif smooth.gif
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 from functools import partial
@@ -31,10 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     missing.add_argument("--keyframes", **kinds.COUNT, help=every)
     gap = "with --joint: first and last frame without the joint, from 0 (default: all frames)"
     add("--frames", type=kinds.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=gap)
-    fit = (
-        "with --joint: find the motion that fits the known values, instead of one projection as in "
-        "the paper (one second for five of motion)"
-    )
+    fit = "with --joint: find the motion that fits the known values, instead of one projection"
     add("--fit", **kinds.FLAG, help=fit)
     add("--data", **kinds.FOLDERS, help="with --fit: folders of motions for PCA of initial poses")
 

@@ -6,14 +6,12 @@ example:
       --share transition --gif between.gif
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
+from numpy_cae.cli.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
@@ -31,8 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=lambda text: text if text == TRANSITION else kinds.fraction(text),
         default=0.5,
         metavar="S",
-        help="weight of the second motion, 0 to 1 (default: 0.5), or `transition`: 0 at the first "
-        "frame to 1 at the last",
+        help="weight of the second motion, 0 to 1 (default: 0.5), or `transition` from 0 to 1",
     )
 
 
@@ -43,11 +40,8 @@ def run(args: argparse.Namespace) -> int:
     first, second = (manifold.body(motion, mapping) for motion in motions)
     between = interpolate(manifold, first.features, second.features, args.share)
     frames = len(between)
-    print(
-        f"{args.first}: {len(first.features)} frames at 30 a second, "
-        f"{args.second}: {len(second.features)}, {frames} of them used",
-        file=sys.stderr,
-    )
+    lengths = [len(body.features) for body in (first, second)]
+    note(f"{lengths[0]} and {lengths[1]} frames at 30 a second, {frames} of them used")
     made = first.to_rig(between)
     one_motion.write(made, args.output)
     one_motion.animate(

@@ -8,21 +8,12 @@ examples: numpy-cae lessons student/              write the student's copy of ev
           numpy-cae lessons --gallery             pictures from the stored outputs
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from pathlib import Path
 
+from numpy_cae import course
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.course import (
-    execute,
-    find_lessons,
-    read_notebook,
-    student_copy,
-    write_notebook,
-    write_picture,
-)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(
             "expected either a folder for the student's copies or --execute or --gallery"
         )
-    lessons = find_lessons(args.source)
+    lessons = course.find_lessons(args.source)
     if args.only:
         lessons = [path for path in lessons if path.name.startswith(f"{args.only}_")]
         if not lessons:
@@ -60,13 +51,13 @@ def run(args: argparse.Namespace) -> int:
 
 def _make_picture(path: Path, executed: bool) -> None:
     """Make a lesson's picture and, if requested, execute it before that."""
-    notebook = read_notebook(path)
+    notebook = course.read_notebook(path)
     if executed:
         began = time.monotonic()
-        notebook = execute(notebook)
-        write_notebook(notebook, path)
+        notebook = course.execute(notebook)
+        course.write_notebook(notebook, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
-    print(write_picture(notebook, path))
+    print(course.write_picture(notebook, path))
 
 
 def _write_copies(lessons: list[Path], folder: Path) -> None:
@@ -80,5 +71,5 @@ def _write_copies(lessons: list[Path], folder: Path) -> None:
             "name another folder or move the files"
         )
     for path in lessons:
-        write_notebook(student_copy(read_notebook(path)), folder / path.name)
+        course.write_notebook(course.student_copy(course.read_notebook(path)), folder / path.name)
         print(folder / path.name)

@@ -1,15 +1,13 @@
 """Arguments and steps shared by the commands that apply a model to motions."""
 
-from __future__ import annotations
-
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.output import note
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.motion import (
@@ -81,7 +79,7 @@ def change(
     """Read a motion, write `changed(motion, mapping=…)` and draw it beside `before(motion)`."""
     mapping = kinds.chosen_mapping(args)
     motion = load_motion(args.file, unit=args.unit)
-    print(f"{args.file}: {len(motion)} frames, {motion.unit_note}", file=sys.stderr)
+    note(f"{args.file}: {len(motion)} frames, {motion.unit_note}")
     try:
         result = changed(motion, mapping=mapping)
     except UnknownRigError as error:

@@ -1,7 +1,5 @@
 """A training that can be interrupted: it locks its output and saves its state beside it."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager

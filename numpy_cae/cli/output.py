@@ -1,12 +1,8 @@
-"""Output of the commands: text or JSON on standard output, text files, and a check of paths.
-
-With `--json` one JSON value is printed; messages always go to standard error.
-"""
-
-from __future__ import annotations
+"""Output of the commands: JSON on standard output, messages on standard error, text files."""
 
 import json
 import math
+import sys
 import tempfile
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -16,15 +12,18 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 
 
+def note(text: str) -> None:
+    """Print a message, which is no result, on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
 def print_json(value: object) -> None:
     """Print a result as JSON."""
     print(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False))
 
 
 def plain(value: object) -> object:
-    """A result in types that JSON knows, with null for numbers that are not finite; TypeError for
-    anything but these types, dataclasses, arrays and paths.
-    """
+    """A result in types that JSON knows, null where a number is not finite; or TypeError."""
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, dict):

@@ -4,15 +4,13 @@ unit and length of the input file.
 example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 from functools import partial
 from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
+from numpy_cae.cli.output import note
 from numpy_cae.manifold import SequenceManifold, repair, repair_sequence
 from numpy_cae.motion import Motion
 
@@ -49,10 +47,9 @@ def run(args: argparse.Namespace) -> int:
         result = repair_constrained(motion, manifold, mapping, pins)
         for pin in pins:
             errors = pin.errors(result, mapping) / motion.unit
-            print(
+            note(
                 f"{pin.joint}, frames {pin.first} to {pin.last}: within {errors.max():.3g} of its "
-                f"pin, {errors.mean():.3g} on average",
-                file=sys.stderr,
+                f"pin, {errors.mean():.3g} on average"
             )
         return result
 

@@ -7,10 +7,7 @@ examples:
   numpy-cae report --ablation
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 import time
 from pathlib import Path
 
@@ -18,8 +15,8 @@ import numpy as np
 
 from numpy_cae.cli import ablation, one_motion
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import print_json, write_texts
-from numpy_cae.experiments.material import Material, read_material
+from numpy_cae.cli.output import note, print_json, write_texts
+from numpy_cae.experiments.material import read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import EXPERIMENTS, run_section
 from numpy_cae.manifold import MotionManifold
@@ -50,18 +47,23 @@ def run(args: argparse.Namespace) -> int:
     started = time.monotonic()
     manifold = one_motion.load_model(args, bvh=False)
     patterns = _test_patterns(manifold, args)
-    _say(f"reading {', '.join(map(str, args.data))}")
+    note(f"reading {', '.join(map(str, args.data))}")
     material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
     args.output.mkdir(parents=True, exist_ok=True)
-    _say(_counts(material))
+    counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
+    note(counts)
     names, sections = [name for name in EXPERIMENTS if name in args.only], []
     for name in names:
         sections.append(run_section(name, manifold, material, args.seed))
-        _say(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
-    how = _provenance(manifold, material, patterns, args, time.monotonic() - started)
+        note(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
+    how = _provenance(args.model.name, manifold) | {
+        "data": f"{', '.join(folder.name for folder in args.data)}: {counts}",
+        "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
+        "made by": f"NumPy {np.__version__}, seed {args.seed}, {time.monotonic() - started:.0f} s",
+    }
     html, text = page(sections, how), plain_text(sections, how)
     write_texts(args.output, {"report.html": html, "report.txt": text})
     claims = sum(len(section.claims) for section in sections)
@@ -72,10 +74,6 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"{args.output / 'report.html'}: {held} of {claims} claims held")
     return 0
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:
@@ -94,33 +92,18 @@ def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[s
     return own or args.test
 
 
-def _provenance(
-    manifold: MotionManifold, material: Material, patterns: list[str],
-    args: argparse.Namespace, seconds: float,
-) -> dict[str, str]:  # fmt: skip
-    """What must be known to judge the figures or to reproduce them."""
-    settings = manifold.settings
-    schedule = settings.get("schedule", {})
-    layers = manifold.network.layers
+def _provenance(name: str, manifold: MotionManifold) -> dict[str, str]:
+    """What must be known of the model to judge the figures or to reproduce them."""
+    of, layers = manifold.settings.get, manifold.network.layers
+    schedule = of("schedule", {"layer": {}, "fine_tuning": {}})
     how = {
-        "model": f"{args.model.name}, learned from {settings.get('takes')} takes, "
-        f"{settings.get('windows')} windows of {settings.get('window')} frames, "
-        f"seed {settings.get('seed')}",
-        "network": f"{' + '.join(str(layer.b.size) for layer in layers)} filters of "
-        f"{len(layers[0].w)} frames",
-        "layers": ablation.listed(schedule.get("layer", {})),
-        "fine tuning": ablation.listed(schedule.get("fine_tuning", {})),
-        "data": f"{', '.join(folder.name for folder in args.data)}: {_counts(material)}",
-        "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
-        "made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s",
+        "model": f"{name}, learned from {of('takes')} takes, {of('windows')} windows of "
+        f"{of('window')} frames, seed {of('seed')}"
     }
-    if settings.get("folders"):
+    if of("folders"):
         how["learned from"] = ", ".join(
             f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
-            for folder in settings["folders"]
+            for folder in of("folders")
         )
-    return how
-
-
-def _counts(material: Material) -> str:
-    return f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
+    filters = [layer.b.size for layer in layers]
+    return how | ablation.describe(filters, len(layers[0].w), **schedule)

@@ -5,8 +5,6 @@ motion. A sequential model has a prior of its own.
 example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 --like take.bvh
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np
@@ -16,14 +14,7 @@ from numpy_cae.cli import one_motion
 from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.motion import (
-    Motion,
-    RootTransform,
-    body_of,
-    features_to_positions,
-    fit_motion,
-    load_body,
-)
+from numpy_cae.motion import RootTransform, body_of, features_to_positions, fit_motion, load_body
 from numpy_cae.motion.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
@@ -56,10 +47,17 @@ def run(args: argparse.Namespace) -> int:
             )
         made = [sample_sequence(manifold, frames, rng) for _ in range(args.number)]
     else:
-        prior = _prior(args, manifold)
-        rig = load_body(args.like, mapping, args.unit)[1] if args.like else None
-        features = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
-        made = [_motion(manifold, each, rig, mapping) for each in features]
+        prior, made = _prior(args, manifold), []
+        if args.like:
+            rig = hold_first_pose(load_body(args.like, mapping, args.unit)[1], frames)
+            body = manifold.body(rig, mapping)
+        for _ in range(args.number):
+            features = sample(manifold, frames, rng, prior)
+            if args.like:
+                made.append(body.to_rig(features, RootTransform()))
+            else:
+                positions = features_to_positions(features)
+                made.append(fit_motion(positions, manifold.lengths, manifold.rate))
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
@@ -75,12 +73,3 @@ def _prior(args: argparse.Namespace, manifold: Manifold) -> NeighbourPrior | Non
     if not args.data:
         raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
     return NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
-
-
-def _motion(
-    manifold: Manifold, features: np.ndarray, rig: Motion | None, mapping: dict[str, str] | None
-) -> Motion:
-    if rig is None:
-        return fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
-    body = manifold.body(hold_first_pose(rig, len(features)), mapping)
-    return body.to_rig(features, RootTransform())

@@ -3,8 +3,6 @@
 example: numpy-cae show walk.bvh -o pictures
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -7,8 +7,6 @@ examples:
   numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study   motions of your own
 """
 
-from __future__ import annotations
-
 import argparse
 
 from numpy_cae.cli import arguments as kinds

@@ -1,8 +1,5 @@
 """Read motion files as takes and report files and guessed units."""
 
-from __future__ import annotations
-
-import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.cli.output import note
 from numpy_cae.experiments.material import is_test
 from numpy_cae.motion.io.cache import Body, read_bodies
 
@@ -44,7 +42,7 @@ def read_takes(
             if strict or len(paths) == 1:
                 raise body.problem
             left_out += 1
-            print(f"left out: {body.problem}", file=sys.stderr)
+            note(f"left out: {body.problem}")
             continue
         (testing if is_test(body.path, test) else training).append(body.positions)
         notes[body.note.split(" (")[0]] += 1
@@ -56,11 +54,10 @@ def read_takes(
         raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
     skipped = f", {left_out} left out" if left_out else ""
     seconds = sum(map(len, training)) / 30
-    print(
+    note(
         f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
         f"({seconds / 60:.1f} min), {len(testing)} to test; lengths in "
-        + ", ".join(f"{note} ({count})" for note, count in notes.most_common()),
-        file=sys.stderr,
+        + ", ".join(f"{each} ({count})" for each, count in notes.most_common())
     )
     return training, testing
 
@@ -72,5 +69,5 @@ def _with_progress(bodies: Iterable[Body], files: int) -> Iterator[Body]:
         now = time.monotonic()
         if now - printed > 5:
             printed, left = now, (now - begun) / read * (files - read)
-            print(f"{read} of {files} files read, {left:.0f} s to go", file=sys.stderr)
+            note(f"{read} of {files} files read, {left:.0f} s to go")
         yield body

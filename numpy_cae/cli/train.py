@@ -5,10 +5,7 @@ trains all layers at once with Adam. Options given beside it replace its own.
 example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +13,12 @@ from typing import Any
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options as options
 from numpy_cae.cli.one_run import one_run, state_of
-from numpy_cae.cli.output import print_json, require_place
+from numpy_cae.cli.output import note, print_json, require_place
+from numpy_cae.cli.takes import read_takes
+from numpy_cae.experiments.material import is_test, unlabelled
+from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
+from numpy_cae.motion import ANGLE_RATE, find_motion_files
+from numpy_cae.motion.io.cache import default_cache, is_worthwhile
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,48 +26,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("folders", **kinds.FOLDERS, help="folders of motion files, searched with their subfolders")
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
-    test = "names of files to test on, which are not trained on (default: none)"
-    add("--test", **kinds.PATTERNS, help=test)
+    add("--test", **kinds.PATTERNS, help="names of files to test on, which are not trained on")
     picture = "picture to write: figure 1 of a test take, or samples of the sequential model"
     add("--picture", type=Path, metavar="PNG", help=picture)
     models = ("convolutional", "sequential")
-    model = (
-        "network of holden2015 or of jang2018, the latter for motions of one action "
-        f"(default: {models[0]})"
-    )
+    model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
     add("--recipe", choices=options.RECIPES, default="paper", help="recipe (default: paper)")
-    engine = (
-        "code that computes the gradients: fast, or the definitions in numpy_cae.ops, which take "
-        "about four times as long (default: fast)"
-    )
+    engine = "code that computes the gradients: fast, or the definitions in ops (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
-    resume = (
-        "continue from MODEL.checkpoint.npz, which an interrupted run leaves; the result has the "
-        "same bits as that of an uninterrupted run"
-    )
+    resume = "continue from MODEL.checkpoint.npz, which an interrupted run leaves; to the same bits"
     add("--resume", **kinds.FLAG, help=resume)
     kinds.add_shared(parser, "seed quiet json mapping unit")
     options.add_training_options(parser)
-    _add_file_options(parser.add_argument_group("advanced, files"))
-
-
-def _add_file_options(group: argparse._ArgumentGroup) -> None:
-    often = (
-        "time between two saved states within an epoch, in seconds (default: 60); a state is also "
-        "saved after every epoch"
-    )
-    seconds = {"default": 60.0, "metavar": "SECONDS", "help": often}
-    group.add_argument("--checkpoint", type=kinds.rate, **seconds)
+    group = parser.add_argument_group("advanced, files")
+    add = group.add_argument
+    often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
+    add("--checkpoint", type=kinds.rate, default=60.0, metavar="SECONDS", help=often)
     caching = group.add_mutually_exclusive_group().add_argument
-    cache = (
-        "folder for what was read of the files, by their content (default: a folder of the user's "
-        "cache, for 20 MB of files or more)"
-    )
+    cache = "folder for what was read of the files (default: the user's cache, for 20 MB or more)"
     caching("--cache", **kinds.FOLDER, help=cache)
     caching("--no-cache", **kinds.FLAG, help="read every file anew")
-    strict = "stop at a file that cannot be used, not skip it"
-    group.add_argument("--strict", **kinds.FLAG, help=strict)
+    add("--strict", **kinds.FLAG, help="stop at a file that cannot be used, not skip it")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -75,13 +57,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError("--picture draws a test take: name the test takes with --test")
     require_place(args.output)
     if args.resume and args.output.exists() and not state_of(args.output).exists():
-        if args.json:
-            print_json({"model": args.output, "settings": None, "test": None})
-        else:
-            print(f"{args.output}: is complete, there is nothing to continue")
-        return 0
-    from numpy_cae.manifold import save_manifold
-
+        return _print(args, "is complete, there is nothing to continue")
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
         sequential = args.model == "sequential"
         learn = _learn_sequences if sequential else _learn_windows
@@ -93,15 +69,19 @@ def run(args: argparse.Namespace) -> int:
     table, figure = measure() if args.test else (None, None)
     if figure:
         figure.save_picture(args.picture)
+    text = f"learned from {summary}"
+    text += f"\n\n{table.text()}" if table else ""
+    text += f"\n\n{args.picture}: written" if figure else ""
+    return _print(args, text, manifold.settings, table.data() if table else None)
+
+
+def _print(
+    args: argparse.Namespace, text: str, settings: dict | None = None, test: dict | None = None
+) -> int:
     if args.json:
-        test = table.data() if table else None
-        print_json({"model": args.output, "settings": manifold.settings, "test": test})
-        return 0
-    print(f"{args.output}: learned from {summary}")
-    if table:
-        print(f"\n{table.text()}")
-    if figure:
-        print(f"\n{args.picture}: written")
+        print_json({"model": args.output, "settings": settings, "test": test})
+    else:
+        print(f"{args.output}: {text}")
     return 0
 
 
@@ -111,12 +91,6 @@ the picture if one is requested: a table and a figure."""
 
 
 def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    from numpy_cae.cli.takes import read_takes
-    from numpy_cae.experiments.material import is_test, unlabelled
-    from numpy_cae.manifold import learn_manifold
-    from numpy_cae.motion import find_motion_files
-    from numpy_cae.motion.io.cache import default_cache, is_worthwhile
-
     schedule, mapping = options.schedule_of(args), kinds.chosen_mapping(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for some in found.values() for path in some]
@@ -143,8 +117,6 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
 
 def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.actions import read_action
-    from numpy_cae.manifold import learn_sequences
-    from numpy_cae.motion import ANGLE_RATE
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
     action = read_action(name, args.folders, args.test, kinds.chosen_mapping(args), args.unit)
@@ -152,11 +124,9 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
-    count, seconds = len(action.training), sum(map(len, action.training)) / ANGLE_RATE
-    print(
-        f"{count} motions to train on ({seconds / 60:.1f} min), {len(action.testing)} to test",
-        file=sys.stderr,
-    )
+    count, tests = len(action.training), len(action.testing)
+    minutes = sum(map(len, action.training)) / ANGLE_RATE / 60
+    note(f"{count} motions to train on ({minutes:.1f} min), {tests} to test")
     manifold = learn_sequences(action.training, schedule, args.seed, **how)
 
     def measure() -> tuple:

@@ -5,8 +5,6 @@ tuning. Both models have the same names. An option that is not given is no attri
 arguments: the recipe or the default below applies.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import fields, replace
 from typing import Any
@@ -87,8 +85,8 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
 
 def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     """The options of the sequential model alone, for `numpy-cae study`."""
-    group = parser.add_argument_group("training")
-    _add_all(group, _SEQUENTIAL_NETWORK | _COMMON | _SEQUENTIAL)
+    options = _SEQUENTIAL_NETWORK | _COMMON | _SEQUENTIAL
+    _add_all(parser.add_argument_group("training"), options)
 
 
 def _add_all(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
@@ -136,12 +134,12 @@ def network_of(args: argparse.Namespace, sequential: bool) -> dict[str, Any]:
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The recipe with the options that are given; end to end, those of a layer are for all."""
-    recipe = RECIPES[args.recipe]
-    if recipe.layer.epochs == 0:
-        end_to_end = _changed(recipe.fine_tuning, args, "")
-        return Schedule(recipe.layer, _changed(end_to_end, args, "fine_"))
-    layer = _changed(recipe.layer, args, "")
-    return Schedule(layer, _changed(recipe.fine_tuning, args, "fine_"))
+    layer, fine_tuning = RECIPES[args.recipe].layer, RECIPES[args.recipe].fine_tuning
+    if layer.epochs == 0:
+        fine_tuning = _changed(fine_tuning, args, "")
+    else:
+        layer = _changed(layer, args, "")
+    return Schedule(layer, _changed(fine_tuning, args, "fine_"))
 
 
 def sequence_schedule_of(args: argparse.Namespace) -> SequenceSchedule:
@@ -154,15 +152,12 @@ def _changed(stage: Any, args: argparse.Namespace, prefix: str) -> Any:
     names = [field.name for field in fields(stage) if hasattr(args, prefix + field.name)]
     given = {name: getattr(args, prefix + name) for name in names}
     if "zeroed" in given:
-        given["zeroed"] = _zeroed(prefix, given["zeroed"])
+        shares = given["zeroed"]
+        if len(shares) > 2 or shares != sorted(shares):
+            option = f"--{prefix}zeroed".replace("_", "-")
+            raise ValueError(f"{option} takes one share, or the lowest and the highest")
+        given["zeroed"] = tuple(shares) if len(shares) == 2 else shares[0]
     changed = replace(stage, **given)
     if isinstance(stage, Stage) and changed.rescaled and np.max(changed.zeroed) == 1:
         raise ValueError("rescaling divides by 1 - the zeroed share, which must stay below 1")
     return changed
-
-
-def _zeroed(prefix: str, shares: list[float]) -> float | tuple[float, float]:
-    if len(shares) > 2 or shares != sorted(shares):
-        option = f"--{prefix}zeroed".replace("_", "-")
-        raise ValueError(f"{option} takes one share, or the lowest and the highest")
-    return shares[0] if len(shares) == 1 else (shares[0], shares[1])

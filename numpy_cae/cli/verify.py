@@ -12,8 +12,6 @@ numpy_cae. Grade files of people you do not trust in a container. Exit status:
 0 if every property holds, 1 if something fails, 2 if there was nothing to grade.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 from typing import Any
@@ -38,10 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     if importlib.util.find_spec("hypothesis") is None:
-        raise ValueError(
-            "drawing examples needs hypothesis: pip install 'numpy_cae[test]', "
-            "or pip install hypothesis"
-        )
+        raise ValueError("drawing examples needs hypothesis: pip install hypothesis")
     from numpy_cae.cli.output import print_json
     from numpy_cae.verify.grading import grade
 
