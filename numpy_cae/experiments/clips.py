@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.blind import project_shifted
+from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import LENGTH, cut_windows

@@ -14,12 +14,8 @@ import numpy as np
 
 from numpy_cae.fast.thread_team import ThreadTeam, thread_team
 from numpy_cae.fast.workspace import Worker, Workspace
-from numpy_cae.models.conv_autoencoder import (
-    ConvAutoencoder,
-    Gradients,
-    require_loss_arguments,
-    require_windows,
-)
+from numpy_cae.models.arguments import require_denoising_arguments, require_windows
+from numpy_cae.models.conv_autoencoder import ConvAutoencoder, Gradients
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 
@@ -133,7 +129,7 @@ class FastConvAutoencoder(ConvAutoencoder):
     ) -> tuple[float, Gradients]:
         """Equation 3 and its derivatives, as `ConvAutoencoder.loss_and_gradients`."""
         layers = self.layers if layer is None else [self.layers[layer]]
-        require_loss_arguments(layers, x, corrupted, first)
+        require_denoising_arguments(layers, x, corrupted, first)
         batch, frames, _ = x.shape
         dtype = _dtype(layers, x, corrupted)
         dws = [np.empty(each.w.shape, dtype) for each in layers]

@@ -12,14 +12,12 @@ from numpy_cae import ops
 from numpy_cae.fast.gru_matrices import GruMatrices
 from numpy_cae.fast.sequence_worker import SequenceWorker
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
+from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
 from numpy_cae.models.sequential_autoencoder import (
     FRAMES,
     Losses,
     SequentialAutoencoder,
     Weights,
-    require_clips,
-    require_latent,
-    require_loss_arguments,
 )
 
 MAX_CLIPS = 128
@@ -125,7 +123,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
     ) -> tuple[Losses, Weights]:
         """The loss and its derivatives, as `SequentialAutoencoder.loss_and_gradients`."""
         weights = self.weights
-        require_loss_arguments(x, prior, weights)
+        require_sequence_arguments(x, prior, weights)
         dtype = _dtype(weights, x, prior, directions)
         last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
 

@@ -14,7 +14,7 @@ from numpy_cae.manifold.long_sequences import project_sequence, repair_sequence,
 from numpy_cae.manifold.model_file import load_manifold, save_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repair import repair
-from numpy_cae.manifold.sample import NeighbourPrior, sample
+from numpy_cae.manifold.sample import NeighbourPrior, draw_uniform, sample
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "NeighbourPrior",
     "SequenceManifold",
     "distance_matrix",
+    "draw_uniform",
     "fill_joint",
     "fill_keyframes",
     "fill_motion_joint",

@@ -47,7 +47,7 @@ def interpolate(
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
     one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
-    # A unit stands for 8 frames; the first unit begins `reach` frames before the clip.
+    # A hidden frame is made from 8 frames; the first one begins `reach` frames before the clip.
     middles = (np.arange(len(one)) + 0.5) * manifold.network.frames_per_unit - 0.5 - manifold.reach
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
     s = shares(share, frames)[nearest].astype(one.dtype)

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from numpy_cae.fast import accelerate
-from numpy_cae.manifold.blind import project_shifted, zeroed_fraction
+from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import RootTransform, positions_to_features
@@ -37,7 +37,8 @@ class MotionManifold:
     mean_pose : (63,) array of float64
         Subtracted from every frame of features (holden2015, section 4).
     scale : (63,) array of float64
-        Multiplies the difference: one factor each for positions, velocity and turn.
+        Multiplies the difference: one factor each for positions, velocity and turn. Not in the
+        paper: without it turn and velocity would hardly be learned (learning.py).
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate : float
@@ -64,8 +65,8 @@ class MotionManifold:
         return Body(motion, self.lengths, mapping)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
-        """Features (F, 63) on the mean skeleton, and the root transform of the first frame, of
-        world positions (F, 20, 3) in metres at `rate`, on bones of any lengths."""
+        """Convert world positions (F, 20, 3), with any bone lengths, in metres and at `rate`, to
+        features (F, 63) on the mean skeleton. Also return the first frame's root transform."""
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)
 
@@ -74,34 +75,36 @@ class MotionManifold:
         return ((features - self.mean_pose) * self.scale).astype(self.network.layers[0].w.dtype)
 
     def denormalise(self, x: np.ndarray) -> np.ndarray:
-        """The features of which `normalise` makes x, float64."""
+        """The inverse of `normalise`. Returns float64."""
         return x.astype(np.float64) / self.scale + self.mean_pose
 
     @property
     def reach(self) -> int:
-        """Frames on either side of its own that influence a unit of the top layer."""
+        """Frames on either side of its own that influence a hidden frame."""
         return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
 
     @property
     def shifts(self) -> int:
-        """Number of different positions of the pooling grid, the most that `project` averages."""
+        """Positions of the pooling grid: the largest useful value of `shifts` in `project`."""
         return self.network.frames_per_unit
 
     def encode(self, features: np.ndarray) -> np.ndarray:
         """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · reach) / 8⌉, 256) in [-1, 1].
 
         The zeros with which a convolution pads a clip are the mean pose and would distort its ends.
-        So the first and last frame are held for `reach` frames; `decode` removes these again.
+        So the features of the first and last frame, velocity included, are repeated `reach` times;
+        `decode` removes these frames. A window of 160 frames has 33 hidden frames here, and 20 in
+        the paper and in `compare.hidden_units`.
         """
         return self.network.encode(self._padded(features))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
-        """Φ†(Y), (frames, 63) of float64, of what `encode` returned for a clip of that length."""
+        """Decode what `encode` returned for a clip of `frames` frames: (frames, 63), float64."""
         return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
 
     def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64, the mean over so many
-        positions of the pooling grid (`manifold.blind.project_shifted`)."""
+        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64: the mean of `shifts`
+        projections, each of the clip shifted by one more frame (`shifted_projection`)."""
         projected = project_shifted(self.network, self._padded(features), shifts)[0]
         return self.denormalise(projected)[self.reach : self.reach + len(features)]
 
@@ -110,7 +113,7 @@ class MotionManifold:
         return project_shifted(self.network, self._rescaled(x), shifts)
 
     def _padded(self, features: np.ndarray) -> np.ndarray:
-        """A clip as one normalised window, its first and last frame held for `reach` frames."""
+        """A clip as one normalised window, its first and last frame repeated `reach` times."""
         more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
         ends = ((0, 0), (self.reach, self.reach + more), (0, 0))
         return np.pad(self._rescaled(self.normalise(features)[None]), ends, mode="edge")

@@ -31,11 +31,6 @@ def repair(
     -------
     Motion
         Of the same skeleton, rate, unit and length.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
     """
     body = manifold.body(motion, mapping)
     projected = manifold.project(body.features, manifold.shifts)
@@ -48,18 +43,17 @@ def keep_trajectory(
     """Projected features on the slow part of the original root trajectory.
 
     The projected velocity and turn are summed to a trajectory, and so are their errors: after a few
-    seconds the body would be far off. So only the fast part of the trajectory is taken from the
-    projection; the slow part, filtered by the Gaussian g of the heading, is the file's:
+    seconds the body would be far off. Low frequencies of the trajectory are taken from the file,
+    high frequencies from the projection. With the hips on the floor h (`floor`), the heading θ
+    (`theta`) and the Gaussian g with which the heading is smoothed:
 
         h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
 
     `features` and `projected` are (F, 63), `root` is of the first frame, and `rate` in frames a
     second. Returns `projected` with another velocity and turn, and the root of its first frame.
     """
-    (own_floor, own_theta), (floor, theta) = (
-        trajectory_of(features, root),
-        trajectory_of(projected, root),
-    )
+    own_floor, own_theta = trajectory_of(features, root)
+    floor, theta = trajectory_of(projected, root)
     sigma = SMOOTHING_SECONDS * rate
     floor = floor + gaussian_filter1d(own_floor - floor, sigma, axis=0, mode="nearest")
     theta = theta + gaussian_filter1d(own_theta - theta, sigma, mode="nearest")

@@ -22,9 +22,9 @@ NEIGHBOURS = 8
 _OVERLAP = 0.25  # share of a window over which it is blended into the next
 
 
-def draw_uniform(units: int, channels: int, rng: np.random.Generator) -> np.ndarray:
-    """Y from the uniform prior of section 3, (units, channels) of float32."""
-    return rng.uniform(-1.0, 1.0, (units, channels)).astype(np.float32)
+def draw_uniform(hidden_frames: int, units: int, rng: np.random.Generator) -> np.ndarray:
+    """Y from the uniform prior of section 3, (hidden_frames, units) of float32."""
+    return rng.uniform(-1.0, 1.0, (hidden_frames, units)).astype(np.float32)
 
 
 def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
@@ -49,13 +49,13 @@ class NeighbourPrior:
 
     encoded: np.ndarray
 
-    def draw(self, units: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw Y, (units, channels) of float32; windows are joined and blended where needed."""
+    def draw(self, hidden_frames: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw Y, (hidden_frames, units) of float32; windows are joined and blended if needed."""
         y = self._window(rng)
         overlap = max(1, round(_OVERLAP * self.encoded.shape[1]))
-        while len(y) < units:
+        while len(y) < hidden_frames:
             y = _joined(y, self._window(rng), overlap)
-        return y[:units]
+        return y[:hidden_frames]
 
     def _window(self, rng: np.random.Generator) -> np.ndarray:
         chosen = self.encoded[rng.integers(len(self.encoded))]
@@ -81,19 +81,19 @@ def sample(
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
     network = manifold.network
-    units = -(-frames // network.frames_per_unit)
+    hidden_frames = -(-frames // network.frames_per_unit)
     if prior is None:
-        y = draw_uniform(units, network.layers[-1].b.size, rng)
+        y = draw_uniform(hidden_frames, network.layers[-1].b.size, rng)
     else:
-        y = prior.draw(units, rng)
+        y = prior.draw(hidden_frames, rng)
     return decode_units(manifold, y)[:frames]
 
 
 def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
-    """Φ†(Y), features (8 · units, 63), the inverse of `hidden_units`: the first and last unit are
-    held as padding."""
-    unit = manifold.network.frames_per_unit
-    more = -(-manifold.reach // unit)
+    """Φ†(Y), features (8 · len(y), 63), the inverse of `hidden_units`: the first and last hidden
+    frame are repeated as padding."""
+    cell = manifold.network.frames_per_unit
+    more = -(-manifold.reach // cell)
     padded = np.pad(y, ((more, more), (0, 0)), mode="edge")
     decoded = manifold.denormalise(manifold.network.decode(padded[None])[0])
-    return decoded[more * unit : (more + len(y)) * unit]
+    return decoded[more * cell : (more + len(y)) * cell]

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.models.arguments import require_denoising_arguments, require_windows
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 
@@ -34,7 +35,8 @@ class ConvAutoencoder:
     taps : int
         Frames that a filter covers, odd.
     bound : float
-        Where the decoder's arctanh clips: see "Where equation 2 breaks" in docs/lab_book.md.
+        tanh⁻¹ is infinite at ±1 and a decoded layer can exceed 1, so y is clipped to ±bound
+        first: see "Where equation 2 breaks" in docs/lab_book.md.
     rng : numpy.random.Generator, optional
         For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
@@ -78,7 +80,7 @@ class ConvAutoencoder:
 
     @property
     def frames_per_unit(self) -> int:
-        """Frames of motion for one frame of hidden units; a window is a multiple of it."""
+        """Frames of motion for one hidden frame, a time step of Y; 8 in the paper."""
         return 2 ** len(self.layers)
 
     def encode(self, x: np.ndarray) -> np.ndarray:
@@ -91,7 +93,7 @@ class ConvAutoencoder:
 
         Returns
         -------
-        y : (B, T/8, 256) array, within [-1, 1]
+        y : (B, T / frames_per_unit, filters of the top layer) array, within [-1, 1]
             Hidden units.
         """
         require_windows("x", x, self.layers)
@@ -102,13 +104,7 @@ class ConvAutoencoder:
     def decode(self, y: np.ndarray) -> np.ndarray:
         """X̂ = Φ†(Y) = Φ_1†(… Φ_n†(Y)), unpooling evenly.
 
-        Parameters
-        ----------
-        y : (B, T/8, 256) array of float
-
-        Returns
-        -------
-        x_hat : (B, T, features) array
+        y : (B, T / frames_per_unit, filters of the top layer); returns x_hat (B, T, features).
         """
         x_hat, _ = self.decode_with_pullback(y)
         return x_hat
@@ -122,8 +118,8 @@ class ConvAutoencoder:
     ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
         """X̂ = Φ†(Y) as `decode`, and the pullback that takes dX̂ to dY.
 
-        It is for minimising a loss of the motion over the hidden units: the weights get no
-        gradient. Where |Y| exceeds the bound of arctanh, X̂ does not depend on Y and dY is 0.
+        Use it to optimise Y by gradient descent on a loss of X̂; the weights get no gradient. Where
+        |Y| exceeds the bound of tanh⁻¹, X̂ does not depend on Y and dY is 0.
 
         Returns
         -------
@@ -153,9 +149,9 @@ class ConvAutoencoder:
 
             Loss = mean((X - Φ†(Φ(X_c)))²) + α · mean(|Φ(X_c)|)
 
-        W and b are used twice, in the encoder and in the decoder, so the gradient for each is the
-        sum of two shares: dL/dW = (dL/dW through Φ) + (dL/dW through Φ†). `loss_and_shares`
-        computes them.
+        The paper has sums over elements; we take means, see ops/losses.py. W and b are used twice,
+        in the encoder and in the decoder, so the gradient for each is the sum of two shares, which
+        `loss_and_shares` computes: dL/dW = (dL/dW through Φ) + (dL/dW through Φ†).
 
         Parameters
         ----------
@@ -166,7 +162,7 @@ class ConvAutoencoder:
         alpha : float
             Weight of the sparsity term.
         first : one (B, T_k, D_k) array of bool for each layer used, lowest first, optional
-            Masks for unpooling at random, drawn by the caller; a layer whose mask is None, or
+            Masks of `ops.unpool_random`, drawn by the caller; a layer whose mask is None, or
             every layer where `first` is None, unpools evenly.
         layer : int, optional
             Use this layer alone, its own input being `x`; the whole stack where None.
@@ -175,13 +171,9 @@ class ConvAutoencoder:
         -------
         loss : float
         gradients : list of (dw, db), one for each layer used, lowest first
-
-        References
-        ----------
-        holden2015, section 6, equation 3.
         """
         layers = self.layers if layer is None else [self.layers[layer]]
-        require_loss_arguments(layers, x, corrupted, first)
+        require_denoising_arguments(layers, x, corrupted, first)
         loss, encoder_shares, decoder_shares = loss_and_shares(layers, x, corrupted, alpha, first)
         gradients = [
             (dw_encoder + dw_decoder, db_encoder + db_decoder)
@@ -212,7 +204,8 @@ def loss_and_shares(
         dY += α · sign(Y) / N_Y                     pullback of the sparsity term
         encoder's shares       from dY              pullbacks of Φ_n, …, Φ_2, Φ_1
 
-    X_c is data, so the gradient that Φ_1 returns for it is not used.
+    N is the number of elements of X, N_Y that of Y. X_c is data, so the gradient that Φ_1 returns
+    for it is not used.
 
     Returns
     -------
@@ -253,37 +246,3 @@ def _decode_layers(
         y, pullback = layer.decode_with_pullback(y, mask)
         pullbacks.append(pullback)
     return y, pullbacks
-
-
-def require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
-    """Raise ValueError unless the layers can encode x."""
-    require_shape(name, x, ("batch", "frames", layers[0].w.shape[1]))
-    if x.shape[1] % 2 ** len(layers):
-        raise ValueError(
-            f"{name} has shape {x.shape}: pooling {len(layers)} times needs an even number of "
-            f"frames each time, so expected a multiple of {2 ** len(layers)} frames"
-        )
-
-
-def require_loss_arguments(
-    layers: Sequence[ConvLayer],
-    x: np.ndarray,
-    corrupted: np.ndarray,
-    first: Sequence[np.ndarray | None] | None,
-) -> None:
-    """Raise ValueError unless the arguments of `loss_and_gradients` fit the layers."""
-    require_windows("x", x, layers)
-    require_shape("corrupted", corrupted, x.shape)
-    if x.size == 0:
-        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
-    if first is None:
-        return
-    if len(first) != len(layers):
-        raise ValueError(f"first has {len(first)} masks, expected one for each of {len(layers)}")
-    batch, frames, _ = x.shape
-    for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
-        if mask is None:
-            continue
-        require_shape(f"first[{k}]", mask, (batch, frames >> (k + 1), layer.b.size))
-        if np.asarray(mask).dtype != bool:
-            raise ValueError(f"first[{k}] has dtype {np.asarray(mask).dtype}, expected bool")

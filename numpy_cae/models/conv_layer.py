@@ -1,6 +1,7 @@
 """One layer of holden2015's autoencoder: equation 1 encodes, equation 2 decodes, with one W and b.
 
-Each direction is its operations in order; each pullback is their pullbacks in reverse order.
+Encoding and decoding apply their operations in order. The pullback applies the operations'
+pullbacks in reverse order.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ class ConvLayer:
     ) -> ConvLayer:
         """Small random filters by fan-in and fan-out, zero biases (section 5).
 
-        W is uniform within ±√(6 / (fan_in + fan_out)): wide enough that signals keep their size
-        in the encoder (sums of K·C products), narrow enough that gradients keep theirs (K·D).
+        Glorot initialisation, W uniform within ±√(6 / (fan_in + fan_out)): the variance is a
+        compromise between those that preserve signals (fan-in K·C) and gradients (fan-out K·D).
         """
         width = np.sqrt(6 / (taps * channels + taps * filters))
         w = rng.uniform(-width, width, size=(taps, channels, filters)).astype(dtype)
@@ -87,7 +88,8 @@ class ConvLayer:
         ----------
         y : (B, T, D) array of float
         first : (B, T, D) array of bool, optional
-            Unpool at random, to the first frame of a pair where True; evenly where None.
+            The mask of `ops.unpool_random`: unpool at random, to the first frame of a pair where
+            True and to the second where False. Unpool evenly where None.
 
         Returns
         -------

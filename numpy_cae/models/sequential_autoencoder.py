@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
 from numpy_cae.ops.shapes import require_shape
 
 Weights = dict[str, np.ndarray]
@@ -53,7 +54,9 @@ class Losses(NamedTuple):
 
 
 class SequentialAutoencoder:
-    """Clips of any length to a latent vector z each, and back; the prior of z is standard normal.
+    """Clips of any length to a latent vector z each, and back.
+
+    We take the standard normal distribution as prior of z; jang2018 does not state which.
 
     Every method raises ValueError, naming the argument, if a shape does not fit or is empty.
 
@@ -189,14 +192,14 @@ class SequentialAutoencoder:
     def decode_with_pullback(
         self, z: np.ndarray, frames: int = FRAMES
     ) -> tuple[np.ndarray, DecodePullback]:
-        """From z a clip, by a GRU that is fed its own frames; it writes the last frame first.
+        """Decode z into a clip. The input of each step is the frame that the previous step wrote.
 
             h_0 = z · W_state + b_state,   y_0 = 0
             h_k = gru_step(y_(k-1), h_(k-1)),   y_k = h_k · W_frame + b_frame      for k = 1, …, T
             x̂_t = y_(T+1-t)
 
-        y_0 is zero, the mean pose; no frame of a source is ever an input. The last line is the
-        reversal, which happens here and nowhere else: callers see clips in the order of time.
+        y_0 is zero, the mean pose; the decoder never sees frames of the input clip. It writes the
+        last frame first: the last line reverses the order, so callers see the order of time.
 
         The frame y_k acts on the loss along two paths: it is compared with the source, and it is
         the input of step k + 1. The state h_k also acts along two: through its frame y_k, and as
@@ -279,15 +282,10 @@ class SequentialAutoencoder:
         Returns
         -------
         losses : Losses
-            `total`, `reconstruction` and `discrepancy`.
         gradients : dict of name to array
             In the order of `weights`.
-
-        References
-        ----------
-        jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer".
         """
-        require_loss_arguments(x, prior, self.weights)
+        require_sequence_arguments(x, prior, self.weights)
         z, encode_pullback = self.encode_with_pullback(x)
         x_hat, decode_pullback = self.decode_with_pullback(z, x.shape[1])
         reconstruction, error_pullback = ops.mean_squared_error(x_hat, x)
@@ -319,12 +317,14 @@ def weight_shapes(features: int, hidden: int, latent: int) -> dict[str, tuple[in
 def initial_weights(
     features: int, hidden: int, latent: int, rng: np.random.Generator, dtype: np.dtype | type
 ) -> Weights:
-    """Random matrices by fan-in and fan-out; orthogonal recurrent matrices; zero biases but one.
+    """Random matrices by fan-in and fan-out; orthogonal recurrent matrices; biases zero, except
+    those of the update gates, which are 1.
 
-    As in the first network, W is uniform within ±√(6 / (fan_in + fan_out)). Each gate is a map of
+    As in `ConvLayer.initial`, W is uniform within ±√(6 / (fan_in + fan_out)). Each gate is a map of
     its own, so its fan-out is H and not the 3H columns that the three share. Two choices let a
     gradient survive fifty steps: each gate's recurrent matrix is orthogonal (Saxe et al., 2014),
-    and the update gate's bias is 1, so that h' = (1 - z) ∘ n + z ∘ h mostly keeps h at first.
+    and the update gate's bias is 1, so that h' = (1 - z) ∘ n + z ∘ h mostly keeps h at first (here
+    z is the update gate, not the latent vector).
     """
     weights = {}
     for name, shape in weight_shapes(features, hidden, latent).items():
@@ -348,28 +348,6 @@ def initial_weights(
 def gru_weights(weights: Weights, name: str) -> tuple[np.ndarray, ...]:
     """W, U, b and c of the "encoder" or the "decoder", in the order of `ops.gru_step`."""
     return tuple(weights[f"{name}_{letter}"] for letter in "wubc")
-
-
-def require_clips(name: str, x: np.ndarray, weights: Weights) -> None:
-    """Raise ValueError unless the encoder can read x."""
-    require_shape(name, x, ("batch", "frames", len(weights["encoder_w"])))
-    if x.shape[1] == 0:
-        raise ValueError(f"{name} has shape {x.shape}: a clip has at least one frame")
-
-
-def require_latent(z: np.ndarray, frames: int, weights: Weights) -> None:
-    """Raise ValueError unless the decoder can write so many frames from z."""
-    require_shape("z", z, ("batch", len(weights["state_w"])))
-    if frames < 1:
-        raise ValueError(f"frames is {frames}, expected at least 1")
-
-
-def require_loss_arguments(x: np.ndarray, prior: np.ndarray, weights: Weights) -> None:
-    """Raise ValueError unless the arguments of `loss_and_gradients` fit the weights."""
-    require_clips("x", x, weights)
-    if len(x) == 0:
-        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
-    require_shape("prior", prior, (len(x), weights["latent_b"].size))
 
 
 def _named(gru: str, gradients: list[np.ndarray]) -> Weights:

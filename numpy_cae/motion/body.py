@@ -55,7 +55,11 @@ class Body:
 
     @property
     def features(self) -> np.ndarray:
-        """The features at 30 frames a second on the mean skeleton, (F, 63)."""
+        """The features at 30 frames a second on the mean skeleton, (F, 63).
+
+        The first use resamples the motion, computes the joints' positions and changes the bone
+        lengths; the result is kept.
+        """
         return self._features_and_root[0]
 
     @property

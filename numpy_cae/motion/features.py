@@ -114,7 +114,7 @@ def trajectory_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The trajectory of a body: h_t (F, 3) in metres and θ_t (F,) in radians.
 
-    It begins at `start`, by default at the origin facing +Z.
+    It begins at `start`, by default at the origin facing +Z. In the code h is `floor`, θ `theta`.
     """
     start = start or RootTransform()
     theta = np.full(len(features), start.heading, dtype=np.float64)

@@ -1,8 +1,8 @@
 """Convolution over time, used by both the encoder and the decoder of holden2015.
 
 `conv1d` is the * of equation 1; `transpose_filters` makes the W̃ of equation 2. Convolving with W̃
-is exactly the adjoint of convolving with W, so the decoder of the paper is the transpose of its
-encoder, and the gradient of `conv1d` for its input is again a convolution.
+is exactly the adjoint of convolving with W, so the convolution of a decoding layer is the transpose
+of that of the encoding layer, and the gradient of `conv1d` for its input is again a convolution.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """y[t] = Σ_k x[t + k - K//2] · w[k] + b, with zeros beyond both ends of x.
+
+    As usual in deep learning, w is not flipped (a cross-correlation in signal processing).
 
     With dy short for dL/dy, the derivatives are
 

@@ -1,9 +1,9 @@
 """The gated recurrent unit of jang2018's encoder and decoders, one step and a whole sequence.
 
-Three conventions of the GRU are in use; this is the one of PyTorch and cuDNN, where the reset gate
-acts after the product h · Un, and z is the share of the old state. `gru` applies `gru_step` to each
-frame, and its pullback applies the pullbacks from the last frame to the first: backpropagation
-through time.
+Conventions differ in where the reset gate acts and whether z or 1 - z multiplies h. This is that of
+PyTorch and cuDNN: r multiplies the product h · U_n, and z multiplies h. `gru` applies `gru_step` to
+each frame, and its pullback applies the pullbacks from the last frame to the first:
+backpropagation through time.
 """
 
 from __future__ import annotations
@@ -105,12 +105,12 @@ def gru(
 
     The weights are the same at every step, so their gradients are summed over the steps. A state
     acts on the loss along two paths, as the output of its frame and as the state of the next step,
-    so its gradient is the sum of both. From the last frame to the first:
+    so its gradient g_t is the sum of both. From the last frame to the first, with d_T = 0:
 
-        dh_t          = dy_t + (dh_t as the next step's pullback returns it; 0 after the last)
-        dx_t, dh_(t-1), dW, dU, db, dc  from the pullback of step t at dh_t
+        g_t = dy_t + d_t
+        dx_t, d_(t-1), dW, dU, db, dc  from the pullback of step t at g_t
 
-    and dh_0 of the first step is the gradient for h_0.
+    d_(t-1) is the dh that the pullback of step t returns. That of the first step is dL/dh_0.
 
     Parameters
     ----------

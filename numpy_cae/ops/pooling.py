@@ -1,8 +1,9 @@
 """Max pooling (Ψ) and the two approximate inverses (Ψ†) of holden2015.
 
-The maximum of a pair of frames loses which of them it came from and what the other one was. The
-paper unpools at random while a layer is trained (noisy, but a right inverse for one of the two
-frames) and evenly in fine tuning and afterwards (never an exact inverse, but smooth).
+After max pooling it is unknown which frame had the maximum and what value the other had. While a
+layer is trained the paper unpools at random: one frame, chosen at random, gets the value and the
+other gets 0. Pooling this again returns max(y, 0). In fine tuning and afterwards it unpools evenly:
+each frame gets half of the value, which is smooth over time. Pooling this again returns y / 2.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullbac
     ----------
     y : (B, T, C) array of float
     first : (B, T, C) array of bool
-        Drawn by the caller.
+        True where the first frame of a pair gets the value; drawn by the caller.
 
     Returns
     -------

@@ -1,5 +1,8 @@
 """The distance between two sets of points that regularises the latent space of jang2018.
 
+jang2018 uses the Wasserstein regulariser of its reference TBGS17 (Tolstikhin et al., "Wasserstein
+Auto-Encoders"). We use the sliced Wasserstein distance instead.
+
 In one dimension the optimal transport of one set of N points onto another pairs the smallest with
 the smallest and so on; in more dimensions the sets are projected onto directions and the
 one-dimensional costs are averaged.

@@ -10,8 +10,8 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
 from numpy_cae.course.exercises.exercise import Exercise, exercise
-from numpy_cae.manifold.blind import zeroed_fraction
 from numpy_cae.manifold.compare import G
+from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.measures import retrieval
 from numpy_cae.verify.case import Case, spread
 

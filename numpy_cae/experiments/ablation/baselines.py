@@ -10,7 +10,7 @@ import numpy as np
 from numpy_cae.experiments.ablation.evaluation import P
 from numpy_cae.experiments.repair.repair_baselines import pca_on_windows
 from numpy_cae.experiments.split import Split
-from numpy_cae.manifold.blind import zeroed_fraction
+from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.training import zero_values
 
 NOTHING, LINEAR = "doing nothing", "linear denoiser, 15 frames"

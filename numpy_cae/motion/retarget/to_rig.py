@@ -8,9 +8,9 @@ the path from one of the twenty to the next adds a rotation Q to its global rota
 
 that points its bones at their targets. One bone gets the smallest rotation, which keeps its twist;
 several bones of one joint (hips, chest) get one rotation that fits all. Joints in between (a second
-spine, a neck) share: the i-th of n makes 1 / (n - i) of the rotation still needed, so a long spine
-bends evenly. No bone changes its length. Where the targets are the present positions nothing
-changes, to the bit, and all other joints keep R_j.
+spine, a neck) share: number i of n, counting from 0, makes 1 / (n - i) of the rotation still
+needed, so a long spine bends evenly. No bone changes its length. Where the targets are the present
+positions nothing changes, to the bit, and all other joints keep R_j.
 """
 
 from __future__ import annotations
@@ -29,11 +29,12 @@ from numpy_cae.motion.skeleton import Skeleton
 _ROUNDING = 1e-9
 """Radians, and metres at a bone's end. Smaller differences leave a rotation unchanged."""
 _MOVED = 1e-6
-"""Metres. A joint further from its offset than this carries the body through the world."""
+"""Metres. A joint further from its offset has position channels that move the whole body."""
 
 _FLEXIBLE_WEIGHT = 0.3
-"""Weight in a fan of a bone with joints in between, which can still correct it, while the hips
-follow the pelvis. Such bones alone rotate no fan."""
+"""A bone with intermediate joints gets this lower weight in the fit of several bones, because these
+joints can correct it later. If only such bones miss their targets, the joint is not rotated, unless
+it has no others."""
 
 _TAU = 0.03
 """τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
@@ -195,8 +196,8 @@ def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
 def _moved(motion: Motion, hips: int, step: np.ndarray) -> np.ndarray:
     """Translations that move the hips by `step` (F, 3) in the world.
 
-    The joint that moves is the one that carries the body through the world in this file: the hips
-    or the nearest ancestor that leaves its offset. A root at rest stays at rest.
+    The joint that moves is the one whose position channels move the whole body in this file: the
+    hips or the nearest ancestor that leaves its offset. A root at rest stays at rest.
     """
 
     def leaves_its_offset(joint: int) -> bool:

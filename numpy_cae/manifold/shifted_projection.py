@@ -46,7 +46,7 @@ def project_shifted(network: ConvAutoencoder, x: np.ndarray, shifts: int = 1) ->
 def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np.ndarray:
     total, frames = network.project(x), x.shape[1]
     for shift in range(1, shifts):
-        # Zeros, as the convolution's own padding, to a whole number of units.
+        # Zeros, as the convolution's own padding, to a whole number of hidden frames.
         around = ((0, 0), (shift, network.frames_per_unit - shift), (0, 0))
         total += network.project(np.pad(x, around))[:, shift : shift + frames]
     return total / shifts
