@@ -213,21 +213,13 @@ AMC_DAMAGES = {
     "a frame left out": (amc("\n2\n", "\n3\n"), 8, ["frame 3 follows frame 1", "expected 2"]),
     "a frame twice": (amc("\n2\n", "\n1\n"), 8, ["frame 1 follows frame 1"]),
     "a bone left out": (amc("tibia 70\n", ""), 4, ["frame 1", "no values for tibia"]),
-    "a bone left out at the end": (amc("0 0 0\ntibia 0\n", "0 0 0\n"), 12, ["frame 3", "tibia"]),
     "a frame cut off": (amc("root 0 0 0 0 0 0\nfemur 0 0 0\ntibia 0\n", ""), 12, ["root, femur"]),
     "a bone twice": (amc("tibia 70\n", "tibia 70\ntibia 70\n"), 8, ["'tibia'", "second",
          "frame 1"]),
     "an unknown bone": (amc("tibia 70", "tail 70"), 7, ["no bone 'tail'", "root, hip, femur"]),
-    "an unknown bare word": (amc("tibia 70", "tail"), 7, ["'tail'", "number of a frame"]),
     "a stiff bone with values": (amc("tibia 70", "hip 1\ntibia 70"), 7, ["'hip'", "no dof"]),
     "too few values": (amc("40 50 60", "40 50"), 6, ["'femur' has 2", "expected 3 (rx ry rz)"]),
-    "too many values": (amc("tibia 70", "tibia 70 8"), 7, ["'tibia' has 2", "expected 1 (rx)"]),
-    "no values": (amc("tibia 70", "tibia"), 7, ["'tibia' has 0", "expected 1"]),
     "NaN": (amc("40 50 60", "40 nan 60"), 6, ["'nan'", "finite"]),
-    "not a number": (amc("40 50 60", "40 5O 60"), 6, ["'5O'", "not a number"]),
-    "frame number with a point": (amc("\n2\n", "\n2.0\n"), 8, ["'2.0'", "number of a frame"]),
-    "no frame number": (amc("\n1\n", "\n"), 4, ["'root'", "before the number"]),
-    "no frames": ((ASF, ":FULLY-SPECIFIED\n:DEGREES\n"), 2, ["before the first frame"]),
     "rate zero": (amc(":DEGREES", ":SAMPLES-PER-SECOND 0"), 3, ["above 0"]),
     "empty": ((ASF, ""), None, ["empty"]),
     "binary": ((ASF, "1\nroot \0\0"), None, ["binary"]),
@@ -238,63 +230,37 @@ ASF_DAMAGES = {
     "cut off": ((ASF[: ASF.index(":hierarchy")], AMC), 49, ["without :hierarchy"]),
     "cut off in the hierarchy": ((ASF[: ASF.index("    femur")], AMC), 34, ["tibia", "not below"]),
     "length 0": (asf("length 0.45", "length 0"), 6, ["length of :units", "above 0"]),
-    "length of words": (asf("length 0.45", "length inch"), 6, ["'inch'", "number"]),
     "angle unknown": (asf("angle deg", "angle grad"), 7, ["'grad'", "deg or rad"]),
     "order unknown": (asf("TX TY", "TX TW"), 11, ["'tw'", "tx ty tz"]),
-    "order twice": (asf("TX TY", "TX TX"), 11, ["twice"]),
     "root axis": (asf("axis XYZ", "axis XYY"), 12, ["'XYY'", "X, Y and Z"]),
-    "position of two": (asf("position 0 0 0", "position 0 0"), 13, ["position", "2 values"]),
-    "direction of two": (asf("direction 1 0 0", "direction 1 0"), 19, ["direction", "2 values"]),
     "no direction": (asf("     direction 1 0 0\n", ""), 16, ["'hip'", "no direction"]),
-    "no length": (asf("     length 2\n", ""), 16, ["'hip'", "no length"]),
-    "no axis": (asf("     axis 0 0 0  XYZ\n", ""), 16, ["'hip'", "no axis"]),
     "no name": (asf("     name hip\n", ""), 16, ["no name"]),
-    "length NaN": (asf("length 7.5", "length nan"), 27, ["'nan'", "finite"]),
     "length of two": (asf("length 7.5", "length 7.5 8"), 27, ["2 values", "one number"]),
     "axis without order": (asf("10 20 30  XYZ", "10 20 30"), 28, ["axis order ''"]),
-    "axis of two": (asf("10 20 30  XYZ", "10 20 XYZ"), 28, ["'XYZ'", "number"]),
     "a bone that stretches": (asf("dof rx\n", "dof rx l\n"), 40, ["'l'", "not supported"]),
-    "a bone that slides": (asf("dof rx\n", "dof tx rx\n"), 40, ["'tx'", "not supported"]),
     "unknown dof": (asf("dof rx\n", "dof rw\n"), 40, ["'rw'", "unknown"]),
-    "dof twice": (asf("dof rx\n", "dof rx rx\n"), 40, ["twice"]),
     "no end": (asf("  end\n  begin\n     id 2", "  begin\n     id 2"), 16, ["'hip'", "no end"]),
-    "no last end": (asf("  end\n:hier", ":hier"), 43, ["'stump'", "no end"]),
     "no begin": (asf("  begin\n     id 1", "     id 1"), 16, ["'id'", "outside begin"]),
     "name twice": (asf("name femur", "name hip"), 23, ["'hip'", "second time"]),
-    "a bone named root": (asf("name femur", "name root"), 23, ["'root'", "second time"]),
     "unknown bone": (asf("root hip stump", "root hip tail"), 52, ["'tail'", "lacks"]),
     "a bone of two parents": (asf("hip femur", "hip femur stump"), 53, ["'stump'", "line 52"]),
-    "the root hung": (asf("hip femur", "hip femur root"), 53, ["'root'", "second time"]),
     "a bone not hung": (asf("root hip stump", "root hip"), 43, ["'stump'", "not below"]),
     "a ring": (asf("root hip stump\n    hip femur", "root stump\n    tibia hip\n    hip femur"),
                16, ["'hip'", "not below"]),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("damage", AMC_DAMAGES)
-def test_damage_to_a_motion_is_refused_with_its_line(read_pair, tmp_path, damage):
-    pair, line, words = AMC_DAMAGES[damage]
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [("02_01.amc", each) for each in AMC_DAMAGES] + [("02.asf", each) for each in ASF_DAMAGES],
+)
+def test_damage_is_refused_with_its_line(read_pair, tmp_path, name, damage):
+    pair, line, words = (AMC_DAMAGES if name == "02_01.amc" else ASF_DAMAGES)[damage]
     with pytest.raises(MotionFileError) as refused:
         read_pair(*pair)
-    assert refused.value.path == tmp_path / "02_01.amc"
+    assert refused.value.path == tmp_path / name
     assert refused.value.line == line, refused.value
     assert all(word in str(refused.value) for word in words), refused.value
-
-
-@pytest.mark.parametrize("damage", ASF_DAMAGES)
-def test_damage_to_a_skeleton_is_refused_with_its_line(read_pair, tmp_path, damage):
-    pair, line, words = ASF_DAMAGES[damage]
-    with pytest.raises(MotionFileError) as refused:
-        read_pair(*pair)
-    assert refused.value.path == tmp_path / "02.asf"
-    assert refused.value.line == line, refused.value
-    assert all(word in str(refused.value) for word in words), refused.value
-
-
-@pytest.mark.parametrize("lines", [n for n in range(1, AMC.count("\n")) if n not in (7, 11)])
-def test_a_motion_cut_off_within_a_frame_is_refused(read_pair, lines):
-    with pytest.raises(MotionFileError):
-        read_pair(amc="".join(AMC.splitlines(keepends=True)[:lines]))
 
 
 @pytest.mark.parametrize("line", [n for n in range(AMC.count("\n")) if n > 3])

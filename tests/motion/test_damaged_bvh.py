@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tracemalloc
 
 import pytest
 
@@ -44,33 +43,21 @@ DAMAGES = {
     # what is wrong: (text, line, words of the message)
     "too few values": (swap(LAST, f"{ROW}\n1 2 3\n{ROW}\n"), 20, ["3 values", "expected 9"]),
     "too many values": (swap(LAST, f"{ROW} 10\n{ROW}\n{ROW}\n"), 19, ["10 values", "expected 9"]),
-    "two frames on a line": (swap(LAST, f"{ROW} {ROW}\n{ROW}\n"), 19, ["18 values", "expected 9"]),
     "a frame cut off": (swap(LAST, f"{ROW}\n{ROW}\n1 2 3 4"), 21, ["4 values", "expected 9"]),
     "missing frames": (swap(LAST, f"{ROW}\n{ROW}\n"), 17, ["says 3", "2 lines"]),
-    "no frames at all": (swap(LAST, ""), 17, ["says 3", "0 lines"]),
-    "more frames than said": (swap("Frames: 3", "Frames: 2"), 17, ["says 2", "3 lines"]),
     "a thousand million frames": (swap("Frames: 3", "Frames: 1000000000"), 17, ["says 1000000000",
          "3 lines"]),
     "frames of too many digits": (swap("Frames: 3", "Frames: " + "9" * 5000), 17, ["whole number"]),
     "no frames said": (swap("Frames: 3", "Frames: 0"), 17, ["'0'", "above 0"]),
-    "minus frames": (swap("Frames: 3", "Frames: -3"), 17, ["'-3'", "whole number"]),
-    "half a frame": (swap("Frames: 3", "Frames: 2.5"), 17, ["'2.5'", "whole number"]),
-    "Frames without number": (swap("Frames: 3", "Frames:"), 17, ["''", "whole number"]),
     "no Frames line": (swap("Frames: 3\n", ""), 17, ["expected Frames:", "Frame Time"]),
     "no Frame Time line": (swap("Frame Time: 0.025\n", ""), 18, ["expected Frame Time:", ROW]),
     "frame time zero": (swap("0.025", "0"), 18, ["Frame Time: 0", "above 0"]),
-    "frame time negative": (swap("0.025", "-0.025"), 18, ["-0.025", "above 0"]),
     "frame time not a number": (swap("0.025", "fast"), 18, ["'fast'", "number"]),
-    "frame time NaN": (swap("0.025", "nan"), 18, ["'nan'", "finite"]),
     "frame time too small": (swap("0.025", "1e-320"), 18, ["above 0"]),
-    "decimal comma": (swap("0.025", "0,025"), 18, ["'0,025'", "number"]),
     "frame time missing": (swap("Time: 0.025", "Time:"), 18, ["expected one number"]),
     "NaN": (swap(LAST, f"{ROW}\n{ROW}\n1 2 nan 4 5 6 7 8 9\n"), 21, ["'nan'", "finite"]),
-    "infinity": (swap(LAST, f"{ROW}\n1 2 3 4 -inf 6 7 8 9\n{ROW}"), 20, ["'-inf'", "finite"]),
     "overflow": (swap(LAST, f"1e999 2 3 4 5 6 7 8 9\n{ROW}\n{ROW}"), 19, ["'1e999'", "finite"]),
     "not a number": (swap(LAST, f"1 2 3 4 x 6 7 8 9\n{ROW}\n{ROW}"), 19, ["'x'", "number"]),
-    "Windows NaN": (swap(LAST, f"-1.#IND 2 3 4 5 6 7 8 9\n{ROW}\n{ROW}"), 19, ["'-1.#IND'"]),
-    "underscores": (swap(LAST, f"1_0 2 3 4 5 6 7 8 9\n{ROW}\n{ROW}"), 19, ["'1_0'", "number"]),
     "missing HIERARCHY": (swap("HIERARCHY\n", ""), 1, ["expected HIERARCHY", "ROOT Hips"]),
     "another kind of file": ("# AST/ASF file\n:version 1.10\n", 1, ["expected HIERARCHY", "AST"]),
     "missing MOTION": (WHOLE[: WHOLE.index("MOTION")], 15, ["ends without MOTION"]),
@@ -79,23 +66,14 @@ DAMAGES = {
     "cut off below MOTION": (WHOLE[: WHOLE.index("Frames")], 16, ["ends below MOTION", "Frames:"]),
     "a brace too few": (swap("}\nMOTION", "MOTION"), 15, ["'Hips'", "1 '}' missing"]),
     "a brace too many": (swap("}\nMOTION", "}\n}\nMOTION"), 16, ["'}' closes nothing"]),
-    "a joint after the root": (swap("}\nMOTION", "}\nJOINT Tail\n{\n}\nMOTION"), 16, ["'Tail'",
-         "outside ROOT"]),
     "no opening brace": (swap("ROOT Hips\n{", "ROOT Hips"), 3, ["expected '{'", "OFFSET"]),
-    "two opening braces": (swap("ROOT Hips\n{", "ROOT Hips\n{\n{"), 4, ["'{' opens nothing"]),
     "missing OFFSET": (swap("    OFFSET 0 -40 0\n", ""), 6, ["'Leg'", "no OFFSET"]),
-    "End Site without OFFSET": (swap("      OFFSET 0 -45 0\n", ""), 10, ["End Site", "no OFFSET"]),
     "OFFSET of two numbers": (swap("0 -40 0", "0 -40"), 8, ["2 values", "expected 3"]),
-    "OFFSET not a number": (swap("0 -40 0", "0 -40 O"), 8, ["'O'", "number"]),
     "two OFFSETs": (swap("-40 0\n", "-40 0\nOFFSET 1 1 1\n"), 9, ["second OFFSET", "'Leg'"]),
     "unknown channel": (swap("Xposition", "Xscale"), 5, ["'Xscale'", "Xposition"]),
     "more channels than said": (swap("CHANNELS 3", "CHANNELS 2"), 9, ["'2'", "names 3"]),
-    "fewer channels than said": (swap("CHANNELS 3", "CHANNELS 6"), 9, ["'6'", "names 3"]),
     "channels without a number": (swap("CHANNELS 3", "CHANNELS"), 9, ["'Zrotation'", "as many"]),
-    "CHANNELS alone": (swap("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS"), 9, ["''"]),
     "a channel twice": (swap("3 Zrotation X", "3 Yrotation X"), 9, ["twice", "Yrotation"]),
-    "two CHANNELS": (swap("-40 0\n", "-40 0\nCHANNELS 1 Xrotation\n"), 10, ["second CHANNELS",
-         "'Leg'"]),
     "CHANNELS in an End Site": (swap("-45 0\n", "-45 0\nCHANNELS 1 Xrotation\n"), 13, ["End Site",
          "no CHANNELS"]),
     "no channels anywhere": (re.sub(r" *CHANNELS.*\n", "", WHOLE).replace(ROW, ""), 14,
@@ -104,20 +82,13 @@ DAMAGES = {
     "no name": (swap("JOINT Leg", "JOINT"), 6, ["JOINT has no name"]),
     "two roots": (swap("}\nMOTION", "}\nROOT Other\n{\n}\nMOTION"), 16, ["second ROOT",
          "skeletons"]),
-    "a root inside": (swap("JOINT Leg", "ROOT Leg"), 6, ["second ROOT"]),
     "two End Sites": (swap("    }\n", "    }\n    End Site\n    {\n      OFFSET 1 1 1\n    }\n"),
          14, ["second End Site", "'Leg'"]),
     "a joint in an End Site": (swap("      OFFSET 0 -45 0\n", "OFFSET 0 -45 0\nJOINT Toe\n{\n}\n"),
          13, ["'Toe'", "inside the End Site of joint 'Leg'"]),
-    "an End Site outside": ("HIERARCHY\nEnd Site\n{\n", 2, ["End Site", "outside ROOT"]),
-    "OFFSET outside": ("HIERARCHY\nOFFSET 0 0 0\n", 2, ["OFFSET", "outside ROOT"]),
-    "MOTION at once": ("HIERARCHY\nMOTION\n", 2, ["before any ROOT"]),
-    "MOTION for a brace": ("HIERARCHY\nROOT Hips\nMOTION\n", 3, ["expected '{'", "MOTION"]),
     "something else": (swap("  JOINT Leg", "  LIMB Leg"), 6, ["'LIMB Leg'", "JOINT"]),
     "empty": ("", None, ["empty"]),
-    "blank": ("\n  \n\t\n", None, ["empty"]),
     "binary": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", None, ["binary", "plain text"]),
-    "UTF-16": (WHOLE.encode("utf-16"), None, ["binary", "UTF-8"]),
     "binary without zeros": (bytes(range(128, 256)), 1, ["expected HIERARCHY"]),
 }  # fmt: skip
 
@@ -159,21 +130,3 @@ def test_a_file_that_lost_any_line_is_refused(tmp_path, line):
     path.write_text("".join(lines[:line] + lines[line + 1 :]))
     with pytest.raises(MotionFileError):
         read_bvh(path)
-
-
-def test_a_promise_of_frames_takes_no_memory(tmp_path):
-    path = tmp_path / "take.bvh"
-    path.write_text(swap("Frames: 3", "Frames: 1000000000"))
-    tracemalloc.start()
-    with pytest.raises(MotionFileError):
-        read_bvh(path)
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert most < 10_000_000
-
-
-def test_a_missing_file_and_a_folder_are_said(tmp_path):
-    with pytest.raises(MotionFileError, match="no such file"):
-        read_bvh(tmp_path / "none.bvh")
-    with pytest.raises(MotionFileError, match="folder"):
-        read_bvh(tmp_path)

@@ -32,13 +32,6 @@ def test_other_kinds_are_refused_with_what_is_supported(tmp_path, name):
         load_motion(tmp_path / name)
 
 
-def test_missing_files_and_folders_are_said(tmp_path):
-    with pytest.raises(MotionFileError, match="no such file"):
-        load_motion(tmp_path / "take.bvh")
-    with pytest.raises(MotionFileError, match="is a folder, expected one motion file"):
-        load_motion(tmp_path)
-
-
 def test_only_text_that_begins_with_a_long_row_is_motion(tmp_path):
     (tmp_path / "licence.txt").write_text("Terms, conditions, and so on, in words.")
     (tmp_path / "walk.txt").write_text(",".join(["0"] * 117))
@@ -56,8 +49,15 @@ def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
     assert find_motion_files(tmp_path) == wanted
 
 
-def test_folders_without_motion_are_said(tmp_path):
-    with pytest.raises(MotionFileError, match="holds no motion file"):
-        find_motion_files(tmp_path)
-    with pytest.raises(MotionFileError, match="no such folder"):
-        find_motion_files(tmp_path / "none")
+@pytest.mark.parametrize(
+    ("read", "name", "message"),
+    [
+        (load_motion, "take.bvh", "no such file"),
+        (load_motion, "", "is a folder, expected one motion file"),
+        (find_motion_files, "", "holds no motion file"),
+        (find_motion_files, "none", "no such folder"),
+    ],
+)
+def test_missing_files_and_folders_are_refused(tmp_path, read, name, message):
+    with pytest.raises(MotionFileError, match=message):
+        read(tmp_path / name)

@@ -41,10 +41,3 @@ def test_every_cmu_text_has_one_and_only_one(data_folder):
         once = without_t_pose(motion)
         assert len(once) == len(motion) - 1, path.name
         assert without_t_pose(once) is once, path.name
-
-
-def test_the_bvh_has_one_too_and_the_acclaim_file_has_none(data_folder):
-    bvh = load_motion(data_folder / "cmu/bvh/02_03_first_frames.bvh")
-    assert len(without_t_pose(bvh)) == len(bvh) - 1
-    acclaim = load_motion(data_folder / "cmu/asfamc/02/02_03.amc")
-    assert without_t_pose(acclaim) is acclaim

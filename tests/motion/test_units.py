@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.motion import Skeleton, find_motion_files, load_motion, write_bvh
-from numpy_cae.motion.io.units import CMU_UNIT, TIP_TO_TIP, UNITS, guess_unit, stature, unit_name
+from numpy_cae.motion.io.units import CMU_UNIT, TIP_TO_TIP, UNITS, guess_unit, stature
 
 
 def test_the_longest_way_from_tip_to_tip():
@@ -43,12 +43,6 @@ def test_giants_and_dwarfs_are_doubted():
         1.0,
         "metres (assumed: the skeleton has no two limbs to measure)",
     )
-
-
-def test_units_have_names():
-    assert unit_name(0.01) == "centimetres"
-    assert unit_name(CMU_UNIT) == "CMU's units of 1/0.45 inch"
-    assert unit_name(0.3048) == "units of 0.3048 m"
 
 
 def test_every_real_file_is_measured_right(data_folder):

