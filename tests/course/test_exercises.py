@@ -45,20 +45,9 @@ def test_an_unsolved_exercise_gets_its_hint_and_no_points():
     assert "not solved yet" in str(report) and "hint: the distance to the next" in str(report)
 
 
-def test_names_are_unique():
-    assert len(EXERCISES) == sum(map(len, LESSONS.values()))
-
-
-def test_a_wrong_solution_gets_a_counterexample_and_a_hint():
-    def speeds(positions, rate):
-        return np.linalg.norm(np.diff(positions, axis=0), axis=-1) / rate
-
-    text = str(course.report("speeds", speeds))
-    assert "FAILED  value" in text and "smallest: frames 2, joints 1" in text
-    assert "hint: the distance to the next frame" in text
-
-
 def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
+    with pytest.raises(ValueError, match="no exercise is called 'conv'; there are chain_to_root"):
+        course.solved("conv", ops.tanh)
     assert course.solved("conv1d", ops.tanh) is not ops.tanh
     assert "the package's own" in capsys.readouterr().out
     stand_in = course.solved("conv1d", unsolved)
@@ -73,11 +62,6 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
 
     assert course.solved("conv1d", mine) is mine
     assert capsys.readouterr().out == "conv1d: the next cells use your function\n"
-
-
-def test_an_unknown_exercise_is_an_error_with_the_names():
-    with pytest.raises(ValueError, match="no exercise is called 'conv'; there are chain_to_root"):
-        course.solved("conv", ops.tanh)
 
 
 def test_to_nbgrader_a_check_that_fails_raises(monkeypatch):
@@ -111,11 +95,6 @@ def half_of_gradients(weights, x):
     return y, lambda dy: {"w": 0.5 * back(dy)[1], "b": back(dy)[2]}
 
 
-def in_float64(weights, x):
-    y, back = ops.linear(x.astype(float), weights["w"], weights["b"])
-    return y, lambda dy: dict(zip("wb", back(dy)[1:], strict=True))
-
-
 def without_bias(weights, x):
     y, back = ops.linear(x, weights["w"], weights["b"])
     return y, lambda dy: {"w": back(dy)[1]}
@@ -125,7 +104,6 @@ def without_bias(weights, x):
     ("function", "failing", "problem"),
     [
         (half_of_gradients, {"of w", "of both"}, "w"),
-        (in_float64, {"dtype"}, "given float32, the value is float64"),
         (without_bias, {"of w", "of both", "dtype"}, "no gradient for b"),
         (lambda weights, x: x, {"value", "of w", "of both", "dtype"}, "does not return 2 things"),
     ],
@@ -174,6 +152,7 @@ def test_a_counterexample_too_long_to_print_is_returned_by_example():
         return positions
 
     text = str(course.report("forward_kinematics", locally))
+    assert "FAILED  value" in text and "hint: " in text
     assert 'example("forward_kinematics", frames=1, joints=3, seed=0)' in text
     example = course.example("forward_kinematics", frames=1, joints=3, seed=0)
     assert list(example) == ["parents", "rotations", "translations"]

@@ -59,13 +59,6 @@ def test_the_tagged_picture_stands_for_the_lesson_or_the_last():
     assert picture_of(tagged) == base64.b64decode(first)
 
 
-@pytest.mark.parametrize("tags", [(), ("gallery",)])
-def test_a_lesson_without_a_picture_is_an_error(tags):
-    cells = [a_cell("a", tags=tags)] + [a_cell("b", drawn("red"))] * len(tags)
-    with pytest.raises(ValueError, match="shows no picture"):
-        picture_of(a_lesson(*cells))
-
-
 def test_it_is_made_small_on_white_and_goes_stale(tmp_path):
     lesson = tmp_path / "03_convolution.ipynb"
     shown = a_lesson(a_cell("a", drawn((0, 0, 255, 0))))

@@ -5,13 +5,10 @@ from __future__ import annotations
 import json
 import sys
 
-import numpy as np
 import pytest
 
-from numpy_cae import viz
 from numpy_cae.cli import main
-from numpy_cae.course import read_notebook, source_hash, student_copy, write_notebook
-from numpy_cae.motion import PARENTS
+from numpy_cae.course import read_notebook, student_copy, write_notebook
 
 
 def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTION", marked=True):
@@ -53,26 +50,15 @@ def test_a_damaged_lesson_is_an_error(lesson, said):
         student_copy(lesson)
 
 
-def test_notebooks_are_written_as_read(tmp_path):
-    path = tmp_path / "01_double.ipynb"
+def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys):
+    path, student = tmp_path / "01_double.ipynb", tmp_path / "student"
+    command = ["lessons", str(student), "--from", str(tmp_path)]
+    path.write_text("not json")
+    assert main(command) == 2
+    assert "01_double.ipynb: not a Jupyter notebook" in capsys.readouterr().err
     write_notebook(a_lesson(), path)
     assert read_notebook(path) == a_lesson()
     assert json.loads(path.read_text())["cells"][0]["source"] == ["# Title\n", "\n", "Text"]
-
-
-def test_the_hash_is_of_the_code():
-    changed = a_lesson()
-    changed["cells"][1]["source"] += "\n"
-    assert source_hash(changed) != source_hash(a_lesson())
-    changed = a_lesson()
-    changed["cells"][1]["outputs"] = []
-    assert source_hash(changed) == source_hash(a_lesson())
-
-
-def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys):
-    write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
-    student = tmp_path / "student"
-    command = ["lessons", str(student), "--from", str(tmp_path)]
     assert main(command) == 0
     copy = read_notebook(student / "01_double.ipynb")
     assert copy == student_copy(a_lesson())
@@ -99,22 +85,8 @@ def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, mon
     assert said in error and len(error.splitlines()) == 1
 
 
-def test_a_file_that_is_no_notebook_is_said(tmp_path, capsys):
-    (tmp_path / "01_double.ipynb").write_text("not json")
-    assert main(["lessons", str(tmp_path / "student"), "--from", str(tmp_path)]) == 2
-    assert "01_double.ipynb: not a Jupyter notebook" in capsys.readouterr().err
-
-
 def test_without_nbclient_executing_says_what_is_missing(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "nbformat", None)
     write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
     assert main(["lessons", "--execute", "--from", str(tmp_path)]) == 2
     assert "pip install '.[lessons]'" in capsys.readouterr().err
-
-
-def test_an_animation_shows_itself_and_is_small():
-    body = np.random.default_rng(0).normal(size=(30, 20, 3))
-    shown = viz.in_notebook([viz.Actor(body, PARENTS, "noise")], rate=30.0)
-    html = shown._repr_html_()
-    assert html.startswith('<img alt="noise" src="data:image/gif;base64,R0lGODlh')
-    assert len(html) < 250_000 and repr(shown) == "an animation: noise"

@@ -34,15 +34,6 @@ def test_a_series_lasts_as_long_as_asked(minutes):
     assert [plan.number for plan in plans] == list(range(1, len(plans) + 1))
 
 
-def test_takes_of_a_person_have_the_same_bones():
-    plans = plan_takes(4, seed=5, kinds=["idle", "wave"])
-    one, two = plans[0].make(10.0), plans[1].make(10.0)
-    assert plans[0].person == plans[1].person
-    np.testing.assert_array_equal(one.motion.skeleton.offsets, two.motion.skeleton.offsets)
-    other = plans[13].make(10.0)
-    assert other.stature != one.stature
-
-
 def test_a_take_can_be_made_without_those_before_it():
     plans = plan_takes(0.5, seed=6)
     for take, plan in zip(make_takes(0.5, seed=6, rate=30.0), plans, strict=True):
@@ -81,17 +72,6 @@ def test_same_seed_same_bytes_other_seed_other_takes(tmp_path):
     one, same, other = (fingerprint(tmp_path / folder) for folder in "abc")
     assert one == same
     assert not set(one.values()) & set(other.values())
-
-
-def test_wrong_series_are_refused():
-    with pytest.raises(ValueError, match="minutes is 0"):
-        plan_takes(0)
-    with pytest.raises(ValueError, match="seed is -1"):
-        plan_takes(1, seed=-1)
-    with pytest.raises(ValueError, match="no kind 'fly'"):
-        make_takes(1, kinds=["walk", "fly"])
-    with pytest.raises(ValueError, match="no kind is given"):
-        plan_takes(1, kinds=[])
 
 
 def test_the_command_writes_a_folder(tmp_path, capsys):

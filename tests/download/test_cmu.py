@@ -82,16 +82,6 @@ def test_half_a_file_never_stands_under_its_name(site, tmp_path, acclaim):
     assert (tmp_path / "07" / "07_02.amc").read_bytes() == acclaim["07_02.amc"]
 
 
-@pytest.mark.parametrize("promised", [-1, -2, -3000])
-def test_a_length_that_is_too_short_is_noticed(site, tmp_path, promised):
-    site.files["/search.php?subjectnumber=7"] += b" " * 4000
-    site.promised = promised
-    tally = download_cmu(tmp_path, [7], polite(site))
-    assert tally.new == 0
-    assert len(tally.refused) == 3
-    assert names(tmp_path) == []
-
-
 def test_what_does_not_parse_is_left_out_and_said(site, tmp_path, capsys, acclaim):
     site.files["/subjects/07/07_01.amc"] = b"<html>out of order</html>\n"
     argv = ["download", "cmu", "--subjects", "7", "-o", str(tmp_path), "--site", site.address]
@@ -165,3 +155,13 @@ def test_a_subject_that_is_not_there_and_a_site_that_is_none(site, tmp_path, cap
     assert "404" in capsys.readouterr().err
     assert main([*argv, "ftp://x"]) == 2
     assert "not the address" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("promised", [-1, -3000])
+def test_a_length_that_is_too_short_is_noticed(site, tmp_path, promised):
+    site.files["/search.php?subjectnumber=7"] += b" " * 4000
+    site.promised = promised
+    tally = download_cmu(tmp_path, [7], polite(site))
+    assert tally.new == 0
+    assert len(tally.refused) == 3
+    assert names(tmp_path) == []

@@ -47,14 +47,6 @@ def test_windows_have_the_number_of_their_take(small_manifold, clips, labelled):
     assert clips.evenly(3).take.tolist() == [0, clips.take[len(clips) // 2], clips.take[-1]]
 
 
-def test_later_is_the_same_motion_delayed(clips):
-    late = clips.later(7)
-    delayed = np.roll(clips.x, 7, axis=1)
-    delayed[:, :7] = 99.0
-    assert late.error(delayed) == 0
-    assert late.error(clips.x) > 0
-
-
 def test_ends_held_equals_the_manifold_projection(small_manifold, clips):
     whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
     ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]

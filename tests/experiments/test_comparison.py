@@ -9,7 +9,6 @@ from numpy_cae.experiments.comparison.distances import (
     EUCLIDEAN,
     all_distances,
     equation_4,
-    euclidean,
 )
 from numpy_cae.experiments.comparison.shift import SHIFTS
 from numpy_cae.experiments.interpolation import interpolation
@@ -38,16 +37,6 @@ def test_equation_4_is_the_root_of_g(small_manifold, clips):
     units = [hidden_units(small_manifold, clip) for clip in clips]
     between = equation_4(small_manifold).between(clips)
     assert between[0, 1] ** 2 == pytest.approx(G(units[0], units[1]), rel=1e-5)
-
-
-def test_the_nearest_pair_of_windows_counts(small_manifold, clips):
-    whole, shifted = clips[0][:64], clips[0][16:48]
-    x = small_manifold.normalise(clips[0])
-    distance = euclidean(small_manifold)
-    # Windows of 32 start every 16 frames, so one of the whole clip's is the shifted one.
-    assert distance.between([whole], [shifted])[0, 0] == 0
-    other = distance.between([clips[0][:32]], [clips[0][8:40]])[0, 0]
-    assert other == pytest.approx(np.linalg.norm(x[:32] - x[8:40]), rel=1e-5)
 
 
 @pytest.fixture(scope="module")

@@ -49,18 +49,6 @@ def test_joints_and_frames_are_counted_by_energy():
     assert uneven.joints() == pytest.approx([1 / 0.82])
 
 
-def test_correlation_in_time_and_with_the_parent_joint():
-    added = np.random.default_rng(1).normal(size=(40, 30, 63))
-    random = Responses(added.copy())
-    assert abs(np.mean(random.temporal())) < 0.05
-    assert np.mean(random.between_joints()) < 0.15
-    added[:, :, :60] = np.tile(added[:, :, :3], 20)
-    added[:] = added[:, :1]
-    whole = Responses(added)
-    np.testing.assert_allclose(whole.temporal(), 1)
-    np.testing.assert_allclose(whole.between_joints(), 1)
-
-
 def test_the_untrained_network_is_the_one_before_training(small_manifold, result_of):
     before = untrained(small_manifold, small_manifold.settings["seed"]).network
     w, old = small_manifold.network.layers[0].w, before.layers[0].w

@@ -19,8 +19,6 @@ from numpy_cae.experiments.repair import (
     lengths,
     missing_marker,
     repair_sweep,
-    stepped_keyframes,
-    two_unpoolings,
 )
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
 from numpy_cae.motion import PARENTS
@@ -84,30 +82,6 @@ def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labell
     assert table.value("all", missing_marker.MEAN_POSE) == pytest.approx(
         np.sqrt(np.mean(np.square(mean_pose)))
     )
-
-
-def test_stepped_keyframes_are_delayed_and_rough(result_of):
-    (table,) = result_of("stepped_keyframes").tables
-    held, truth, cubic = (
-        {column: table.value(name, column) for column in table.header}
-        for name in (stepped_keyframes.HELD, stepped_keyframes.TRUE, stepped_keyframes.CUBIC)
-    )
-    assert truth["error, cm"] == 0 < truth["delayed, cm"]
-    assert held["delayed, cm"] < held["error, cm"]
-    assert held["jitter, m/s²"] > 1.5 * truth["jitter, m/s²"]
-    assert cubic["jitter, m/s²"] < held["jitter, m/s²"]
-    assert [row[1] for row in table.rows].count("yes") == 4
-
-
-def test_random_unpooling_is_noisier(result_of, small_manifold, labelled):
-    jitter, random = "jitter, m/s²", two_unpoolings.RANDOM
-    (table,) = result_of("two_unpoolings").tables
-    assert table.value(random, jitter) > 2 * table.value(two_unpoolings.EVEN, jitter)
-    again, other = (
-        two_unpoolings.run(small_manifold, labelled, seed).tables[0].value(random, jitter)
-        for seed in (0, 1)
-    )
-    assert again == table.value(random, jitter) != other
 
 
 def test_a_take_in_one_piece_is_the_whole_take(result_of):

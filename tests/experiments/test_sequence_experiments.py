@@ -20,8 +20,6 @@ from numpy_cae.experiments.sequences.reconstruction import (
 from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
 from numpy_cae.experiments.sequences.study import (
-    discrepancy,
-    prior_discrepancy,
     train_study,
 )
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
@@ -54,13 +52,6 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
         manifold.denormalise(manifold.network.denoise(x)), manifold.denormalise(x)
     )
     assert curve["error"][-1] == pytest.approx(error, rel=0.03)
-
-
-def test_the_discrepancy_of_the_prior_itself_is_the_smallest():
-    rng = np.random.default_rng(0)
-    smallest = prior_discrepancy(4)
-    assert discrepancy(rng.standard_normal((1000, 4)), rng) == pytest.approx(smallest, rel=0.6)
-    assert discrepancy(1 + rng.standard_normal((1000, 4)), rng) > 20 * smallest
 
 
 def test_figure_2_compares_the_first_and_the_last_tenth(studies):

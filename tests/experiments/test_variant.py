@@ -26,17 +26,6 @@ def drawn(model, seed=0):
     return x, x * (rng.random(x.shape) > 0.1), first
 
 
-def test_the_first_weights_are_those_of_the_papers_network():
-    paper, average, untied = (
-        kind(**TINY, rng=np.random.default_rng(1))
-        for kind in (ConvAutoencoder, average_autoencoder, untied_autoencoder)
-    )
-    for one, other, third in zip(paper.layers, average.layers, untied.layers, strict=True):
-        np.testing.assert_array_equal(one.w, other.w)
-        np.testing.assert_array_equal(one.w, third.w)
-        assert not np.array_equal(third.v, third.w)
-
-
 def test_untied_gradients_add_up_to_the_tied_ones_if_the_filters_are_equal():
     tied, untied = ConvAutoencoder(**TINY), untied_autoencoder(**TINY)
     x, corrupted, first = drawn(tied)

@@ -66,16 +66,6 @@ def test_keyframes_are_met_exactly_wherever_they_are(manifold, features, every, 
     )
 
 
-@pytest.mark.parametrize("start", ["line", "held"])
-def test_poses_between_keyframes_are_ignored(manifold, features, start):
-    between = np.arange(len(features)) % 8 > 0
-    other = features.copy()
-    other[between, :60] = 3.0
-    np.testing.assert_array_equal(
-        fill_keyframes(manifold, other, 8, start), fill_keyframes(manifold, features, 8, start)
-    )
-
-
 def test_filled_poses_are_nearer_to_the_truth_than_held_ones_and_do_not_jump(manifold, features):
     held = features[np.arange(len(features)) // 10 * 10]
     known = slice(0, (len(features) - 1) // 10 * 10 + 1)
@@ -127,15 +117,6 @@ def test_a_filled_joint_of_a_file_moves_alone(manifold, rate, frames, joint, tur
     place = JOINTS.index(joint)
     assert moved[place] > 0.001
     assert np.delete(moved, place).max() < 1e-6
-
-
-def test_old_positions_of_the_joint_in_a_file_are_ignored(manifold):
-    motion = walk(3)
-    other = replace(motion, rotations=motion.rotations.copy())
-    other.rotations[:, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
-    filled = [fill_motion_joint(each, manifold, "left_wrist") for each in (motion, other)]
-    one, two = (body_positions(each)[:, JOINTS.index("left_wrist")] for each in filled)
-    np.testing.assert_allclose(one, two, atol=1e-6)
 
 
 @pytest.mark.parametrize("rate", [30.0, 25.0])

@@ -8,7 +8,7 @@ import pytest
 from data_synth import make_take
 from numpy_cae.manifold import NeighbourPrior, interpolate, sample
 from numpy_cae.manifold.interpolate import TRANSITION, shares
-from numpy_cae.manifold.sample import NEIGHBOURS, draw_uniform, encode_windows
+from numpy_cae.manifold.sample import NEIGHBOURS, encode_windows
 
 
 @pytest.fixture(scope="module")
@@ -60,12 +60,6 @@ def test_an_invalid_share_is_refused(walk_manifold, features, share):
         interpolate(walk_manifold, features[0], features[1], share)
     with pytest.raises(ValueError, match="no frames"):
         interpolate(walk_manifold, features[0][:0], features[1], 0.5)
-
-
-def test_the_uniform_prior_fills_the_whole_space():
-    y = draw_uniform(200, 50, np.random.default_rng(0))
-    assert np.abs(y).max() <= 1
-    assert np.std(y) == pytest.approx(1 / np.sqrt(3), rel=0.02)
 
 
 def test_the_fitted_prior_stays_between_windows(walk_manifold, features):

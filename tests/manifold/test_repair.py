@@ -15,10 +15,6 @@ from numpy_cae.motion import (
     VELOCITY,
     body_positions,
     bone_lengths,
-    find_joints,
-    load_motion,
-    read_bvh,
-    write_bvh,
 )
 from numpy_cae.motion.features import trajectory_of
 
@@ -72,18 +68,6 @@ def test_noise_between_the_poses_does_not_come_through(untrained_manifold):
 
     assert jitter(shaken) > 20 * jitter(calm)
     assert jitter(repair(shaken, untrained_manifold)) < 0.1 * jitter(shaken)
-
-
-def test_the_file_of_a_repaired_amc_reads_back(untrained_manifold, data_folder, tmp_path):
-    motion = load_motion(data_folder / "cmu" / "asfamc" / "02" / "02_03.amc")
-    fixed = repair(motion, untrained_manifold)
-    write_bvh(fixed, tmp_path / "fixed.bvh")
-    again = read_bvh(tmp_path / "fixed.bvh", unit=motion.unit)
-    assert (again.rate, len(again)) == (120.0, len(motion))
-    assert set(again.skeleton.names) == set(motion.skeleton.names)
-    order = [again.skeleton.index(name) for name in motion.skeleton.names]
-    np.testing.assert_allclose(again.positions()[:, order], fixed.positions(), atol=1e-5)
-    assert len(find_joints(again.skeleton)) == 20
 
 
 def test_fingers_are_carried_along_and_a_wrong_pose_moves(untrained_manifold):

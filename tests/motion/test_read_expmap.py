@@ -33,22 +33,6 @@ def test_each_joint_turns_by_its_own_three_numbers(tmp_path, rig):
         assert np.allclose(turned.as_rotvec(), -said, atol=1e-7), name
 
 
-def test_rows_times_matrices_as_mbr17_draws(tmp_path):
-    """The elbow's place by their rule: (offset) · R_parent + parent, R = exp([v]×)."""
-    rows = np.random.default_rng(2).uniform(-0.5, 0.5, (1, HUMAN36M.width))
-    motion = read_expmap(write(tmp_path / "take.txt", rows))
-    place, turn = rows[0, :3].copy(), np.eye(3)
-    for joint in ("Hips", "Spine", "Spine1", "LeftShoulder", "LeftArm", "LeftForeArm"):
-        index = HUMAN36M.skeleton.index(joint)
-        row = HUMAN36M.joints[index]
-        place = place + np.array(HUMAN36M.rows[index][2]) @ turn
-        vector = rows[0, 3 + 3 * row : 6 + 3 * row]
-        turn = Rotation.from_rotvec(vector).as_matrix() @ turn
-    assert np.allclose(
-        motion.positions()[0, motion.skeleton.index("LeftForeArm")], 0.001 * place, atol=1e-6
-    )
-
-
 @given(seeds)
 def test_the_root_of_cmu_text_is_put_right(seed):
     """Angles that wander, multiplied in the text's order, come back in the database's."""

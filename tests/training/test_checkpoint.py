@@ -164,14 +164,6 @@ def test_ctrl_c_while_a_state_is_written_says_nothing_but_that(tmp_path, monkeyp
     assert not path.exists()
 
 
-def test_how_often_by_time(tmp_path, monkeypatch):
-    saved = []
-    monkeypatch.setattr(Checkpoint, "save", lambda self, loop: saved.append(loop.at.step))
-    model = ConvAutoencoder(3, (4, 5), taps=3)
-    train_autoencoder(model, WINDOWS, SCHEDULE, None, False, Checkpoint(tmp_path / "c.npz", 1e9))
-    assert saved == [0] * 6
-
-
 def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_states(tmp_path):
     path = tmp_path / "c.npz"
     schedule = Schedule(Stage(epochs=1, rate=0.1), Stage(5, 1e20, 1.0, 0.0))
@@ -183,3 +175,12 @@ def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_stat
     assert f"the last good state is in {path} (stage " in said
     with np.load(path) as file:
         assert all(np.isfinite(file[name]).all() for name in file.files if "array" in name)
+
+
+def test_how_often_by_time(tmp_path, monkeypatch):
+    saved = []
+    monkeypatch.setattr(Checkpoint, "save", lambda self, loop: saved.append(loop.at.step))
+    model = ConvAutoencoder(3, (4, 5), taps=3)
+    kept = Checkpoint(tmp_path / "c.npz", seconds=1e9)
+    train_autoencoder(model, WINDOWS, SCHEDULE, None, False, kept)
+    assert saved == [0] * 6

@@ -54,17 +54,6 @@ def test_a_line_tells_the_time_that_is_left_and_one_within_an_epoch_comes_rarely
     assert capsys.readouterr().err == said
 
 
-def test_the_loss_of_an_epoch_is_the_mean_over_its_windows(monkeypatch):
-    """Batches of 5, 5 and 2: the small one counts for its two windows and no more."""
-    losses = iter([1.0, 2.0, 4.0, 3.0, 3.0, 3.0])
-    monkeypatch.setattr(layerwise, "denoising_step", lambda *arguments: next(losses))
-    network = ConvAutoencoder(3, (4,), taps=3)
-    stages = Schedule(Stage(epochs=1, batch=5), Stage(1, batch=5))
-    history = train_autoencoder(network, WINDOWS, stages, show_progress=False)
-    assert history.losses["layer 1"] == [pytest.approx((5 * 1 + 5 * 2 + 2 * 4) / 12)]
-    assert history.losses["fine tuning"] == [pytest.approx(3.0)]
-
-
 def test_divergence_names_the_place_the_rate_and_what_may_help(monkeypatch):
     losses = iter([1.0, 1.0, 1.0, float("inf")])
     monkeypatch.setattr(layerwise, "denoising_step", lambda *arguments: next(losses))
@@ -88,3 +77,14 @@ def test_a_loss_that_is_not_finite_changes_no_weight():
         train_autoencoder(network, windows, show_progress=False)
     after = [array for layer in network.layers for array in (layer.w, layer.b)]
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+
+
+def test_the_loss_of_an_epoch_is_the_mean_over_its_windows(monkeypatch):
+    """Batches of 5, 5 and 2: the small one counts for its two windows and no more."""
+    losses = iter([1.0, 2.0, 4.0, 3.0, 3.0, 3.0])
+    monkeypatch.setattr(layerwise, "denoising_step", lambda *arguments: next(losses))
+    network = ConvAutoencoder(3, (4,), taps=3)
+    stages = Schedule(Stage(epochs=1, batch=5), Stage(1, batch=5))
+    history = train_autoencoder(network, WINDOWS, stages, show_progress=False)
+    assert history.losses["layer 1"] == [pytest.approx((5 * 1 + 5 * 2 + 2 * 4) / 12)]
+    assert history.losses["fine tuning"] == [pytest.approx(3.0)]

@@ -76,22 +76,6 @@ def test_a_probability_above_one_is_an_error(p):
         corrupt(X, p, False, np.random.default_rng(0))
 
 
-def test_a_step_uses_the_corruption_of_its_stage():
-    class Network:
-        layers = ()
-
-        def loss_and_gradients(self, x, corrupted, *_):
-            self.seen = x, corrupted
-            return 0.0, []
-
-    network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
-    module.denoising_step(network, X, stage, 0.1, np.random.default_rng(5), Sgd({}))
-    x, corrupted = network.seen
-    assert x is X
-    expected = corrupt(X, (0.3, 0.6), True, np.random.default_rng(5))
-    np.testing.assert_array_equal(corrupted, expected)
-
-
 def test_an_unpooling_mask_is_true_with_probability_one_half():
     x = np.ones((2, 4, 3))
     assert module._unpooling_mask(x, 5, Constant(0.4999)).all()
@@ -176,3 +160,19 @@ def test_a_one_cycle_rate_rises_to_its_peak_and_falls_to_nearly_zero():
     assert rates[0] == pytest.approx(0.2 / 25)
     assert all(np.diff(rates[:31]) > 0) and all(np.diff(rates[30:]) < 0)
     assert one_cycle(0.2, 1.0) == pytest.approx(0.2e-5)
+
+
+def test_a_step_uses_the_corruption_of_its_stage():
+    class Network:
+        layers = ()
+
+        def loss_and_gradients(self, x, corrupted, *_):
+            self.seen = x, corrupted
+            return 0.0, []
+
+    network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
+    module.denoising_step(network, X, stage, 0.1, np.random.default_rng(5), Sgd({}))
+    x, corrupted = network.seen
+    assert x is X
+    expected = corrupt(X, (0.3, 0.6), True, np.random.default_rng(5))
+    np.testing.assert_array_equal(corrupted, expected)
