@@ -22,8 +22,8 @@ class Adam:
 
     Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step is η · g / (|g| + ε).
 
-    `update` changes the parameters in place; `state` holds m, v and t for a checkpoint. The source
-    is Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
+    `state` holds m, v and t for a checkpoint. The source is Kingma and Ba, "Adam: a method for
+    stochastic optimization", ICLR 2015, algorithm 1.
     """
 
     def __init__(self, parameters: dict[str, np.ndarray]):
@@ -34,7 +34,7 @@ class Adam:
         self.state = {**self.means, **self.squares, "steps of Adam": self.count}
 
     def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
-        """Take one step; the gradients are in the order of the parameters."""
+        """Take one step in place; the gradients are in the order of the parameters."""
         self.count += 1
         mean_share = 1 - BETA_1 ** int(self.count)
         square_share = 1 - BETA_2 ** int(self.count)

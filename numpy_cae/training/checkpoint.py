@@ -25,21 +25,16 @@ class CheckpointError(NumpyCaeError, ValueError):
 
 class Checkpoint(Callback):
     """The file of one run: the state after every epoch, and within one every so many seconds.
-
-    Without `resume` an existing file is an error, since it may be hours of training.
-    """
+    Without `resume` an existing file is an error, since it may be hours of training."""
 
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
         self.path, self.seconds, self.resume = Path(path), seconds, resume
-        self.run = ""
+        self.run, self.last = "", time.monotonic()
         self.saved: Position | None = None
-        self.last = time.monotonic()
 
     def attach(self, loop: Loop, run: str) -> None:
-        """Continue the loop from the file, where there is one, and save its states from now on.
-
-        `run` is its `fingerprint`; a file of another run raises CheckpointError.
-        """
+        """Continue the loop from the file, where there is one, and save its states from now on; a
+        file whose `run`, the `fingerprint`, is another raises CheckpointError."""
         self.run = run
         remove_leftovers(self.path)
         self.require_none_unless_resumed()
@@ -50,16 +45,14 @@ class Checkpoint(Callback):
     def require_none_unless_resumed(self) -> None:
         """Raise CheckpointError if there is a file and `resume` is False."""
         if self.path.exists() and not self.resume:
-            raise CheckpointError(
-                f"{self.path}: is of a run that was interrupted; continue it (--resume) or "
-                "remove the file"
-            )
+            advice = "continue it (--resume) or remove the file"
+            raise CheckpointError(f"{self.path}: is of a run that was interrupted; {advice}")
 
     def after_step(self, loop: Loop) -> None:
         """Save the state if the last one is old, but never one whose weights are not finite."""
-        if loop.at.step < loop.steps and time.monotonic() - self.last >= self.seconds:
-            if all(np.isfinite(array).all() for array in loop.parameters.values()):
-                self.save(loop)
+        old = loop.at.step < loop.steps and time.monotonic() - self.last >= self.seconds
+        if old and all(np.isfinite(array).all() for array in loop.parameters.values()):
+            self.save(loop)
 
     def after_epoch(self, loop: Loop, loss: float) -> None:
         """Save the state; `DivergenceCheck` comes before and has checked the weights."""
@@ -68,7 +61,8 @@ class Checkpoint(Callback):
     def save(self, loop: Loop) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
         position = dict(vars(loop.at))
-        arrays = {f"array {name}": array for name, array in loop.arrays.items()}
+        state = loop.parameters | loop.task.optimiser.state
+        arrays = {f"array {name}": array for name, array in state.items()}
         arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}
         rng, history = loop.rng.bit_generator.state, vars(loop.history)
         about = {"run": self.run, "rng": rng, "position": position, "history": history}
@@ -76,9 +70,8 @@ class Checkpoint(Callback):
         try:
             save_arrays(arrays, self.path, compressed=False)
         except FileError as error:
-            raise CheckpointError(
-                f"{error}; {self.status()}. Correct that and continue with --resume"
-            ) from error
+            advice = "Correct that and continue with --resume"
+            raise CheckpointError(f"{error}; {self.status()}. {advice}") from error
         self.saved, self.last = Position(**position), time.monotonic()
 
     def remove(self) -> None:
@@ -87,9 +80,8 @@ class Checkpoint(Callback):
 
     def status(self) -> str:
         """Where the last good state is, for a message."""
-        if self.saved is None:
+        if (at := self.saved) is None:
             return "no state has been saved yet"
-        at = self.saved
         done = f"stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done"
         return f"the last good state is in {self.path} ({done})"
 
@@ -100,10 +92,9 @@ class Checkpoint(Callback):
         except ModelFileError:
             raise CheckpointError(f"{self.path}: is not a checkpoint of this version") from None
         if run != self.run:
-            raise CheckpointError(
-                f"{self.path}: is of a run with other motions, settings or seed; give the same "
-                "again or remove the file"
-            )
+            advice = "give the same again or remove the file"
+            other = "is of a run with other motions, settings or seed"
+            raise CheckpointError(f"{self.path}: {other}; {advice}")
         self.saved = replace(found[0])
         return tuple(found)
 

@@ -8,11 +8,7 @@ import numpy as np
 def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """X_c: each value of x set to zero with probability p, independently; zero is the mean pose.
 
-    Parameters
-    ----------
-    x : array of float, any shape
-    p : float between 0 and 1, or array of them that broadcasts to x
-    rng : numpy.random.Generator
+    p is between 0 and 1, or an array of such numbers that broadcasts to x, which has any shape.
     """
     if not np.all((0 <= np.asarray(p)) & (np.asarray(p) <= 1)):
         raise ValueError(f"p is {p}, expected a probability between 0 and 1")
@@ -20,10 +16,7 @@ def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) 
 
 
 def corrupt(
-    x: np.ndarray,
-    zeroed: float | tuple[float, float],
-    rescaled: bool,
-    rng: np.random.Generator,
+    x: np.ndarray, zeroed: float | tuple[float, float], rescaled: bool, rng: np.random.Generator
 ) -> np.ndarray:
     """X_c of a batch of windows, with one p or a p for each window.
 

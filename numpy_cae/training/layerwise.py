@@ -1,8 +1,7 @@
 """Layer by layer, then all together: the training of holden2015, section 6.
 
 Each layer learns to reproduce what the trained layers below it make of the clean motion, from a
-corrupted copy of that (Vincent 2010). Fine tuning then trains the whole stack at once, from
-corrupted motion to clean motion.
+corrupted copy of that (Vincent 2010). Fine tuning then trains the whole stack at once.
 """
 
 from __future__ import annotations
@@ -14,9 +13,8 @@ import numpy as np
 
 from numpy_cae.models import ConvLayer
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.divergence import DivergenceCheck, nonfinite
 from numpy_cae.training.loop import Callback, Loop, Task
-from numpy_cae.training.progress import Progress
+from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
 from numpy_cae.training.schedule import Schedule, Stage
 from numpy_cae.training.step import denoising_step, make_optimiser
 
@@ -44,39 +42,25 @@ def train_autoencoder(
     show_progress: bool = True,
     checkpoint: Checkpoint | None = None,
 ) -> History:
-    """Train the model in place.
+    """Train a `ConvAutoencoder`, or what `fast.accelerate` makes of it, in place.
 
-    Parameters
-    ----------
-    model : ConvAutoencoder, or what `fast.accelerate` makes of it
-    windows : (N, T, C) array in the dtype of the model
-        Normalised windows; T is a multiple of `model.frames_per_unit`.
-    schedule : Schedule, optional
-    rng : numpy.random.Generator, optional
-        Draws the order of the windows, the corruption and the unpooling. Runs from the same seed
-        on the same number of threads are equal to the bit.
-    show_progress : bool
-    checkpoint : Checkpoint, optional
-        Where the state is saved, and where an interrupted run continues from, to the same bits.
+    `windows` (N, T, C) are normalised, in the dtype of the model; T is a multiple of
+    `model.frames_per_unit`. `rng` draws their order, the corruption and the unpooling: runs from
+    the same seed on the same number of threads are equal to the bit. The state is saved in
+    `checkpoint`, from which an interrupted run continues, to the same bits.
 
-    Raises
-    ------
-    DivergedError
-        If a loss or a weight is not finite, with the stage, the epoch, the windows and the layer.
-    CheckpointError
-        If the checkpoint is of another run or cannot be written.
+    Raises DivergedError if a loss or a weight is not finite, with the stage, the epoch, the windows
+    and the layer, and CheckpointError if the checkpoint is of another run or cannot be written.
     """
     schedule = schedule or Schedule()
     rng = rng or np.random.default_rng(0)
     names = [*(f"layer {number + 1}" for number in range(len(model.layers))), "fine tuning"]
     history = History({name: [] for name in names}, dict.fromkeys(names, 0.0))
-    callbacks: list[Callback] = [DivergenceCheck(ADVICE, checkpoint), history]
-    if show_progress:
-        callbacks.append(Progress())
+    shown = [Progress()] if show_progress else []
+    callbacks = [DivergenceCheck(ADVICE, checkpoint), history, *shown]
     loop = Loop(model.parameters, rng, history, callbacks)
     if checkpoint is not None:
-        bounds = [layer.bound for layer in model.layers]
-        settings = schedule, bounds, rng.bit_generator.state
+        settings = schedule, [layer.bound for layer in model.layers], rng.bit_generator.state
         checkpoint.attach(loop, fingerprint([*loop.parameters.values(), windows], *settings))
 
     inputs = windows
@@ -111,9 +95,5 @@ def _task(
 
 def _encode(layer: ConvLayer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:
     """The layer's hidden units for clean input, `at_once` windows at a time to save memory."""
-    windows, frames, _ = inputs.shape
-    encoded = np.empty((windows, frames // 2, layer.b.size), dtype=inputs.dtype)
-    for start in range(0, windows, at_once):
-        part = slice(start, start + at_once)
-        encoded[part], _ = layer.encode_with_pullback(inputs[part])
-    return encoded
+    parts = [inputs[start : start + at_once] for start in range(0, len(inputs), at_once)]
+    return np.concatenate([layer.encode_with_pullback(part)[0] for part in parts])

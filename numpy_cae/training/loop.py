@@ -1,8 +1,8 @@
 """The training loop of both networks: epochs of steps, with callbacks between them.
 
-What follows from a point in training depends on the weights, the state of the optimiser and of the
-random numbers, the order of this epoch's examples and the position in it, and on nothing else. A
-`Checkpoint` keeps exactly these, so a run that continues from one ends in the same bits.
+What follows from a point in training depends on the weights, the states of the optimiser and of the
+random numbers, the order of the epoch's examples and the position in it. A `Checkpoint` keeps
+exactly these, so a run that continues from one ends in the same bits.
 """
 
 from __future__ import annotations
@@ -21,36 +21,21 @@ from numpy_cae.training.sgd import Sgd
 
 @dataclass
 class Task:
-    """One stage of training, such as layer 1.
-
-    Parameters
-    ----------
-    stage : Stage or SequenceSchedule
-        Its epochs, batch and rate.
-    count, shuffled : int, bool
-        Examples in an epoch, and whether each epoch draws a new order of them.
-    step : (examples, rate) -> float
-        Takes one step of descent on these examples and returns the loss before it.
-    culprit : (examples) -> str
-        Names the part of the network that is not finite, where the loss on these is not.
-    optimiser : Sgd or Adam
-        What `step` uses.
-    """
+    """One stage of training, such as layer 1."""
 
     name: str
     stage: Stage | SequenceSchedule
-    count: int
-    shuffled: bool
-    step: Callable[[np.ndarray, float], float]
-    culprit: Callable[[np.ndarray], str]
-    optimiser: Sgd | Adam
+    count: int  # examples in an epoch
+    shuffled: bool  # whether each epoch draws a new order of them
+    step: Callable[[np.ndarray, float], float]  # examples and rate to the loss before one step
+    culprit: Callable[[np.ndarray], str]  # what is not finite where the loss of examples is not
+    optimiser: Sgd | Adam  # used by `step`
 
 
 @dataclass
 class Position:
-    """How many stages, epochs of this stage and steps of this epoch are done; the sum of this
-    epoch's losses, the time spent on the stage and the examples in this epoch's order.
-    """
+    """How many stages, epochs of this stage and steps of this epoch are done; the sum of the
+    epoch's losses, the time spent on the stage and the order of the epoch's examples."""
 
     stage: int = 0
     epoch: int = 0
@@ -71,11 +56,8 @@ class Callback:
 
 
 class Loop:
-    """Runs stages one after another.
-
-    `parameters` are all weights of the model by name, `rng` is what the steps draw from, and the
-    attributes of `history` are of types that JSON knows.
-    """
+    """Runs stages one after another. `parameters` are all weights of the model by name, `rng` is
+    what the steps draw from, and the attributes of `history` are of types that JSON knows."""
 
     def __init__(
         self,
@@ -85,19 +67,11 @@ class Loop:
         callbacks: list[Callback],
     ):
         self.parameters, self.rng, self.history = parameters, rng, history
-        self.callbacks, self.at = callbacks, Position()
-        self._stages = 0
+        self.callbacks, self.at, self._stages = callbacks, Position(), 0
         self._resumed: dict[str, np.ndarray] = {}
 
-    @property
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The weights and the state of the optimiser."""
-        return self.parameters | self.task.optimiser.state
-
-    def resume(
-        self, position: Position, arrays: dict[str, np.ndarray], rng: dict, history: dict
-    ) -> None:
-        """Continue from here; `rng` is a state of the generator. Call it before `run`."""
+    def resume(self, position: Position, arrays: dict, rng: dict, history: dict) -> None:
+        """Continue from here, before `run`; `arrays` are by name, `rng` is the generator's state."""
         for name, array in self.parameters.items():
             array[...] = arrays[name]
         self.rng.bit_generator.state = rng

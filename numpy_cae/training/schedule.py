@@ -15,35 +15,17 @@ FIRST, LAST = 1 / 25, 1e-5
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of training.
+    """One stage of training; the defaults are the paper's for one layer."""
 
-    Parameters
-    ----------
-    epochs, batch : int
-        Number of times that every window is used; windows in one step, where 1 is "iteratively
-        input each data point".
-    rate, decay : float
-        Learning rate of the first epoch, and the factor applied to it after each epoch. For the
-        rate schedule "one-cycle", the peak of the rate.
-    alpha : float
-        Weight of the sparsity term of equation 3.
-    zeroed, rescaled : float or (float, float), bool
-        How the input is corrupted: see `training.corruption.corrupt`.
-    momentum : float
-        μ of `training.descend_with_momentum`, at least 0 and below 1; the paper has none.
-    unpooling : "random", "even" or None
-        None is the paper's: random while a layer is trained by itself, even for all together.
-    """
-
-    epochs: int = 25
-    rate: float = 0.5
-    decay: float = 0.9
-    alpha: float = 0.01
-    batch: int = 1
-    zeroed: float | tuple[float, float] = 0.1
-    rescaled: bool = False
-    momentum: float = 0.0
-    unpooling: Literal["random", "even"] | None = None
+    epochs: int = 25  # times that every window is used
+    rate: float = 0.5  # learning rate of the first epoch; the peak of "one-cycle"
+    decay: float = 0.9  # factor applied to the rate after each epoch
+    alpha: float = 0.01  # weight of the sparsity term of equation 3
+    batch: int = 1  # windows in a step: "iteratively input each data point"
+    zeroed: float | tuple[float, float] = 0.1  # p of `corrupt`, or the bounds of each window's p
+    rescaled: bool = False  # whether X_c is divided by 1 - p
+    momentum: float = 0.0  # μ of `descend_with_momentum`, at least 0 and below 1
+    unpooling: Literal["random", "even"] | None = None  # None: random for one layer, even for all
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
 
@@ -64,41 +46,27 @@ class Schedule:
 class SequenceSchedule:
     """Training of jang2018's network; the paper states none of these numbers.
 
-    Parameters
-    ----------
-    epochs, steps : int
-        Number of epochs, and of steps in each: every step draws new clips, so an epoch is only the
-        period of the decay.
-    batch : int
-        Clips in one step. Two draws of so many points of the prior are 2.1 apart for one point,
-        0.28 for 16 and 0.08 for 64: below 64 this noise dominates the regulariser.
-    weight, directions : float, int
-        λ of the sliced Wasserstein distance and the number of directions it projects on.
-    norm : float
-        The bound on the gradient's norm.
-    posture : float
-        Standard deviation of a constant that is added to each number of a clip: postures that the
-        few people of the data do not have.
+    Two draws of as many points of the prior as a batch has are 2.1 apart for one point, 0.28 for 16
+    and 0.08 for 64: below 64 this noise dominates the regulariser.
     """
 
-    epochs: int = 40
-    steps: int = 65
-    rate: float = 0.3
+    epochs: int = 40  # every step draws new clips, so an epoch is only the period of the decay
+    steps: int = 65  # in an epoch
+    rate: float = 0.3  # as in `Stage`
     decay: float = 0.93
-    batch: int = 128
-    weight: float = 1.0
-    directions: int = 64
-    norm: float = 1.0
+    batch: int = 128  # clips in a step
+    weight: float = 1.0  # λ of the sliced Wasserstein distance
+    directions: int = 64  # that the distance projects on
+    norm: float = 1.0  # bound on the gradient's norm
     momentum: float = 0.9
-    posture: float = 0.0
+    posture: float = 0.0  # standard deviation of a constant added to each number of a clip
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
 
 
 def decayed_rate(initial: float, decay: float, epoch: int) -> float:
     """η_e = η_0 · decay^e: "initially set to the value of 0.5 and slowly decayed by a factor of
-    0.9 at each epoch". Epochs count from 0.
-    """
+    0.9 at each epoch". Epochs count from 0."""
     return initial * decay**epoch
 
 

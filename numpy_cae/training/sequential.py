@@ -10,22 +10,18 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.divergence import DivergenceCheck, nonfinite
-from numpy_cae.training.loop import Callback, Loop, Task
-from numpy_cae.training.progress import Progress
+from numpy_cae.training.loop import Loop, Task
+from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
 from numpy_cae.training.schedule import SequenceSchedule
 from numpy_cae.training.step import make_optimiser, sequence_step
 
 ADVICE = "a lower rate or a lower bound on the gradient's norm may keep it finite"
 
-Draw = Callable[[np.random.Generator, int], np.ndarray]
-
 
 @dataclass
 class SequenceHistory:
     """For each step: the mean squared error of its batch, the sliced Wasserstein distance from its
-    latent vectors to draws of the prior, and the norm of the gradient before it was clipped.
-    """
+    latent vectors to draws of the prior, and the norm of the gradient before it was clipped."""
 
     reconstruction: list[float] = field(default_factory=list)
     discrepancy: list[float] = field(default_factory=list)
@@ -35,41 +31,25 @@ class SequenceHistory:
 
 def train_sequential(
     model: Any,
-    draw: Draw,
+    draw: Callable[[np.random.Generator, int], np.ndarray],
     schedule: SequenceSchedule | None = None,
     rng: np.random.Generator | None = None,
     show_progress: bool = True,
     each: Callable[[int], None] | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> SequenceHistory:
-    """Train the model in place.
+    """Train a `SequentialAutoencoder`, or what `fast.accelerate` makes of it, in place.
 
-    Parameters
-    ----------
-    model : SequentialAutoencoder, or what `fast.accelerate` makes of it
-    draw : (rng, batch) -> (batch, T, features) array in the dtype of the model
-        Returns normalised clips, others at every call.
-    schedule : SequenceSchedule, optional
-    rng : numpy.random.Generator, optional
-        Draws the clips, the prior and the directions.
-    show_progress : bool
-    each : (step) -> None, optional
-        Called after every step with the number of steps made so far; if it draws random numbers,
-        it must use a generator of its own.
-    checkpoint : Checkpoint, optional
-
-    Raises
-    ------
-    DivergedError, CheckpointError
-        As `train_autoencoder` does; a checkpoint identifies the data by a first draw.
+    `draw(rng, batch)` returns other normalised clips (batch, T, features) at every call, in the
+    dtype of the model. `rng` draws the clips, the prior and the directions. `each` is called after
+    every step with the number of steps made so far; it must not draw from `rng`. Checkpoints and
+    errors are as in `train_autoencoder`; a checkpoint identifies the data by a first draw.
     """
     schedule = schedule or SequenceSchedule()
     rng = rng or np.random.default_rng(0)
     history = SequenceHistory()
-    callbacks: list[Callback] = [DivergenceCheck(ADVICE, checkpoint)]
-    if show_progress:
-        callbacks.append(Progress())
-    loop = Loop(model.weights, rng, history, callbacks)
+    shown = [Progress()] if show_progress else []
+    loop = Loop(model.weights, rng, history, [DivergenceCheck(ADVICE, checkpoint), *shown])
     optimiser = make_optimiser(schedule, model.weights)
     clips = np.zeros(0)
 

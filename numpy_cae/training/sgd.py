@@ -20,10 +20,10 @@ def descend_with_momentum(
     rate: float,
     momentum: float,
 ) -> None:
-    """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place.
+    """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place; holden2015 has none of it.
 
     Steps add up to 1 / (1 - μ) of one where the gradient keeps its sign and cancel where it does
-    not. holden2015 has no momentum: see "The network that repairs best" in docs/lab_book.md.
+    not.
     """
     for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
         velocity *= momentum
@@ -48,10 +48,7 @@ def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
 
 
 class Sgd:
-    """Gradient descent on named parameters, without momentum where μ is 0.
-
-    `update` changes the parameters in place; `state` holds the velocities for a checkpoint.
-    """
+    """Gradient descent on named parameters; `state` holds the velocities for a checkpoint."""
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):
         self.parameters, self.momentum = parameters, momentum
@@ -60,9 +57,8 @@ class Sgd:
 
     def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
         """Take one step; the gradients are in the order of the parameters."""
-        parameters = self.parameters.values()
+        parameters, velocities = self.parameters.values(), self.state.values()
         if self.momentum:
-            velocities = self.state.values()
             descend_with_momentum(parameters, velocities, gradients, rate, self.momentum)
         else:
             descend(parameters, gradients, rate)
