@@ -1,7 +1,5 @@
 """Fixtures of the command line's tests: a folder of walks, a tiny training, a failing command."""
 
-from __future__ import annotations
-
 import pytest
 
 from data_synth import make_take
@@ -25,7 +23,7 @@ def walks(tmp_path_factory):
     return folder
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def run():
     """Run a command that must succeed."""
 
@@ -35,7 +33,7 @@ def run():
     return run
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def train(run):
     """Train a tiny convolutional model, with more options."""
 

@@ -1,7 +1,5 @@
 """`train` killed at any moment: the last good checkpoint and model are there and can be read."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """The command `report` on a folder of synthetic takes and a tiny network."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -10,11 +8,6 @@ import pytest
 from data_synth import plan_takes, write_series
 from numpy_cae.cli import main
 from numpy_cae.manifold import load_manifold, save_manifold
-
-TINY = (
-    "--epochs 1 --fine-epochs 1 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
-    "--quiet"
-).split()
 
 
 @pytest.fixture(scope="module")
@@ -25,21 +18,15 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def model(folder, tmp_path_factory):
+def model(folder, tmp_path_factory, train):
     """A model that records which takes it was not trained on."""
-    file = tmp_path_factory.mktemp("model") / "model.npz"
-    assert main(["train", str(folder), "-o", str(file), "--test", "*_01.bvh", *TINY]) == 0
-    return file
+    return train(folder, tmp_path_factory.mktemp("model") / "model.npz", "--test", "*_01.bvh")
 
 
-def run(*argv) -> int:
-    return main(["report", *map(str, argv)])
-
-
-def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys):
+def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys, run):
     out = tmp_path / "new"
-    words = ["--data", folder, "-m", model, "-o", out]
-    assert run(*words, "--only", "sampling", "lengths") == 0
+    words = ["report", "--data", folder, "-m", model, "-o", out]
+    run(*words, "--only", "sampling", "lengths")
     captured = capsys.readouterr()
     assert "[2/2]" in captured.err
     assert "claims held" in captured.out
@@ -52,13 +39,13 @@ def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys):
     assert sorted(path.name for path in out.iterdir()) == ["report.html", "report.txt"]
 
 
-def test_an_experiment_that_cannot_be_run_does_not_stop_the_others(folder, model, tmp_path, capsys):
+def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path, capsys, run):
     few = tmp_path / "few"
     few.mkdir()
     for path in sorted(folder.rglob("*.bvh"))[:3]:
         (few / path.name).write_bytes(path.read_bytes())  # without labels.csv
-    words = ["--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
-    assert run(*words, "interpolation", "lengths", "--json") == 0
+    words = ["report", "--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
+    run(*words, "interpolation", "lengths", "--json")
     captured = capsys.readouterr()
     assert "could not be run" in captured.err
     printed = json.loads(captured.out)
@@ -70,19 +57,18 @@ def test_an_experiment_that_cannot_be_run_does_not_stop_the_others(folder, model
     assert "Clips of any length" in (tmp_path / "out" / "report.txt").read_text()
 
 
-def test_takes_of_the_training_are_refused(folder, model, tmp_path, capsys):
-    silent = tmp_path / "silent.npz"
+def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):
+    silent, out = tmp_path / "silent.npz", tmp_path / "out"
     manifold = load_manifold(model)
     manifold.settings.pop("test")
     save_manifold(manifold, silent)
-    out = tmp_path / "out"
-    assert run("--data", folder, "-m", silent, "-o", out) == 2
-    assert "--test" in capsys.readouterr().err
-    assert run("--data", folder, "-m", model, "-o", out, "--test", "*_02.bvh") == 2
-    assert "may be ones that it has seen" in capsys.readouterr().err
-    assert not out.exists()
-    assert run("--data", folder, "-m", silent, "-o", out, "--test", "no_such*") == 2
-    assert "holds no take to test" in capsys.readouterr().err
+    for words, message in (
+        (["-m", silent], "--test"),
+        (["-m", model, "--test", "*_02.bvh"], "may be ones that it has seen"),
+        (["-m", silent, "--test", "no_such*"], "holds no take to test"),
+    ):
+        assert message in error_of("report", "--data", folder, "-o", out, *words)
+        assert not out.exists()
     with pytest.raises(SystemExit) as exit_:
-        run("--data", folder, "-m", model, "-o", out, "--only", "nonsense")
+        main(["report", "--only", "nonsense"])
     assert exit_.value.code == 2

@@ -37,19 +37,8 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     for name, fewer in {**sizes, "regulariser.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
-    run(
-        "study",
-        "--data",
-        walks,
-        "--test",
-        "*_2.bvh",
-        "-o",
-        out,
-        *NETWORK,
-        "--frames",
-        "20",
-        "--json",
-    )
+    options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20, "--json"]
+    run("study", "--data", walks, "-o", out, *options)
     tables = json.loads(capsys.readouterr().out)
     said = (out / "study.txt").read_text(encoding="utf-8")
     assert "held: " in said and "teacher-forced" in said

@@ -1,0 +1,120 @@
+"""`interpolate`, `sample` and `compare` from the command line."""
+
+import csv
+import shutil
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.cli import main
+from numpy_cae.manifold import save_manifold
+from numpy_cae.motion import JOINTS, load_motion, write_bvh
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    motions = tmp_path_factory.mktemp("motions")
+    for seed, (kind, rate) in enumerate([("walk", 30.0), ("press_ups", 60.0), ("run", 30.0)]):
+        take = make_take(kind, seed, seconds=2.0 + seed, rate=rate)
+        write_bvh(take.motion, motions / f"{kind}.bvh", unit=0.01)
+    return motions
+
+
+@pytest.fixture(scope="module")
+def model(walk_manifold, tmp_path_factory):
+    file = tmp_path_factory.mktemp("model") / "model.npz"
+    save_manifold(walk_manifold, file)
+    return file
+
+
+@pytest.mark.parametrize("share", ["0.3", "transition"])
+def test_the_result_is_in_the_rig_rate_and_unit_of_the_first(folder, model, tmp_path, share, run):
+    out, gif = tmp_path / "out.bvh", tmp_path / "out.gif"
+    first, second = folder / "press_ups.bvh", folder / "walk.bvh"
+    words = ["interpolate", first, second, "-m", model, "-o", out, "--share", share, "--gif", gif]
+    run(*words)
+    made, rig = load_motion(out), load_motion(first)
+    assert made.skeleton.names == rig.skeleton.names
+    assert (made.rate, made.unit) == (pytest.approx(rig.rate), rig.unit)
+    assert made.seconds == pytest.approx(2.0, abs=0.02)  # the walk is the shorter one
+    assert gif.read_bytes().startswith(b"GIF")
+
+
+def test_samples_of_both_priors_are_written_to_one_file_each(folder, model, tmp_path, run):
+    run("sample", "-m", model, "--data", folder, "-o", tmp_path / "a.bvh", "--seconds", 1.5)
+    made = load_motion(tmp_path / "a.bvh")
+    assert set(made.skeleton.names) == set(JOINTS)
+    assert len(made) == 45
+    like, gif = folder / "press_ups.bvh", tmp_path / "b.gif"
+    argv = ["sample", "-m", model, "--prior", "uniform", "-o", tmp_path / "b.bvh", "--number", 2]
+    run(*argv, "--seconds", 1, "--like", like, "--gif", gif)
+    for name in ("b_1.bvh", "b_2.bvh"):
+        made = load_motion(tmp_path / name)
+        assert made.skeleton.names == load_motion(like).skeleton.names
+        assert made.rate == pytest.approx(60)
+        assert made.seconds == pytest.approx(1.0, abs=0.02)
+    assert gif.read_bytes().startswith(b"GIF")
+
+
+def test_the_same_seed_draws_the_same_motion(folder, model, tmp_path, run):
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        argv = ["-m", model, "--data", folder, "-o", tmp_path / f"{name}.bvh", "--seed", seed]
+        run("sample", *argv, "--seconds", 1)
+    a, b, c = ((tmp_path / f"{name}.bvh").read_bytes() for name in "abc")
+    assert a == b != c
+
+
+def test_an_error_is_one_line(folder, model, tmp_path, error_of):
+    walk, out = folder / "walk.bvh", tmp_path / "o.bvh"
+    assert "--data" in error_of("sample", "-m", model, "-o", out)
+    assert "written as .bvh" in error_of("sample", "-m", model, "-o", tmp_path / "o.fbx")
+    words = ["interpolate", walk, tmp_path / "no.bvh", "-m", model, "-o", out]
+    assert "no.bvh" in error_of(*words)
+    with pytest.raises(SystemExit) as exit_:
+        main(["interpolate", str(walk), str(walk), "-m", str(model), "-o", "x", "--share", "2"])
+    assert exit_.value.code == 2
+    assert not out.exists()
+
+
+@pytest.fixture(scope="module")
+def nested(folder, tmp_path_factory):
+    nested = tmp_path_factory.mktemp("nested")
+    (nested / "more").mkdir()
+    for name, kind in (("a", "walk"), ("more/b", "press_ups"), ("more/a", "run")):
+        shutil.copy(folder / f"{kind}.bvh", nested / f"{name}.bvh")
+    return nested
+
+
+def test_a_folder_becomes_a_matrix_and_a_picture(nested, model, tmp_path, capsys, run):
+    table, picture = tmp_path / "matrix.csv", tmp_path / "matrix.png"
+    run("compare", nested, "-m", model, "-o", table, "--picture", picture)
+    assert capsys.readouterr().out.startswith("a.bvh: nearest is ")
+    with open(table, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["", "a.bvh", "more/a.bvh", "more/b.bvh"]
+    assert [row[0] for row in rows] == header[1:]
+    matrix = np.array([row[1:] for row in rows], dtype=float)
+    np.testing.assert_array_equal(matrix, matrix.T)
+    np.testing.assert_array_equal(np.diag(matrix), 0)
+    assert matrix[0, 1] > 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["matrix.csv", "matrix.png"]
+
+
+def test_two_files_of_one_name_are_told_apart(nested, model, capsys, run):
+    one, other = nested / "a.bvh", nested / "more" / "a.bvh"
+    run("compare", one, other, "-m", model)
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.startswith(f"{one}: nearest is {other}, G = ")
+    assert first.split()[-1] == second.split()[-1]
+
+
+def test_an_error_of_compare_is_one_line(nested, model, tmp_path, error_of):
+    for argv, message in (
+        ([nested / "a.bvh"], "one motion alone"),
+        ([nested / "a.bvh", tmp_path / "no.bvh"], "no such file"),
+        ([nested, "-o", tmp_path / "no" / "m.csv"], "no folder"),
+    ):
+        assert message in error_of("compare", *argv, "-m", model)
+    assert not list(tmp_path.iterdir())
