@@ -71,7 +71,7 @@ class Loop:
         self._resumed: dict[str, np.ndarray] = {}
 
     def resume(self, position: Position, arrays: dict, rng: dict, history: dict) -> None:
-        """Continue from here, before `run`; `arrays` are by name, `rng` is the generator's state."""
+        """Continue from here; `rng` is a state of the generator. Call it before `run`."""
         for name, array in self.parameters.items():
             array[...] = arrays[name]
         self.rng.bit_generator.state = rng
