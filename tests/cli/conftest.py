@@ -35,10 +35,11 @@ def run():
 
 @pytest.fixture(scope="session")
 def train(run):
-    """Train a tiny convolutional model, with more options."""
+    """Train a tiny convolutional model on one folder or a list of them, with more options."""
 
-    def train(folder, out, *options):
-        run("train", folder, "-o", out, *TINY, *options)
+    def train(folders, out, *options):
+        folders = folders if isinstance(folders, list) else [folders]
+        run("train", *folders, "-o", out, *TINY, *options)
         return out
 
     return train

@@ -16,15 +16,10 @@ from numpy_cae.cli import main
 from numpy_cae.lock import lock
 from numpy_cae.manifold import load_manifold
 
-TINY = (
-    "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
-    "--batch 4 --fine-batch 4 --quiet --checkpoint 0"
-).split()
-
-SEQUENTIAL = (
-    "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12 --batch 4 --quiet "
-    "--checkpoint 0"
-).split()
+BOTH = "--batch 4 --quiet --checkpoint 0".split()
+TINY = "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32".split()
+TINY += ["--overlap", "16", "--fine-batch", "4", *BOTH]
+SEQUENTIAL = "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12".split() + BOTH
 
 
 def trained(walks, folder, options):
