@@ -42,7 +42,7 @@ class MotionManifold:
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate : float
-        Frames a second.
+        Frames a second: 30, as in `Body`.
     settings : dict
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
