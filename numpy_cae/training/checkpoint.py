@@ -50,7 +50,7 @@ class Checkpoint(Callback):
 
     def after_step(self, loop: Loop) -> None:
         """Save the state if the last one is old, but never one whose weights are not finite."""
-        old = loop.at.step < loop.steps and time.monotonic() - self.last >= self.seconds
+        old = loop.position.step < loop.steps and time.monotonic() - self.last >= self.seconds
         if old and all(np.isfinite(array).all() for array in loop.parameters.values()):
             self.save(loop)
 
@@ -60,7 +60,7 @@ class Checkpoint(Callback):
 
     def save(self, loop: Loop) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
-        position = dict(vars(loop.at))
+        position = dict(vars(loop.position))
         state = loop.parameters | loop.task.optimiser.state
         arrays = {f"array {name}": array for name, array in state.items()}
         arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}

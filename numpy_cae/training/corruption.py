@@ -23,8 +23,8 @@ def corrupt(
         X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
 
     `zeroed` is p, or the two numbers that each window's p is drawn between; below 1 where rescaled.
-    Zeroing a share p of many inputs shrinks their sum by 1 - p. Dividing by that restores its mean,
-    whatever p is, so the filters need not be fitted to one p.
+    Zeroing values with probability p multiplies their expected sum by 1 - p. Dividing by 1 - p
+    restores it, whatever p is, so the filters need not be fitted to one p.
     """
     p: float | np.ndarray
     if isinstance(zeroed, (int, float)):

@@ -1,17 +1,16 @@
 """Layer by layer, then all together: the training of holden2015, section 6.
 
-Each layer learns to reproduce what the trained layers below it make of the clean motion, from a
-corrupted copy of that (Vincent 2010). Fine tuning then trains the whole stack at once.
+The layers below encode the clean motion. The layer is trained to restore this encoding from a
+corrupted copy (Vincent 2010). Fine tuning then trains the whole stack at once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from numpy_cae.models import ConvLayer
+from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
 from numpy_cae.training.loop import Callback, Loop, Task
 from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
@@ -31,11 +30,11 @@ class History(Callback):
     def after_epoch(self, loop: Loop, loss: float) -> None:
         """Add the epoch."""
         self.losses[loop.task.name].append(loss)
-        self.seconds[loop.task.name] = loop.at.seconds
+        self.seconds[loop.task.name] = loop.position.seconds
 
 
 def train_autoencoder(
-    model: Any,
+    model: ConvAutoencoder,
     windows: np.ndarray,
     schedule: Schedule | None = None,
     rng: np.random.Generator | None = None,
@@ -65,32 +64,32 @@ def train_autoencoder(
 
     inputs = windows
     for number, layer in enumerate(model.layers):
-        loop.run(_task(model, inputs, schedule.layer, rng, number))
+        loop.run(_task(model, inputs, schedule.layer, number, rng))
         if schedule.layer.epochs and layer is not model.layers[-1]:
             inputs = _encode(layer, inputs)
-    loop.run(_task(model, windows, schedule.fine_tuning, rng, None))
+    loop.run(_task(model, windows, schedule.fine_tuning, None, rng))
     return history
 
 
 def _task(
-    model: Any, inputs: np.ndarray, stage: Stage, rng: np.random.Generator, layer: int | None
+    model: ConvAutoencoder, x: np.ndarray, stage: Stage, layer: int | None, rng: np.random.Generator
 ) -> Task:
-    """The training of one layer, or (None) of all; its examples are the windows of `inputs`."""
+    """The training of one layer, or (None) of all; its examples are the windows of x."""
     name, weights = "fine tuning", model.parameters
     if layer is not None:
         name, weights = f"layer {layer + 1}", model.layers[layer].parameters
     optimiser = make_optimiser(stage, weights)
 
     def step(chosen: np.ndarray, rate: float) -> float:
-        return denoising_step(model, inputs[chosen], stage, rate, rng, optimiser, layer)
+        return denoising_step(model, x[chosen], stage, rate, rng, optimiser, layer)
 
-    def culprit(chosen: np.ndarray) -> str:
+    def nonfinite_part(chosen: np.ndarray) -> str:
         windows = ", ".join(str(number + 1) for number in chosen[:8])
-        finite = np.isfinite(inputs[chosen]).all()
+        finite = np.isfinite(x[chosen]).all()
         part = ", ".join(nonfinite(weights)) or f"the output of {name}"
         return f"{part if finite else 'the input'}, windows {windows}{', …' * (len(chosen) > 8)}"
 
-    return Task(name, stage, len(inputs), True, step, culprit, optimiser)
+    return Task(name, stage, len(x), True, step, nonfinite_part, optimiser)
 
 
 def _encode(layer: ConvLayer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:

@@ -28,21 +28,20 @@ class Task:
     count: int  # examples in an epoch
     shuffled: bool  # whether each epoch draws a new order of them
     step: Callable[[np.ndarray, float], float]  # examples and rate to the loss before one step
-    culprit: Callable[[np.ndarray], str]  # what is not finite where the loss of examples is not
+    nonfinite_part: Callable[[np.ndarray], str]  # names what holds NaN or infinity if the loss does
     optimiser: Sgd | Adam  # used by `step`
 
 
 @dataclass
 class Position:
-    """How many stages, epochs of this stage and steps of this epoch are done; the sum of the
-    epoch's losses, the time spent on the stage and the order of the epoch's examples."""
+    """How much of the training is done."""
 
-    stage: int = 0
-    epoch: int = 0
-    step: int = 0
-    total: float = 0.0
-    seconds: float = 0.0
-    order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    stage: int = 0  # stages done
+    epoch: int = 0  # epochs of this stage done
+    step: int = 0  # steps of this epoch done
+    total: float = 0.0  # sum of the losses of this epoch's examples so far
+    seconds: float = 0.0  # time spent on this stage
+    order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))  # of examples
 
 
 class Callback:
@@ -52,12 +51,12 @@ class Callback:
         """A step was made; `loop.loss`, `loop.rate` and `loop.examples` are its own."""
 
     def after_epoch(self, loop: Loop, loss: float) -> None:
-        """An epoch ended with this mean loss; `loop.at.epoch` epochs are done."""
+        """An epoch ended with this mean loss; `loop.position.epoch` epochs are done."""
 
 
 class Loop:
     """Runs stages one after another. `parameters` are all weights of the model by name, `rng` is
-    what the steps draw from, and the attributes of `history` are of types that JSON knows."""
+    what the steps draw from, and the attributes of `history` can be stored as JSON."""
 
     def __init__(
         self,
@@ -67,7 +66,7 @@ class Loop:
         callbacks: list[Callback],
     ):
         self.parameters, self.rng, self.history = parameters, rng, history
-        self.callbacks, self.at, self._stages = callbacks, Position(), 0
+        self.callbacks, self.position, self._stages = callbacks, Position(), 0
         self._resumed: dict[str, np.ndarray] = {}
 
     def resume(self, position: Position, arrays: dict, rng: dict, history: dict) -> None:
@@ -76,26 +75,26 @@ class Loop:
             array[...] = arrays[name]
         self.rng.bit_generator.state = rng
         vars(self.history).update(history)
-        self.at, self._resumed = position, arrays
+        self.position, self._resumed = position, arrays
 
     def run(self, task: Task) -> None:
         """Run the next stage, or what an interrupted run left of it."""
         stage, self._stages = self._stages, self._stages + 1
-        if stage < self.at.stage:
+        if stage < self.position.stage:
             return
-        if stage > self.at.stage:
-            self.at = Position(stage)
+        if stage > self.position.stage:
+            self.position = Position(stage)
         elif self._resumed:
             for name, array in task.optimiser.state.items():
                 array[...] = self._resumed[name]
         self.task, self.steps = task, -(-task.count // task.stage.batch)
-        started = time.perf_counter() - self.at.seconds
-        while self.at.epoch < task.stage.epochs:
+        started = time.perf_counter() - self.position.seconds
+        while self.position.epoch < task.stage.epochs:
             self._epoch(started)
 
     def _epoch(self, started: float) -> None:
         """Use every example once, or those that are left of an interrupted epoch."""
-        at, task, batch = self.at, self.task, self.task.stage.batch
+        at, task, batch = self.position, self.task, self.task.stage.batch
         if at.step == 0:
             at.order = self.rng.permutation(task.count) if task.shuffled else np.arange(task.count)
         for step in range(at.step, self.steps):
@@ -107,6 +106,6 @@ class Loop:
             at.seconds = time.perf_counter() - started
             for callback in self.callbacks:
                 callback.after_step(self)
-        self.at = Position(at.stage, at.epoch + 1, seconds=at.seconds)
+        self.position = Position(at.stage, at.epoch + 1, seconds=at.seconds)
         for callback in self.callbacks:
             callback.after_epoch(self, at.total / task.count)

@@ -23,15 +23,15 @@ class Progress(Callback):
 
     def after_step(self, loop: Loop) -> None:
         """Print a line if the last one is older than `INTERVAL` seconds."""
-        if time.monotonic() - self.printed > INTERVAL and loop.at.step < loop.steps:
-            self._print(loop, loop.at.epoch + loop.at.step / loop.steps, "")
+        if time.monotonic() - self.printed > INTERVAL and loop.position.step < loop.steps:
+            self._print(loop, loop.position.epoch + loop.position.step / loop.steps, "")
 
     def after_epoch(self, loop: Loop, loss: float) -> None:
         """Print a line with the mean loss."""
-        self._print(loop, loop.at.epoch, f": loss {loss:.5f}")
+        self._print(loop, loop.position.epoch, f": loss {loss:.5f}")
 
     def _print(self, loop: Loop, done: float, loss: str) -> None:
-        elapsed, epochs = loop.at.seconds, loop.task.stage.epochs
+        elapsed, epochs = loop.position.seconds, loop.task.stage.epochs
         left = elapsed / done * (epochs - done)
         epoch = f"{done:.2f}" if done % 1 else f"{done:.0f}"
         times = f"{elapsed:.0f} s elapsed, {left:.0f} s left"
@@ -57,19 +57,20 @@ class DivergenceCheck(Callback):
     def after_step(self, loop: Loop) -> None:
         """Check the loss."""
         if not np.isfinite(loop.loss):
-            where = f"epoch {loop.at.epoch + 1}, step {loop.at.step}"
-            self._raise(loop, where, f"the loss is {loop.loss}", loop.task.culprit(loop.examples))
+            where = f"epoch {loop.position.epoch + 1}, step {loop.position.step}"
+            part = loop.task.nonfinite_part(loop.examples)
+            self._raise(loop, where, f"the loss is {loop.loss}", part)
 
     def after_epoch(self, loop: Loop, loss: float) -> None:
         """Check the weights: the loss before a step can be finite and the weights after it not."""
         if names := nonfinite(loop.parameters):
-            where = f"epoch {loop.at.epoch}"
+            where = f"epoch {loop.position.epoch}"
             self._raise(loop, where, "weights are no longer finite", f"the weights {names[0]}")
 
-    def _raise(self, loop: Loop, where: str, problem: str, culprit: str) -> None:
+    def _raise(self, loop: Loop, where: str, problem: str, part: str) -> None:
         status = self.checkpoint.status() if self.checkpoint else "there is no checkpoint"
         raise DivergedError(
-            f"{loop.task.name}, {where}: {problem} at rate {loop.rate:.4g}, first in {culprit}; "
+            f"{loop.task.name}, {where}: {problem} at rate {loop.rate:.4g}, first in {part}; "
             f"{status}; {self.advice}"
         )
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
 from numpy_cae.training.loop import Loop, Task
 from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
@@ -30,7 +30,7 @@ class SequenceHistory:
 
 
 def train_sequential(
-    model: Any,
+    model: SequentialAutoencoder,
     draw: Callable[[np.random.Generator, int], np.ndarray],
     schedule: SequenceSchedule | None = None,
     rng: np.random.Generator | None = None,
@@ -64,7 +64,7 @@ def train_sequential(
             each(len(history.norm))
         return losses.total
 
-    def culprit(_: np.ndarray) -> str:
+    def nonfinite_part(_: np.ndarray) -> str:
         if not np.isfinite(clips).all():
             return "the clips"
         return ", ".join(nonfinite(model.weights)) or "the output of the network"
@@ -74,6 +74,6 @@ def train_sequential(
         data = [*model.weights.values(), draw(deepcopy(rng), schedule.batch)]
         checkpoint.attach(loop, fingerprint(data, schedule, rng.bit_generator.state))
     count = schedule.steps * schedule.batch  # an example is a clip, which the step draws itself
-    loop.run(Task("sequences", schedule, count, False, step, culprit, optimiser))
-    history.seconds = loop.at.seconds
+    loop.run(Task("sequences", schedule, count, False, step, nonfinite_part, optimiser))
+    history.seconds = loop.position.seconds
     return history

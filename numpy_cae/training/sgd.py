@@ -22,8 +22,8 @@ def descend_with_momentum(
 ) -> None:
     """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place; holden2015 has none of it.
 
-    Steps add up to 1 / (1 - μ) of one where the gradient keeps its sign and cancel where it does
-    not.
+    With a constant gradient the step grows to 1 / (1 - μ) times the plain step. Steps of
+    alternating sign partly cancel.
     """
     for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
         velocity *= momentum
@@ -52,8 +52,8 @@ class Sgd:
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):
         self.parameters, self.momentum = parameters, momentum
-        moving = parameters if momentum else {}
-        self.state = {f"velocity of {name}": np.zeros_like(w) for name, w in moving.items()}
+        named = parameters.items() if momentum else ()
+        self.state = {f"velocity of {name}": np.zeros_like(array) for name, array in named}
 
     def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
         """Take one step; the gradients are in the order of the parameters."""

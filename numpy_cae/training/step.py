@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
 from numpy_cae.training.corruption import corrupt
-from numpy_cae.training.schedule import EVEN, SequenceSchedule, Stage
+from numpy_cae.training.schedule import EVEN, RANDOM, SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 
 
 def denoising_step(
-    model: Any,
+    model: ConvAutoencoder,
     x: np.ndarray,
     stage: Stage,
     rate: float,
@@ -21,29 +20,33 @@ def denoising_step(
     optimiser: Sgd | Adam,
     layer: int | None = None,
 ) -> float:
-    """Corrupt, compare, descend: one step of holden2015 on one batch.
+    """Corrupt the input, compute the loss and its gradients, update the weights: holden2015.
 
-    x : (B, T, C) are clean windows, or what the trained layers below `layer` make of them; `layer`
-    is the one layer to train, 0 the lowest, or None for all. Returns the loss of equation 3 before
+    x : (B, T, C) are clean windows or, when one layer is trained, the output of the layers below
+    it; `layer` is this layer, 0 the lowest, or None for all. Returns the loss of equation 3 before
     the step; if it is not finite, no weight is changed.
     """
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
-    first = _unpooling_masks(model, x, stage, layer, rng)
+    layers = model.layers if layer is None else [model.layers[layer]]
+    # The paper unpools at random while one layer is trained, and evenly while all are.
+    unpooling = stage.unpooling or (EVEN if layer is None else RANDOM)
+    first = None if unpooling == EVEN else _unpooling_masks(layers, x, rng)
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     if np.isfinite(loss):
-        optimiser.update([each for of_layer in gradients for each in of_layer], rate)
+        # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.
+        optimiser.update([gradient for of_layer in gradients for gradient in of_layer], rate)
     return loss
 
 
 def sequence_step(
-    model: Any,
+    model: SequentialAutoencoder,
     x: np.ndarray,
     schedule: SequenceSchedule,
     rate: float,
     rng: np.random.Generator,
     optimiser: Sgd | Adam,
-) -> tuple[Any, float]:
-    """Draw, compare, clip, descend: one step of jang2018 on one batch.
+) -> tuple[Losses, float]:
+    """Draw from the prior, compute the loss and its gradients, update the weights: jang2018.
 
     x : (B, T, features) are normalised clips. Returns the losses before the step and the norm of
     the gradient before it was clipped; if the total is not finite, no weight is changed.
@@ -72,21 +75,15 @@ def unit_directions(
 def make_optimiser(
     stage: Stage | SequenceSchedule, parameters: dict[str, np.ndarray]
 ) -> Sgd | Adam:
-    """The optimiser that the stage names, at rest, over these parameters."""
+    """A new optimiser of the kind that `stage` names, for these parameters."""
     return Adam(parameters) if stage.optimiser == "adam" else Sgd(parameters, stage.momentum)
 
 
 def _unpooling_masks(
-    model: Any, x: np.ndarray, stage: Stage, layer: int | None, rng: np.random.Generator
-) -> list[np.ndarray] | None:
-    """A mask for each layer in training, lowest first; None for unpooling evenly."""
-    if stage.unpooling == EVEN or (stage.unpooling is None and layer is None):
-        return None
-    layers = model.layers if layer is None else [model.layers[layer]]
-    return [_unpooling_mask(x[:, :: 2**k], each.b.size, rng) for k, each in enumerate(layers)]
-
-
-def _unpooling_mask(x: np.ndarray, filters: int, rng: np.random.Generator) -> np.ndarray:
-    """True, with probability one half, where the value goes to the first frame of its pair."""
+    layers: list[ConvLayer], x: np.ndarray, rng: np.random.Generator
+) -> list[np.ndarray]:
+    """For each layer a mask: True, with probability 1/2, where the value goes to the first frame of
+    its pair."""
     batch, frames, _ = x.shape
-    return rng.random((batch, frames // 2, filters), dtype=np.float32) < 0.5
+    shapes = [(batch, frames >> (k + 1), trained.b.size) for k, trained in enumerate(layers)]
+    return [rng.random(shape, dtype=np.float32) < 0.5 for shape in shapes]

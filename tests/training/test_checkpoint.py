@@ -179,7 +179,7 @@ def test_divergence_names_window_layer_and_checkpoint_and_keeps_only_finite_stat
 
 def test_how_often_by_time(tmp_path, monkeypatch):
     saved = []
-    monkeypatch.setattr(Checkpoint, "save", lambda self, loop: saved.append(loop.at.step))
+    monkeypatch.setattr(Checkpoint, "save", lambda self, loop: saved.append(loop.position.step))
     model = ConvAutoencoder(3, (4, 5), taps=3)
     kept = Checkpoint(tmp_path / "c.npz", seconds=1e9)
     train_autoencoder(model, WINDOWS, SCHEDULE, None, False, kept)

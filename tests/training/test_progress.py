@@ -39,7 +39,7 @@ def test_a_line_tells_the_time_that_is_left_and_one_within_an_epoch_comes_rarely
     clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
     monkeypatch.setattr(module, "time", clock)
     task = SimpleNamespace(name="layer 1", stage=Stage(epochs=4))
-    loop = SimpleNamespace(task=task, steps=8, at=Position(epoch=1, step=4, seconds=60.0))
+    loop = SimpleNamespace(task=task, steps=8, position=Position(epoch=1, step=4, seconds=60.0))
     progress = Progress()
     clock.now += 29
     progress.after_step(loop)
@@ -48,7 +48,7 @@ def test_a_line_tells_the_time_that_is_left_and_one_within_an_epoch_comes_rarely
     progress.after_step(loop)
     progress.after_step(loop)
     assert capsys.readouterr().err == "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"
-    loop.at = Position(epoch=2, seconds=70.0)
+    loop.position = Position(epoch=2, seconds=70.0)
     progress.after_epoch(loop, 0.125)
     said = "layer 1, epoch 2/4: loss 0.12500, 70 s elapsed, 70 s left\n"
     assert capsys.readouterr().err == said

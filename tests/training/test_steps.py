@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import (
     Adam,
     Stage,
@@ -76,14 +77,16 @@ def test_a_probability_above_one_is_an_error(p):
         corrupt(X, p, False, np.random.default_rng(0))
 
 
-def test_an_unpooling_mask_is_true_with_probability_one_half():
+def test_unpooling_masks_are_true_with_probability_one_half():
+    layers = ConvAutoencoder(3, filters=(5, 20), taps=3).layers
     x = np.ones((2, 4, 3))
-    assert module._unpooling_mask(x, 5, Constant(0.4999)).all()
-    assert not module._unpooling_mask(x, 5, Constant(0.5)).any()
-    assert module._unpooling_mask(x, 5, Constant(0)).shape == (2, 2, 5)
-    drawn = module._unpooling_mask(np.ones((10, 100, 1)), 20, np.random.default_rng(0))
-    assert drawn.dtype == bool
-    assert drawn.mean() == pytest.approx(0.5, abs=0.02)
+    assert all(mask.all() for mask in module._unpooling_masks(layers, x, Constant(0.4999)))
+    assert not any(mask.any() for mask in module._unpooling_masks(layers, x, Constant(0.5)))
+    shapes = [mask.shape for mask in module._unpooling_masks(layers, x, Constant(0))]
+    assert shapes == [(2, 2, 5), (2, 1, 20)]
+    for drawn in module._unpooling_masks(layers, np.ones((10, 400, 3)), np.random.default_rng(0)):
+        assert drawn.dtype == bool
+        assert drawn.mean() == pytest.approx(0.5, abs=0.02)
 
 
 def test_directions_have_length_one_and_no_preferred_direction():
