@@ -1,4 +1,4 @@
-"""The structure of the package: imports point inwards, sizes stay within budgets, the map is complete."""
+"""The structure: imports point inwards, sizes stay within budgets, the map is complete."""
 
 from __future__ import annotations
 
