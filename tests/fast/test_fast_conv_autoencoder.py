@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -231,20 +231,8 @@ def test_models_are_copied_and_pickled():
 
 def test_several_callers_at_once():
     model, x, _, _ = drawn(0, 9, (4, 3), 5, 8, "even")
-    inputs = [x * scale for scale in (0.5, 1, 2, 3)]
-    fast = accelerate(model)
+    fast, inputs = accelerate(model), [x * scale for scale in (0.5, 1, 2, 3)]
     expected = [fast.encode(each) for each in inputs]
-    results = [None] * len(inputs)
-
-    def work(k):
-        for _ in range(20):
-            results[k] = fast.encode(inputs[k])
-            np.testing.assert_array_equal(results[k], expected[k])
-
-    threads = [threading.Thread(target=work, args=(k,)) for k in range(len(inputs))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    for a, b in zip(expected, results, strict=True):
-        np.testing.assert_array_equal(a, b)
+    with ThreadPoolExecutor(4) as pool:
+        for k, found in enumerate(pool.map(fast.encode, inputs * 20)):
+            np.testing.assert_array_equal(found, expected[k % 4])

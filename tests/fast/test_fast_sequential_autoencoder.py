@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -160,16 +160,9 @@ def test_a_subclass_with_its_own_loss_is_not_replaced():
 
 def test_several_callers_at_once():
     model, *material = drawn(9, 6, 8, hidden=9)
-    fast, results = accelerate(model, 2), []
+    fast = accelerate(model, 2)
     expected = model.loss_and_gradients(*material, 0.3)
-    callers = [
-        threading.Thread(target=lambda: results.append(fast.loss_and_gradients(*material, 0.3)))
-        for _ in range(4)
-    ]
-    for caller in callers:
-        caller.start()
-    for caller in callers:
-        caller.join()
-    assert len(results) == 4
-    for result in results:
-        assert_same(expected, result, 1e-10)
+    with ThreadPoolExecutor(4) as pool:
+        calls = [pool.submit(fast.loss_and_gradients, *material, 0.3) for _ in range(8)]
+        for call in calls:
+            assert_same(expected, call.result(), 1e-10)

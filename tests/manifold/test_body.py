@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import RootTransform, UnknownRigError, body_of, body_positions, bone_lengths
-from numpy_cae.motion.body import Body, hold_first_pose
+from numpy_cae.motion import UnknownRigError, body_of, body_positions, bone_lengths
+from numpy_cae.motion.body import Body
 
 
 @pytest.mark.parametrize("rate", [20.0, 25.0, 30.0, 59.94, 120.0])
@@ -30,16 +30,6 @@ def test_features_are_those_of_the_manifold(untrained_manifold):
     assert body.root == root
     np.testing.assert_allclose(body.positions_of(features), body.positions, atol=1e-9)
     np.testing.assert_array_equal(body.positions_in_file, body_positions(motion))
-
-
-@pytest.mark.parametrize("rate", [25.0, 30.0, 120.0])
-def test_a_rig_performs_another_motion_from_its_first_pose(untrained_manifold, rate):
-    rig = make_take("walk", 2, seconds=1.0, rate=rate).motion
-    features = untrained_manifold.body(make_take("run", 5, seconds=3.0, rate=30.0).motion).features
-    body = untrained_manifold.body(hold_first_pose(rig, len(features)))
-    made = body.to_rig(features, RootTransform())
-    assert len(made) == pytest.approx(3 * rate, abs=1)
-    np.testing.assert_allclose(body_of(made)[0, 0, [0, 2]], 0, atol=1e-9)
 
 
 def test_a_missing_joint_is_named_when_the_body_is_used(untrained_manifold):

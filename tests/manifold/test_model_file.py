@@ -50,30 +50,23 @@ def models(manifolds, tmp_path_factory):
 
 
 @pytest.mark.parametrize("engine", ["fast", "ops"])
-def test_a_convolutional_manifold_comes_back(manifolds, models, tmp_path, engine):
-    (tmp_path / "m.npz").write_bytes(models["conv"])
-    saved, loaded = manifolds[0]["conv"], load_manifold(tmp_path / "m.npz", engine)
-    assert (loaded.rate, loaded.rescales, loaded.window) == (30.0, True, 16)
+@KINDS
+def test_a_manifold_comes_back(manifolds, models, tmp_path, kind, engine):
+    (tmp_path / "m.npz").write_bytes(models[kind])
+    saved, loaded = manifolds[0][kind], load_manifold(tmp_path / "m.npz", engine)
     assert loaded.settings == json.loads(json.dumps(saved.settings))
-    features = saved.body(manifolds[1]).features
-    np.testing.assert_allclose(
-        loaded.project(features), saved.project(features), atol=0 if engine == "fast" else 1e-5
-    )
+    if kind == "conv":
+        assert (loaded.rate, loaded.rescales, loaded.window) == (30.0, True, 16)
+        features = saved.body(manifolds[1]).features
+        found, expected = (each.project(features) for each in (loaded, saved))
+    else:
+        assert (loaded.rate, loaded.frames, loaded.table) == (25.0, 30, saved.table)
+        np.testing.assert_array_equal(loaded.offsets, saved.offsets)
+        x = saved.normalise(cut_clips([angles_of(manifolds[1])]))
+        found, expected = (each.network.denoise(x) for each in (loaded, saved))
+    np.testing.assert_allclose(found, expected, atol=0 if engine == "fast" else 1e-5)
     with pytest.raises(ValueError, match="engine is 'slow'"):
         load_manifold(tmp_path / "m.npz", "slow")
-
-
-@pytest.mark.parametrize("engine", ["fast", "ops"])
-def test_a_sequential_manifold_comes_back(manifolds, models, tmp_path, engine):
-    (tmp_path / "m.npz").write_bytes(models["sequence"])
-    saved, loaded = manifolds[0]["sequence"], load_manifold(tmp_path / "m.npz", engine)
-    assert (loaded.rate, loaded.frames, loaded.table) == (25.0, 30, saved.table)
-    assert loaded.settings == json.loads(json.dumps(saved.settings))
-    np.testing.assert_array_equal(loaded.offsets, saved.offsets)
-    x = saved.normalise(cut_clips([angles_of(manifolds[1])]))
-    np.testing.assert_allclose(
-        loaded.network.denoise(x), saved.network.denoise(x), atol=0 if engine == "fast" else 1e-5
-    )
 
 
 def arrays_of(data: bytes) -> dict[str, np.ndarray]:

@@ -8,7 +8,6 @@ import pytest
 from data_synth import JANG2018_KINDS, make_take
 from numpy_cae.motion import (
     ANGLES,
-    UnknownRigError,
     angles_of,
     body_positions,
     cut_clips,
@@ -80,15 +79,6 @@ def test_without_a_neck_the_head_turns_as_one(walk, sequence):
     head = [SEVENTEEN.columns.index(f"head {axis}") for axis in "xyz"]
     assert np.allclose(found.numbers[:, head], 0, atol=1e-7)
     assert not np.allclose(sequence.numbers[:, head], 0, atol=1e-3)
-
-
-def test_a_rig_that_is_not_known_is_said_with_the_file(tmp_path):
-    (tmp_path / "a.bvh").write_text(
-        "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n"
-        "End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0\n"
-    )
-    with pytest.raises(UnknownRigError, match=r"a\.bvh: the rig has no"):
-        load_angles(tmp_path / "a.bvh")
 
 
 def test_clips_begin_anywhere_and_at_no_place(sequence):

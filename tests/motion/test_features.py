@@ -150,12 +150,3 @@ def test_fitted_bones_follow_the_positions():
     truth = Motion(skeleton, 30.0, rotations, translations).positions()
     fitted = fit_motion(truth, LENGTHS, 30.0)
     np.testing.assert_allclose(fitted.positions(), truth, atol=5e-4)
-
-
-def test_windows_of_other_lengths_and_overlaps():
-    windows, _ = cut_windows(np.zeros((100, 63)), length=32, overlap=8)
-    assert len(windows) == 4
-    with pytest.raises(ValueError, match="overlap is 32"):
-        cut_windows(np.zeros((100, 63)), length=32, overlap=32)
-    with pytest.raises(ValueError, match="no frames"):
-        cut_windows(np.zeros((0, 63)))
