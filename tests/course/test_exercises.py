@@ -9,12 +9,7 @@ import pytest
 
 from numpy_cae import course, ops
 from numpy_cae.course.exercises import EXERCISES, LESSONS
-from numpy_cae.course.exercises.checks import (
-    PULLBACK,
-    Differentiated,
-    drawn,
-    require_same,
-)
+from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn, require_same
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.comparison import comparison, nearest, shift
+from numpy_cae.experiments.comparison import comparison, shift
 from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
     EUCLIDEAN,
@@ -87,22 +87,6 @@ def test_a_shift_is_relative_to_the_distance_to_others(small_manifold, clips):
     others = [np.linalg.norm(x[1][:32] - x[n][:32]) for n in (0, 2, 3, 4)]
     moved, _ = shift.shifted(small_manifold, clips, 32)
     assert moved[EUCLIDEAN][1, SHIFTS.index(5)] == pytest.approx(itself / np.median(others))
-
-
-def test_claims_of_the_nearest_motions_follow_the_lists(monkeypatch):
-    monkeypatch.setattr(nearest, "QUERIES", 2)
-    alike, odd = list(nearest.ALIKE), nearest.ODD[0]
-    good = [alike + alike[:2]] * 2
-    bad = [[odd, *alike, "run"]] * 2
-
-    def held(by_g, by_euclid):
-        found = {nearest.G: by_g, nearest.EUCLIDEAN: by_euclid}
-        claims = nearest._claims(found, {nearest.G: 9.0, nearest.EUCLIDEAN: 1.0})
-        return [claim.held for claim in claims]
-
-    assert held(good, bad) == [True, True]
-    assert held(bad, good) == [False, False]
-    assert held(good, [bad[0], good[0]]) == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -5,21 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import (
-    ALL_SHIFTS,
-    ENDS_HELD,
-    NETWORK,
-    clips_of,
-    project_ends_held,
-)
+from numpy_cae.experiments.clips import ALL_SHIFTS, ENDS_HELD, NETWORK, clips_of, project_ends_held
 from numpy_cae.experiments.material import LabelledTake, unlabelled
-from numpy_cae.experiments.repair import (
-    half_zeroed,
-    kinect,
-    lengths,
-    missing_marker,
-    repair_sweep,
-)
+from numpy_cae.experiments.repair import half_zeroed, kinect, lengths, missing_marker, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
 from numpy_cae.motion import PARENTS
 

@@ -19,9 +19,7 @@ from numpy_cae.experiments.sequences.reconstruction import (
 )
 from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import samples
-from numpy_cae.experiments.sequences.study import (
-    train_study,
-)
+from numpy_cae.experiments.sequences.study import train_study
 from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of

@@ -9,7 +9,6 @@ from numpy_cae.experiments.ablation.variant import (
     untied_autoencoder,
 )
 from numpy_cae.fast import accelerate
-from numpy_cae.models import ConvAutoencoder
 from numpy_cae.verify import check_gradients
 
 TINY = {"features": 3, "filters": (2, 3), "taps": 3, "dtype": np.float64}
@@ -24,22 +23,6 @@ def drawn(model, seed=0):
     x = rng.normal(scale=0.5, size=(2, 8, 3))
     first = [rng.random((2, 8 >> (k + 1), n)) < 0.5 for k, n in enumerate(TINY["filters"])]
     return x, x * (rng.random(x.shape) > 0.1), first
-
-
-def test_untied_gradients_add_up_to_the_tied_ones_if_the_filters_are_equal():
-    tied, untied = ConvAutoencoder(**TINY), untied_autoencoder(**TINY)
-    x, corrupted, first = drawn(tied)
-    for one, other in zip(tied.layers, untied.layers, strict=True):
-        for array, same in ((other.w, one.w), (other.v, one.w), (other.b, one.b), (other.c, one.b)):
-            array[...] = same
-    np.testing.assert_allclose(untied.project(x), tied.project(x))
-    for masks in (first, None):
-        loss, gradients = tied.loss_and_gradients(x, corrupted, 0.3, masks)
-        again, shares = untied.loss_and_gradients(x, corrupted, 0.3, masks)
-        assert again == pytest.approx(loss, rel=1e-12)
-        for (dw, db), (dw_up, db_up, dv, dc) in zip(gradients, shares, strict=True):
-            np.testing.assert_allclose(dw, dw_up + dv, atol=1e-12)
-            np.testing.assert_allclose(db, db_up + dc, atol=1e-12)
 
 
 @pytest.mark.parametrize(("unpooling", "layer"), [("random", None), ("even", 0)])

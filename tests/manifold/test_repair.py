@@ -9,13 +9,7 @@ from data_synth import make_take
 from numpy_cae.manifold import MotionManifold, repair
 from numpy_cae.manifold.repair import keep_trajectory
 from numpy_cae.measures import position_error
-from numpy_cae.motion import (
-    POSITIONS,
-    TURN,
-    VELOCITY,
-    body_positions,
-    bone_lengths,
-)
+from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
 from numpy_cae.motion.features import trajectory_of
 
 

@@ -128,14 +128,5 @@ def test_from_the_command_line(manifold, tmp_path, capsys, monkeypatch):
     assert len(load_motion(out)) == 180
     assert main(["sample", "-m", str(model), "-o", str(out), "--seconds", "3"]) == 0
     assert len(load_motion(out)) == 75
-    for words, said in (
-        (
-            ["repair", str(file), "-m", str(model), "-o", str(out), "--constrain"],
-            "supports no constraints",
-        ),
-        (["sample", "-m", str(model), "-o", str(out), "--data", str(tmp_path)], "--data"),
-        (["compare", str(file), str(file), "-m", str(model)], "not a convolutional"),
-    ):
-        capsys.readouterr()
-        assert main(words) == 2
-        assert said in capsys.readouterr().err
+    assert main(["compare", str(file), str(file), "-m", str(model)]) == 2
+    assert "not a convolutional" in capsys.readouterr().err

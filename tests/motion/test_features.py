@@ -47,11 +47,7 @@ def body(frames=40, seed=0, turn=0.0, speed=0.02):
     return (pose + swing) @ about_y.transpose(0, 2, 1) + path[:, None], angle
 
 
-@given(
-    frames=st.integers(1, 60),
-    seed=st.integers(0, 2**32 - 1),
-    turn=st.floats(-0.2, 0.2),
-)
+@given(frames=st.integers(1, 60), seed=st.integers(0, 2**32 - 1), turn=st.floats(-0.2, 0.2))
 def test_there_and_back_is_exact(frames, seed, turn):
     positions, _ = body(frames, seed, turn)
     features, start = positions_to_features(positions, 30.0)

@@ -20,8 +20,7 @@ STAGES = {
     "paper": Schedule(Stage(epochs=2), Stage(2, 0.01, alpha=0.0)),
     "momentum": Schedule(Stage(epochs=1), Stage(2, 0.1, batch=4, rescaled=True, momentum=0.9)),
     "end to end": Schedule(
-        Stage(epochs=0),
-        Stage(3, 0.001, 1.0, 0.0, 4, optimiser="adam", rate_schedule="one-cycle"),
+        Stage(epochs=0), Stage(3, 0.001, 1.0, 0.0, 4, optimiser="adam", rate_schedule="one-cycle")
     ),
 }
 

@@ -101,14 +101,7 @@ def test_a_patched_numpy_cannot_reach_the_grader(graded):
     (tanh,) = report.reports
     held = [outcome.stated.name for outcome in tanh.outcomes if outcome.held]
     assert not report.faults
-    assert held == [
-        "gradient for x",
-        "linearity",
-        "dtype",
-        "purity",
-        "independence",
-        "strides",
-    ]
+    assert held == ["gradient for x", "linearity", "dtype", "purity", "independence", "strides"]
 
 
 def test_output_warnings_an_altered_numpy_and_self_tests_are_no_fault(graded):
