@@ -25,6 +25,7 @@ class Stage:
     zeroed: float | tuple[float, float] = 0.1  # p of `corrupt`, or the bounds of each window's p
     rescaled: bool = False  # whether X_c is divided by 1 - p
     momentum: float = 0.0  # μ of `descend_with_momentum`, at least 0 and below 1
+    norm: float | None = None  # bound on the gradient's norm; the paper has none
     unpooling: Literal["random", "even"] | None = None  # None: random for one layer, even for all
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"

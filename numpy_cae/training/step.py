@@ -34,7 +34,10 @@ def denoising_step(
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     if np.isfinite(loss):
         # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.
-        optimiser.update([gradient for of_layer in gradients for gradient in of_layer], rate)
+        flat = [gradient for of_layer in gradients for gradient in of_layer]
+        if stage.norm is not None:
+            clip_norm(flat, stage.norm)
+        optimiser.update(flat, rate)
     return loss
 
 

@@ -76,7 +76,7 @@ def test_several_folders_and_patterns_are_saved_with_the_model(walks, tmp_path, 
 
 
 BEST = Stage(60, 0.5, 0.95, 0.0, 8, (0.1, 0.8), True, 0.9)
-FAST = Stage(9, 0.01, 1.0, 0.0, 16, (0.1, 0.8), True, 0.0, None, "adam", "one-cycle")
+FAST = Stage(9, 0.01, 1.0, 0.0, 8, (0.1, 0.8), True, 0.0, 0.05, None, "adam", "one-cycle")
 
 
 @pytest.mark.parametrize(

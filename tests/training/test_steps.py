@@ -124,7 +124,7 @@ def test_adam_is_its_definition_as_a_sum_over_all_gradients():
         adam.update([gradients[t - 1]], rate=0.02)
         ages = np.arange(t)[::-1, None]
         mean = (0.1 * 0.9**ages * gradients[:t]).sum(axis=0) / (1 - 0.9**t)
-        square = (0.001 * 0.999**ages * gradients[:t] ** 2).sum(axis=0) / (1 - 0.999**t)
+        square = (0.01 * 0.99**ages * gradients[:t] ** 2).sum(axis=0) / (1 - 0.99**t)
         expected -= 0.02 * mean / (np.sqrt(square) + 1e-8)
     np.testing.assert_allclose(w, expected, atol=1e-5)
     assert {array.dtype for array in (w, *adam.means.values(), *adam.squares.values())} == {w.dtype}
