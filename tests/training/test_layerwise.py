@@ -33,7 +33,7 @@ def trained(seed=0, **changes):
 
 
 def test_the_defaults_are_the_papers():
-    layer = Stage(25, 0.5, 0.9, 0.01, 1, 0.1, False, 0.0, None, "sgd", "decay")
+    layer = Stage(25, 0.5, 0.9, 0.01, 1, 0.1, False, 0.0, None, None, "sgd", "decay")
     assert Schedule().layer == layer
     assert Schedule().fine_tuning == replace(layer, rate=0.01, alpha=0.0)
 
