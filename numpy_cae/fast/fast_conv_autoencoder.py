@@ -80,6 +80,23 @@ class FastConvAutoencoder(ConvAutoencoder):
         self._in_parts(batch, frames, out.dtype, decode_part)
         return out
 
+    def project(self, x: np.ndarray) -> np.ndarray:
+        """Φ†(Φ(X)), as `ConvAutoencoder.project`; the hidden units stay in the buffers."""
+        layers = self.layers
+        require_windows("x", x, layers)
+        out = np.empty(x.shape, _dtype(layers, x))
+
+        def project_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
+            def work(worker: Worker) -> None:
+                _encode(layers, worker, x[part])
+                decoded = _decode(layers, worker, [None] * len(layers))
+                _copy_windows(decoded, out[part][worker.windows])
+
+            workspace.run(layers, work, same_weights)
+
+        self._in_parts(len(x), x.shape[1], out.dtype, project_part)
+        return out
+
     def decode_with_pullback(
         self, y: np.ndarray
     ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
@@ -181,19 +198,16 @@ class FastConvAutoencoder(ConvAutoencoder):
         """The buffers for arguments of these sizes, from the last few that were used."""
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
-        teams = self._teams(layers, batch, frames)
-        return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, *teams, training)
+        team = self._team(layers, batch, frames)
+        return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, team, training)
 
-    def _teams(
-        self, layers: Sequence[ConvLayer], batch: int, frames: int
-    ) -> tuple[ThreadTeam, ThreadTeam]:
-        """The threads that compute, and those where one more thread compares the filters."""
+    def _team(self, layers: Sequence[ConvLayer], batch: int, frames: int) -> ThreadTeam:
+        """The threads that share the windows."""
         work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
         if work < MIN_MULTIPLICATIONS:
-            return thread_team(1), thread_team(1)
+            return thread_team(1)
         threads = thread_team(self._threads).size
-        size = max(1, min(threads, batch // MIN_WINDOWS_PER_THREAD))
-        return thread_team(size), thread_team(max(size, min(2, threads)))
+        return thread_team(max(1, min(threads, batch // MIN_WINDOWS_PER_THREAD)))
 
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:

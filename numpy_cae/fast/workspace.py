@@ -57,8 +57,7 @@ class Workspace:
     shapes, unpooled_evenly : tuples with one element for each layer
     batch, frames : int
     dtype : dtype
-    team, comparing_team : ThreadTeam
-        The same, or the second has one more thread, which compares the filters with a copy.
+    team : ThreadTeam
     training : bool
         Whether gradients for the weights will be computed: then ŵ is transformed in every run,
         since every step changes the weights, and the block length takes that into account.
@@ -77,12 +76,10 @@ class Workspace:
         dtype: np.dtype,
         unpooled_evenly: tuple[bool, ...],
         team: ThreadTeam,
-        comparing_team: ThreadTeam,
         training: bool,
     ):
-        self.team, self.comparing_team = team, comparing_team
-        self.training, self.content = training, object()
-        self._copies: list[np.ndarray] = []
+        self.team, self.training, self.content = team, training, object()
+        self._copies: list[tuple[np.dtype, bytearray]] = []
         windows = [share(batch, number, team.size) for number in range(team.size)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
         together = batch if training else -(-batch // team.size)
@@ -109,12 +106,12 @@ class Workspace:
         """Call work(worker) for every worker, with the ŵ of these layers.
 
         Unless the caller knows that W is that of the last run (`same_weights`), W is compared with
-        a copy. If it has changed, the work is done a second time.
+        a copy, bit by bit, and ŵ computed anew where it has changed.
         """
         self.content = object()
-        if same_weights:
+        if same_weights or self._is_current(layers):
             self.team.run(lambda number: work(self.workers[number]))
-        elif not self._run_while_comparing(layers, work):
+        else:
             self._transform_and_run(layers, work)
 
     def _transform_and_run(
@@ -122,7 +119,7 @@ class Workspace:
     ) -> None:
         """Compute ŵ = G w, each worker some of its rows, then work with it."""
         self._copies = []
-        copies = [] if self.training else [layer.w.copy() for layer in layers]
+        copies = [] if self.training else [(w.dtype, bytearray(w)) for w in _filters(layers)]
 
         def transform_and_work(number: int) -> None:
             for k, layer in enumerate(layers):
@@ -134,37 +131,11 @@ class Workspace:
         self.team.run(transform_and_work)
         self._copies = copies
 
-    def _run_while_comparing(
-        self, layers: Sequence[ConvLayer], work: Callable[[Worker], None]
-    ) -> bool:
-        """Work with the present ŵ and compare W with its copy; return whether W is unchanged.
-
-        For one window the comparison takes half as long as encoding. So if one thread works, a
-        second one compares; if several threads work, each first compares a part.
-        """
-        if len(self._copies) != len(layers):
-            return False
-        threads = self.comparing_team.size
-        one_compares = threads > self.team.size
-        unchanged = [True] * threads
-
-        def compare_and_work(number: int) -> None:
-            if not one_compares:
-                unchanged[number] = self._unchanged(layers, number, threads)
-            elif number == threads - 1:
-                unchanged[number] = self._unchanged(layers, 0, 1)
-            if number < self.team.size and unchanged[number]:
-                work(self.workers[number])
-
-        self.comparing_team.run(compare_and_work)
-        return all(unchanged)
-
-    def _unchanged(self, layers: Sequence[ConvLayer], part: int, parts: int) -> bool:
-        """Whether one of so many parts of every W equals its copy."""
-        return all(
-            same_bits(layer.w[taps], copy[taps])
-            for copy, layer in zip(self._copies, layers, strict=True)
-            for taps in [share(len(copy), part, parts)]
+    def _is_current(self, layers: Sequence[ConvLayer]) -> bool:
+        """Whether ŵ belongs to W: a bytearray is compared in one call, faster than an array."""
+        return len(self._copies) == len(layers) and all(
+            dtype == w.dtype and copy == w.data
+            for (dtype, copy), w in zip(self._copies, _filters(layers), strict=True)
         )
 
     def filters_gradient(self, own: Worker, out: Sequence[np.ndarray]) -> None:
@@ -200,18 +171,5 @@ class Workspace:
         return share(len(convolution.w_hat), number, self.team.size)
 
 
-def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two arrays of the same shape have the same dtype and the same bits.
-
-    As integers, so that NaN equals NaN and -0 differs from 0; a filter tap at a time, so that the
-    result of the comparison stays in the cache and the first difference ends it.
-    """
-    if a.dtype != b.dtype:
-        return False
-    integers = f"i{a.itemsize}"
-    same = np.empty(a.shape[1:], bool)
-    for one, other in zip(a.view(integers), b.view(integers), strict=True):
-        np.equal(one, other, out=same)
-        if not same.all():
-            return False
-    return True
+def _filters(layers: Sequence[ConvLayer]) -> list[np.ndarray]:
+    return [np.ascontiguousarray(layer.w) for layer in layers]
