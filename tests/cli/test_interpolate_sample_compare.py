@@ -57,14 +57,6 @@ def test_samples_of_both_priors_are_written_to_one_file_each(folder, model, tmp_
     assert gif.read_bytes().startswith(b"GIF")
 
 
-def test_the_same_seed_draws_the_same_motion(folder, model, tmp_path, run):
-    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
-        argv = ["-m", model, "--data", folder, "-o", tmp_path / f"{name}.bvh", "--seed", seed]
-        run("sample", *argv, "--seconds", 1)
-    a, b, c = ((tmp_path / f"{name}.bvh").read_bytes() for name in "abc")
-    assert a == b != c
-
-
 def test_an_error_is_one_line(folder, model, tmp_path, error_of):
     walk, out = folder / "walk.bvh", tmp_path / "o.bvh"
     assert "--data" in error_of("sample", "-m", model, "-o", out)

@@ -96,3 +96,19 @@ def test_the_root_stays_on_the_trajectory_of_the_file(walked):
     assert np.abs(there - floor).max() < 0.15
     assert np.abs(facing - theta).max() < 0.15
     assert np.abs(there - floor)[30:-30].max() < 0.05
+
+
+def test_slow_motion_of_the_root_is_the_files_and_fast_motion_the_projections(walked):
+    features, start = walked
+    shaken = features.copy()
+    shaken[:, TURN] += 0.05 * (-1.0) ** np.arange(len(features))[:, None]
+    kept, _ = keep_trajectory(shaken, features, start, 30.0)
+
+    def quick(x):
+        return np.abs(np.diff(trajectory_of(x, start)[1] - trajectory_of(features, start)[1]))
+
+    assert quick(shaken).min() > 0.04
+    assert quick(kept).max() < 0.004
+    same, place = keep_trajectory(features, features, start, 30.0)
+    np.testing.assert_allclose(same[:-1], features[:-1], atol=1e-9)
+    assert place.heading == pytest.approx(start.heading)

@@ -44,7 +44,7 @@ def as_function_of_parameters(model, x, corrupted, alpha, first, layer):
     return loss, start, names
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(
     seed=st.integers(0, 2**32 - 1),
     random_unpooling=st.booleans(),
@@ -99,11 +99,8 @@ def test_gradients_of_a_layers_input_and_parameters(seed, random_unpooling):
 
 def test_default_shapes_are_the_papers():
     model = ConvAutoencoder()
-    assert [layer.w.shape for layer in model.layers] == [
-        (15, 63, 64),
-        (15, 64, 128),
-        (15, 128, 256),
-    ]
+    shapes = [layer.w.shape for layer in model.layers]
+    assert shapes == [(15, 63, 64), (15, 64, 128), (15, 128, 256)]
     x = np.random.default_rng(0).normal(size=(2, 160, 63)).astype(np.float32)
     y = model.encode(x)
     assert y.shape == (2, 20, 256)

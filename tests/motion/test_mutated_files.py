@@ -106,7 +106,7 @@ def mutate_many(folder: Path, seeds: dict[str, bytes], kind: str, count: int, se
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_few_mutated_files(tmp_path, seeds, kind):
     assert read_or_refuse(write(tmp_path, seeds, kind, seeds[kind]), 10**6, "the seed")
-    mutate_many(tmp_path, seeds, kind, 25, seed=0)
+    mutate_many(tmp_path, seeds, kind, 15, seed=0)
 
 
 @pytest.mark.thorough
@@ -116,7 +116,7 @@ def test_ten_thousand_mutated_files(tmp_path, seeds, kind):
 
 
 def test_stiff_joints_and_short_lines_fill_no_memory(tmp_path):
-    for number in range(8):
+    for number in range(4):
         data = stiff_joints_and_short_lines(b"", np.random.default_rng(number))
         path = write(tmp_path, {}, "bvh", data)
         read_or_refuse(path, len(data), ("stiff", number))

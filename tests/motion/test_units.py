@@ -42,14 +42,14 @@ def test_giants_and_dwarfs_are_doubted():
     assert guess_unit(0.0) == (1.0, "metres (assumed: the skeleton has no two limbs to measure)")
 
 
-@pytest.mark.parametrize("unit", UNITS.values())
 @pytest.mark.parametrize(
     "take",
     ["cmu/bvh/02_03_first_frames.bvh", "bandai/dataset-2_run_normal_001.bvh"]
     + [f"cmu/asfamc/{trial}" for trial in ("01/01_01.amc", "02/02_01.amc", "03/03_01.amc")],
 )
-def test_real_skeletons_in_any_unit_are_measured_right(data_folder, tmp_path, take, unit):
+def test_real_skeletons_in_any_unit_are_measured_right(data_folder, tmp_path, take):
     motion = load_motion(data_folder / take)
     short = replace(motion, rotations=motion.rotations[:5], translations=motion.translations[:5])
-    write_bvh(short, tmp_path / "take.bvh", unit)
-    assert load_motion(tmp_path / "take.bvh").unit == unit
+    for unit in UNITS.values():
+        write_bvh(short, tmp_path / "take.bvh", unit)
+        assert load_motion(tmp_path / "take.bvh").unit == unit

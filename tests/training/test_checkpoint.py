@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
+import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -136,6 +139,33 @@ def test_a_full_disk_leaves_the_last_good_state(tmp_path, monkeypatch):
         patch.setattr(os, "fsync", full)
         with pytest.raises(CheckpointError, match=r"No space left.*stage 1, 1 epochs and 0 steps"):
             train_conv(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["c.npz"]
+    assert same(whole, train_conv(path, resume=True))
+
+
+@pytest.mark.parametrize(
+    ("owner", "name", "calls"), [(zipfile.ZipFile, "close", 4), (os, "fsync", 8)]
+)
+def test_ctrl_c_while_a_state_is_written_leaves_the_old_one(
+    tmp_path, monkeypatch, owner, name, calls
+):
+    """Four states are kept, and what the fifth leaves open is collected silently."""
+    whole, path, made, complaints = train_conv(None), tmp_path / "c.npz", [0], []
+    function = getattr(owner, name)
+
+    def pressed(argument):
+        made[0] += 1
+        if made[0] == calls + 1:
+            raise KeyboardInterrupt
+        return function(argument)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "unraisablehook", complaints.append)
+        patch.setattr(owner, name, pressed)
+        with pytest.raises(KeyboardInterrupt):
+            train_conv(path)
+        gc.collect()
+    assert made[0] > calls and complaints == []
     assert [each.name for each in tmp_path.iterdir()] == ["c.npz"]
     assert same(whole, train_conv(path, resume=True))
 
