@@ -104,7 +104,7 @@ def test_default_shapes_are_the_papers():
     x = np.random.default_rng(0).normal(size=(2, 160, 63)).astype(np.float32)
     y = model.encode(x)
     assert y.shape == (2, 20, 256)
-    assert y.dtype == np.float32
+    assert y.dtype == np.float32 and ConvAutoencoder(dtype=float).layers[0].w.dtype == float
     assert model.project(x).shape == x.shape
     np.testing.assert_array_equal(model.project(x), model.decode(y))
 
