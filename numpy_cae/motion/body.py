@@ -87,9 +87,10 @@ class Body:
         """Positions (F, N, 3) at 30 frames a second, resampled to the frames of the file."""
         return at_rate_of(self.motion, positions)
 
-    def retarget(self, positions: np.ndarray) -> Motion:
-        """The motion, changed so that its joints follow positions (frames, 20, 3) of the file."""
-        return retarget(self.motion, positions, self.mapping)
+    def retarget(self, positions: np.ndarray, touched: np.ndarray | None = None) -> Motion:
+        """The motion, changed so that its joints, or those that are `touched` (frames, 20), follow
+        positions (frames, 20, 3) of the file."""
+        return retarget(self.motion, positions, self.mapping, touched)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
         """The motion, changed so that its twenty joints follow features.
@@ -118,7 +119,7 @@ class Body:
 def hold_first_pose(motion: Motion, frames: int) -> Motion:
     """The first pose of a motion, held for at least `frames` frames at 30 a second."""
     held = np.zeros(int(np.ceil((frames + 1) * motion.rate / RATE)) + 1, dtype=int)
-    return replace(motion, rotations=motion.rotations[held], translations=motion.translations[held])
+    return motion.at(held)
 
 
 def _truncated(motion: Motion, poses: int) -> Motion:
@@ -126,7 +127,4 @@ def _truncated(motion: Motion, poses: int) -> Motion:
     source = motion.source_frames(RATE)
     if poses == len(source):
         return motion
-    frames = int(np.ceil(source[poses]))
-    return replace(
-        motion, rotations=motion.rotations[:frames], translations=motion.translations[:frames]
-    )
+    return motion.at(slice(0, int(np.ceil(source[poses]))))

@@ -10,6 +10,7 @@ where R_j is the joint's rotation and t_j its translation from the parent.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,9 +66,18 @@ class Motion:
         """Duration of the motion."""
         return len(self) / self.rate
 
-    def positions(self) -> np.ndarray:
-        """World positions of the joints, (frames, joints, 3) in metres, Y up."""
-        return self.forward_kinematics()[0]
+    def at(self, frames: np.ndarray | slice) -> Motion:
+        """The motion that consists of these frames, in this order."""
+        rotations, translations = self.rotations[frames], self.translations[frames]
+        return replace(self, rotations=rotations, translations=translations)
+
+    def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
+        """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""
+        joints = range(len(self.skeleton.names)) if joints is None else joints
+        found = np.empty((len(self), len(joints), 3))
+        for frames in blocks(np.arange(len(self))):
+            found[frames] = self.at(frames).forward_kinematics()[0][:, joints]
+        return found
 
     def forward_kinematics(self) -> tuple[np.ndarray, list[Rotation]]:
         """World positions (F, J, 3) in metres and, for each joint, its F global rotations."""
@@ -92,13 +102,12 @@ class Motion:
         """
         frames = self.source_frames(rate)
         if frames.dtype == int:
-            rotations, translations = self.rotations[frames], self.translations[frames]
-        else:
-            own = np.arange(len(self))
-            rotations = slerp(own, self.rotations, frames)
-            columns = self.translations.reshape(len(self), -1).T
-            translations = np.stack([np.interp(frames, own, column) for column in columns], axis=-1)
-            translations = translations.reshape(len(frames), -1, 3)
+            return replace(self.at(frames), rate=float(rate))
+        own = np.arange(len(self))
+        rotations = slerp(own, self.rotations, frames)
+        columns = self.translations.reshape(len(self), -1).T
+        translations = np.stack([np.interp(frames, own, column) for column in columns], axis=-1)
+        translations = translations.reshape(len(frames), -1, 3)
         return replace(self, rate=float(rate), rotations=rotations, translations=translations)
 
     def source_frames(self, rate: float) -> np.ndarray:
@@ -117,6 +126,11 @@ class Motion:
             return np.arange(0, len(self), step)
         last = (len(self) - 1) / self.rate * rate
         return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
+
+
+def blocks(frames: np.ndarray, size: int = 16384) -> list[np.ndarray]:
+    """The frames in pieces, so that a long motion is not in memory several times."""
+    return [frames[start : start + size] for start in range(0, len(frames), size)]
 
 
 def whole_step(own_rate: float, rate: float) -> int:

@@ -124,6 +124,29 @@ def test_a_moved_wrist_turns_its_elbow_and_nothing_else():
     np.testing.assert_array_equal(followed.translations, motion.translations)
 
 
+@pytest.mark.parametrize("joint", ["hips", "left_elbow", "right_knee", "right_ankle"])
+def test_only_touched_joints_move(joint):
+    """What is below a touched joint is corrected to stay; other frames are the same to the bit."""
+    motion = posed(a_rig(), 9, 2)
+    own = body_positions(motion)
+    touched = np.zeros((9, 20), dtype=bool)
+    touched[3:6, JOINTS.index(joint)] = True
+    asked = np.where(touched[..., None], own + [0.02, 0.01, 0.03], np.nan)
+    followed = retarget(motion, asked, touched=touched)
+    changed = np.any(followed.rotations != motion.rotations, axis=-1)
+    assert not changed[~touched.any(axis=1)].any()
+    np.testing.assert_array_equal(
+        followed.translations[~touched[:, 0]], motion.translations[~touched[:, 0]]
+    )
+    moved = gap(body_positions(followed), own)
+    assert moved[touched].min() > 0.01
+    ends = [JOINTS.index(end) for end in ("right_wrist", "left_ankle", "right_ankle")]
+    assert joint == "right_ankle" or moved[:, ends].max() < 1e-9
+    side = joint.partition("_")[0]
+    others = [name for name in JOINTS if not name.startswith(side)]
+    assert joint == "hips" or not changed[:, [motion.skeleton.index(n) for n in others]].any()
+
+
 def test_a_bone_turns_without_twisting():
     """The turn of the elbow is about an axis square to the forearm before and after."""
     motion = posed(a_rig(), 4, 5)

@@ -6,8 +6,6 @@ by its shape and by the jump after it; someone recorded in a T-pose leaves it sl
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
@@ -46,14 +44,12 @@ def without_t_pose(motion: Motion, mapping: dict[str, str] | None = None) -> Mot
     """
     if len(motion) < 3 or not _is_t_pose(motion, mapping) or not _jumps(motion):
         return motion
-    return replace(motion, rotations=motion.rotations[1:], translations=motion.translations[1:])
+    return motion.at(slice(1, None))
 
 
 def _is_t_pose(motion: Motion, mapping: dict[str, str] | None) -> bool:
     """Whether the first frame is a T-pose."""
-    rotations, translations = motion.rotations[:1], motion.translations[:1]
-    first = replace(motion, rotations=rotations, translations=translations)
-    body = body_positions(first, mapping)[0]
+    body = body_positions(motion.at(slice(0, 1)), mapping)[0]
     for start, end, direction in _LIMBS:
         limb = body[JOINTS.index(end)] - body[JOINTS.index(start)]
         if limb @ np.array(direction) < MIN_COSINE * np.linalg.norm(limb):

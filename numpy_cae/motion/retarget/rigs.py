@@ -102,4 +102,4 @@ def body_positions(motion: Motion, mapping: dict[str, str] | None = None) -> np.
 
     Raises UnknownRigError as `find_joints` does.
     """
-    return motion.positions()[:, find_joints(motion.skeleton, mapping)]
+    return motion.positions(find_joints(motion.skeleton, mapping))

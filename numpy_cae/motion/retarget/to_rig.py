@@ -11,6 +11,11 @@ several bones of one joint (hips, chest) get one rotation that fits all. Joints 
 spine, a neck) share: number i of n, counting from 0, makes 1 / (n - i) of the rotation still
 needed, so a long spine bends evenly. No bone changes its length. Where the targets are the present
 positions nothing changes, to the bit, and all other joints keep R_j.
+
+With a mask of touched joints, the others have their present positions as targets, so that a joint
+below a touched one is corrected to stay where it is, and frames without touched joints stay as
+they are. For a wrist or an ankle that has to be reached exactly, the target of the elbow or the
+knee is moved to the nearest point from which it can be: on a circle about the limb's line.
 """
 
 from __future__ import annotations
@@ -21,7 +26,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.skeleton import Skeleton
@@ -42,6 +47,12 @@ line, about which an error of a centimetre would rotate the chest by a right ang
 suppresses requested rotations (docs/lab_book.md)."""
 
 
+_MIDDLES = [
+    JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("elbow", "knee")
+]
+"""Joints in the middle of a limb; the next of `JOINTS` is its end."""
+
+
 @dataclass(frozen=True)
 class _Bone:
     """The path along the rig from one of the twenty joints to the next, as indices of the rig."""
@@ -56,7 +67,11 @@ _Bones = dict[int, list[_Bone]]
 
 
 def retarget(
-    motion: Motion, positions: np.ndarray, mapping: dict[str, str] | None = None
+    motion: Motion,
+    positions: np.ndarray,
+    mapping: dict[str, str] | None = None,
+    touched: np.ndarray | None = None,
+    exact: np.ndarray | None = None,
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
@@ -68,44 +83,88 @@ def retarget(
         Target world positions in metres, one pose for each frame of the motion at its own rate
         (`at_rate_of` resamples positions at 30 frames a second).
     mapping : dict of our joint names to the rig's, optional
+    touched : (F, 20) array of bool, optional
+        Joints that move to their targets; the others keep their positions as far as bones of
+        constant length allow. All joints where None.
+    exact : (F, 20) array of bool, optional
+        Wrists and ankles that are reached exactly, if need be at the cost of the elbow or the
+        knee. Those that are not touched where None.
 
     Returns
     -------
     Motion
         Of the same skeleton, rate, unit and length. The hips are at their targets; other joints
-        as near as bones of constant length allow.
+        as near as bones of constant length allow. Frames without touched joints, and rotations
+        that no touched joint needs, are the same to the bit.
 
     Raises
     ------
     ValueError
-        If the positions are not finite or their shape does not fit the motion.
+        If positions of touched joints are not finite or a shape does not fit the motion.
     UnknownRigError
         If joints are missing, or one of the twenty descends from none of the others.
     """
     joints = find_joints(motion.skeleton, mapping)
+    if touched is None:
+        touched = np.ones((len(motion), len(JOINTS)), dtype=bool)
     if np.shape(positions) != (len(motion), len(JOINTS), 3):
         raise ValueError(
             f"positions have shape {np.shape(positions)}, expected ({len(motion)}, 20, 3): one "
             "pose of the twenty joints for each frame of the motion"
         )
-    if not np.all(np.isfinite(positions)):
+    if np.shape(touched) != (len(motion), len(JOINTS)):
+        raise ValueError(f"touched has shape {np.shape(touched)}, expected ({len(motion)}, 20)")
+    if not np.all(np.isfinite(positions[touched])):
         raise ValueError("positions hold values that are not finite")
-    targets = {joint: positions[:, index] for index, joint in enumerate(joints)}
-    before, rotations_before = motion.forward_kinematics()
     bones = _bones_through(motion, joints)
-    rotations = motion.rotations.copy()
-    translations = _moved(motion, joints[0], targets[joints[0]] - before[:, joints[0]])
+    carrier = _carrier(motion, joints[0])
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for frames in blocks(np.flatnonzero(touched.any(axis=1))):
+        part = motion.at(frames)
+        before, rotations_before = part.forward_kinematics()
+        targets = np.where(touched[frames][..., None], positions[frames], before[:, joints])
+        step = targets[:, 0] - before[:, joints[0]]
+        if carrier > 0:
+            step = rotations_before[motion.skeleton.parents[carrier]].inv().apply(step)
+        translations[frames, carrier] += step
+        part = replace(part, translations=translations[frames])
+        by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
+        exact_ends = ~touched[frames] if exact is None else exact[frames]
+        limbs = {joints[mid]: (joints[mid + 1], exact_ends[:, mid + 1]) for mid in _MIDDLES}
+        rotations[frames] = _rotated(part, by_joint, limbs, bones, (before, rotations_before))
+    return replace(motion, rotations=rotations, translations=translations)
 
+
+def _rotated(
+    motion: Motion,
+    targets: dict[int, np.ndarray],
+    limbs: dict[int, tuple[int, np.ndarray]],
+    bones: _Bones,
+    unchanged: tuple[np.ndarray, list[Rotation]],
+) -> np.ndarray:
+    """The rotations (F, J, 4) that point the bones at their targets, from the root down.
+
+    `targets` (F, 3) are by joints of the rig; `limbs` gives for an elbow or a knee the wrist or
+    ankle and the frames (F) in which it is reached exactly; `unchanged` are the positions and
+    global rotations of the motion.
+    """
+    before, rotations_before = unchanged
+    rotations = motion.rotations.copy()
     after = np.empty(before.shape)
     global_rotations: list[Rotation] = []
     for joint, parent in enumerate(motion.skeleton.parents):
         above = global_rotations[parent] if parent >= 0 else Rotation.identity(len(motion))
         rotation = above * Rotation.from_quat(motion.rotations[:, joint])
-        after[:, joint] = above.apply(translations[:, joint])
+        after[:, joint] = above.apply(motion.translations[:, joint])
         if parent >= 0:
             after[:, joint] += after[:, parent]
         if joint in bones:
             ends = [bone.end for bone in bones[joint]]
+            if ends[0] in limbs and len(bones[joint]) == 1:
+                end, exact = limbs[ends[0]]
+                chain = before[:, [joint, ends[0], end]]
+                bent = _bent(after[:, joint], chain, targets[ends[0]], targets[end])
+                targets[ends[0]] = np.where(exact[:, None], bent, targets[ends[0]])
             own = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
             free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
@@ -115,7 +174,31 @@ def retarget(
                 rotation = _choose(changes, corrected, rotation)
                 rotations[changes, joint] = (above.inv() * rotation).as_quat()[changes]
         global_rotations.append(rotation)
-    return replace(motion, rotations=rotations, translations=translations)
+    return rotations
+
+
+def _bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
+
+    With the lengths a and b of its bones, `chain` (F, 3 joints, 3) before the change, the points
+    are a circle about the line from start to end, at x = (a² - b² + d²) / 2d along the line, with
+    the radius √(a² - x²). Where the end is too far or too near, the circle is a point on the line.
+    """
+    a, b = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
+    d = np.linalg.norm(end - start, axis=-1)
+    line = (end - start) / np.maximum(d, 1e-12)[:, None]
+    x = np.clip((a**2 - b**2 + d**2) / np.maximum(2 * d, 1e-12), -a, a)
+
+    def off_line(vectors: np.ndarray) -> np.ndarray:
+        return vectors - np.sum(vectors * line, axis=-1, keepdims=True) * line
+
+    outward = off_line(middle - start)
+    near_line = np.linalg.norm(outward, axis=-1, keepdims=True) < 1e-6
+    outward = np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward)
+    outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12)
+    bent = start + x[:, None] * line + np.sqrt(a**2 - x**2)[:, None] * outward
+    unchanged = np.abs(np.stack([start, middle, end], axis=1) - chain).max(axis=(1, 2)) < _ROUNDING
+    return np.where(unchanged[:, None], middle, bent)
 
 
 def _corrected(
@@ -193,12 +276,10 @@ def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
     return sum(bones.get(passed) == [bone] for passed in path[path.index(joint) :])
 
 
-def _moved(motion: Motion, hips: int, step: np.ndarray) -> np.ndarray:
-    """Translations that move the hips by `step` (F, 3) in the world.
-
-    The joint that moves is the one whose position channels move the whole body in this file: the
-    hips or the nearest ancestor that leaves its offset. A root at rest stays at rest.
-    """
+def _carrier(motion: Motion, hips: int) -> int:
+    """The joint that moves with the hips' targets: the one whose position channels move the whole
+    body in this file, the hips or the nearest ancestor that leaves its offset. A root at rest
+    stays at rest."""
 
     def leaves_its_offset(joint: int) -> bool:
         distance = motion.translations[:, joint] - motion.skeleton.offsets[joint]
@@ -207,9 +288,4 @@ def _moved(motion: Motion, hips: int, step: np.ndarray) -> np.ndarray:
     carrier = hips
     while carrier > 0 and not leaves_its_offset(carrier):
         carrier = motion.skeleton.parents[carrier]
-    translations = motion.translations.copy()
-    if carrier > 0:
-        _, rotations = motion.forward_kinematics()
-        step = rotations[motion.skeleton.parents[carrier]].inv().apply(step)
-    translations[:, carrier] += step
-    return translations
+    return carrier
