@@ -15,6 +15,7 @@ WIDTH = 98
 INDENT = 10
 EXAMPLES_OF_A_CONVENTION = 8
 LONGEST_TEXT = 2000
+FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
 UNSOLVED = NotImplementedError.__name__
 
 
@@ -35,7 +36,18 @@ class Report:
 
     @property
     def points(self) -> int:
-        return sum(outcome.points for outcome in self.outcomes)
+        return sum(self.earned())
+
+    def earned(self) -> list[int]:
+        """Points by property: gradients need a right value, all others right gradients as well."""
+        kinds = [_kind(outcome.stated.name) for outcome in self.outcomes]
+        main = kinds if "value" in kinds or "gradient" in kinds else [k or "value" for k in kinds]
+        wrong = {k for k, outcome in zip(main, self.outcomes, strict=True) if not outcome.held}
+        needed = {"value": set(), "gradient": {"value"}}  # by the others: both
+        return [
+            0 if wrong & needed.get(kind, {"value", "gradient"}) else outcome.points
+            for kind, outcome in zip(main, self.outcomes, strict=True)
+        ]
 
     @property
     def possible(self) -> int:
@@ -64,13 +76,13 @@ class Report:
                     "name": outcome.stated.name,
                     "statement": outcome.stated.statement,
                     "held": outcome.held,
-                    "points": outcome.points,
+                    "points": points,
                     "possible": outcome.stated.points,
                     "problem": outcome.problem,
                     "counterexample": outcome.counterexample,
                     "likely_mistake": outcome.mistake,
                 }
-                for outcome in self.outcomes
+                for outcome, points in zip(self.outcomes, self.earned(), strict=True)
             ],
         }
 
@@ -100,10 +112,10 @@ class Report:
             yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.stated.name) for outcome in self.outcomes)
         told: dict[tuple[str, str, str], str] = {}
-        for outcome in self.outcomes:
+        for outcome, earned in zip(self.outcomes, self.earned(), strict=True):
             tried = outcome.stated
             word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
-            points = f"{outcome.points}/{tried.points}"
+            points = f"{earned}/{tried.points}"
             head = f"  {word:8}{tried.name:{longest}}  {points}  "
             yield from textwrap.wrap(
                 tried.statement, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
@@ -138,6 +150,14 @@ def _why(outcome: Outcome) -> Iterator[str]:
                 subsequent_indent=" " * (2 * INDENT + 2),
                 break_on_hyphens=False,
             )
+
+
+def _kind(name: str) -> str:
+    """The kind of a property: "value", "gradient", "form", or "" for the others."""
+    if name in FORM:
+        return "form"
+    first = name.partition(" ")[0].rstrip("s")
+    return {"value": "value", "gradient": "gradient", "adjoint": "gradient"}.get(first, "")
 
 
 def report_on(task: Task, implementation: Callable, called: str | None = None) -> Report:
