@@ -147,6 +147,22 @@ def test_only_touched_joints_move(joint):
     assert joint == "hips" or not changed[:, [motion.skeleton.index(n) for n in others]].any()
 
 
+@pytest.mark.parametrize("frames", [4, 30])
+def test_a_twist_that_positions_do_not_show_is_removed_with_the_damage(frames):
+    motion = make_take("walk", 3, seconds=2.0, rate=30.0).motion
+    hip, knee = motion.skeleton.index("lfemur"), JOINTS.index("left_knee")
+    damaged = replace(motion, rotations=motion.rotations.copy())
+    stretch = slice(10, 10 + frames)
+    twisted = Rotation.from_quat(motion.rotations[stretch, hip]) * Rotation.from_rotvec([0, 0.9, 0])
+    damaged.rotations[stretch, hip] = twisted.as_quat()
+    touched = np.zeros((len(motion), 20), dtype=bool)
+    touched[stretch, knee : knee + 3] = True
+    repaired = retarget(damaged, body_positions(motion), touched=touched)
+    truth, found = (Rotation.from_quat(m.rotations[:, hip]) for m in (motion, repaired))
+    assert np.degrees((truth.inv() * found).magnitude().max()) < 5
+    assert gap(body_positions(repaired), body_positions(motion)).max() < 1e-6
+
+
 def test_a_bone_turns_without_twisting():
     """The turn of the elbow is about an axis square to the forearm before and after."""
     motion = posed(a_rig(), 4, 5)

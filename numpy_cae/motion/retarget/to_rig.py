@@ -29,6 +29,7 @@ from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
+from numpy_cae.motion.retarget.seams import without_seams
 from numpy_cae.motion.skeleton import Skeleton
 
 _ROUNDING = 1e-9
@@ -119,10 +120,14 @@ def retarget(
     bones = _bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for joint, passing in bones.items():
+        damaged = np.any(touched[:, [joints.index(bone.end) for bone in passing]], axis=1)
+        rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
-        part = motion.at(frames)
+        present = motion.at(frames).positions(joints)
+        targets = np.where(touched[frames][..., None], positions[frames], present)
+        part = replace(motion, rotations=rotations, translations=translations).at(frames)
         before, rotations_before = part.forward_kinematics()
-        targets = np.where(touched[frames][..., None], positions[frames], before[:, joints])
         step = targets[:, 0] - before[:, joints[0]]
         if carrier > 0:
             step = rotations_before[motion.skeleton.parents[carrier]].inv().apply(step)

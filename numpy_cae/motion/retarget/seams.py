@@ -1,0 +1,46 @@
+"""Rotations that continue the frames around a stretch of damaged ones.
+
+Positions leave the rotation of a bone about its own axis undetermined, and retargeting keeps it
+from the motion. Where that motion is damaged it would jump at both ends of the stretch. So before
+retargeting the rotations of a short stretch are interpolated by slerp; in a longer one, the
+rotations that are missing at its first and at its last frame are interpolated and applied,
+
+    R'_t = R_t · exp((1 - s) log D_first + s log D_last),    D = R⁻¹ · (R continued from outside)
+
+which keeps the detail in between and restores a joint that is off by a constant rotation or frozen.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+SHORT = 0.25
+"""Seconds. A spike within a stretch of this length is removed with the rest of it."""
+
+
+def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
+    """The rotations (F, 4) of one joint as quaternions, changed only where `damaged` (F)."""
+    edges = np.flatnonzero(np.diff(damaged, prepend=False, append=False))
+    found = rotations.copy()
+    for first, end in edges.reshape(-1, 2):
+        inside = Rotation.from_quat(rotations[first:end])
+        before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
+        ends = ((inside[0], before), (inside[-1], after))
+        missing = [(own.inv() * out).as_rotvec() for own, out in ends if out is not None]
+        if len(missing) == 2 and end - first <= SHORT * rate:
+            around = Rotation.from_quat(rotations[[first - 1, end]])
+            found[first:end] = Slerp([first - 1, end], around)(np.arange(first, end)).as_quat()
+        elif missing:
+            share = np.linspace(0, 1, end - first)[:, None]
+            applied = Rotation.from_rotvec((1 - share) * missing[0] + share * missing[-1])
+            found[first:end] = (inside * applied).as_quat()
+    return found
+
+
+def _continued(last: np.ndarray) -> Rotation | None:
+    """The rotation that follows the last two, (up to 2, 4); None if there are none."""
+    if len(last) == 0:
+        return None
+    one, two = Rotation.from_quat(last[0]), Rotation.from_quat(last[-1])
+    return two * one.inv() * two
