@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import checked, load_arrays, positive, save_arrays, text, whole
+from numpy_cae.array_file import checked, load_arrays, save_arrays, text, whole, word
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -18,8 +18,12 @@ from numpy_cae.motion.features import FEATURES
 from numpy_cae.motion.joints import JOINTS
 
 Manifold = MotionManifold | SequenceManifold
-CONVOLUTIONAL = "numpy_cae convolutional manifold 2"
-SEQUENTIAL = "numpy_cae sequential manifold 2"
+CONVOLUTIONAL = "numpy_cae convolutional manifold 3"
+SEQUENTIAL = "numpy_cae sequential manifold 3"
+CONVOLUTIONAL_2, SEQUENTIAL_2 = CONVOLUTIONAL[:-1] + "2", SEQUENTIAL[:-1] + "2"
+"""Formats of earlier versions: the same arrays without a digest."""
+SMALLEST, MAX_LENGTH, MAX_RATE = 1e-6, 10.0, 1000.0
+"""Least factor and deviation; longest bone in metres; most frames a second."""
 MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
 
@@ -39,13 +43,16 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     Raises
     ------
     ModelFileError
-        If the file is missing, is not a model of this version, or its arrays do not fit together.
+        If the file is missing, is not a model of this version, was changed after it was written, or
+        its arrays do not fit together.
     """
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
         CONVOLUTIONAL: _motions_of,
+        CONVOLUTIONAL_2: _motions_of,
         SEQUENTIAL: _sequences_of,
+        SEQUENTIAL_2: _sequences_of,
     }
-    manifold = load_arrays(path, readers)
+    manifold = load_arrays(path, readers, (CONVOLUTIONAL_2, SEQUENTIAL_2))
     manifold.network = with_engine(manifold.network, engine)
     return manifold
 
@@ -76,17 +83,19 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     filters = [arrays[f"b{number}"].size for number in range(1, count + 1)]
     # Before a network of these sizes is made:
     for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
-        checked(arrays, f"w{number}", (taps, below, above))
-        checked(arrays, f"b{number}", (above,))
-    network = ConvAutoencoder(FEATURES, filters, taps, float(checked(arrays, "bound", ())))
+        for name, shape in ((f"w{number}", (taps, below, above)), (f"b{number}", (above,))):
+            if checked(arrays, name, shape).dtype != arrays["w1"].dtype:
+                raise ValueError(f"{name} has another dtype than w1")
+    bound = checked(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
+    network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
     for number, layer in enumerate(network.layers, start=1):
         layer.w, layer.b = arrays[f"w{number}"], arrays[f"b{number}"]
     return MotionManifold(
         network,
         checked(arrays, "mean_pose", (FEATURES,)),
-        positive(arrays, "scale", (FEATURES,)),
-        checked(arrays, "lengths", (len(JOINTS),)),
-        float(positive(arrays, "rate", ())),
+        checked(arrays, "scale", (FEATURES,), SMALLEST),
+        checked(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH),
+        float(checked(arrays, "rate", (), 1.0, MAX_RATE)),
         text(arrays, "settings"),
         bool(whole(arrays, "rescales", 0, 1)),
         whole(arrays, "window", 1, MAX_FRAMES),
@@ -108,7 +117,7 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
 
 
 def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
-    table = TABLES.get(str(arrays["table"]))
+    table = TABLES.get(word(arrays, "table"))
     if table is None or not np.array_equal(arrays["columns"], table.columns):
         raise ValueError("its table of columns is not one of this version")
     if arrays["state_w"].ndim != 2:
@@ -123,10 +132,10 @@ def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     return SequenceManifold(
         network,
         checked(arrays, "mean", (numbers,)),
-        positive(arrays, "deviation", (numbers,)),
+        checked(arrays, "deviation", (numbers,), SMALLEST),
         table,
-        checked(arrays, "offsets", (len(table.joints), 3)),
+        checked(arrays, "offsets", (len(table.joints), 3), -MAX_LENGTH, MAX_LENGTH),
         text(arrays, "settings"),
-        float(positive(arrays, "rate", ())),
+        float(checked(arrays, "rate", (), 1.0, MAX_RATE)),
         whole(arrays, "frames", 1, MAX_FRAMES),
     )

@@ -16,7 +16,7 @@ from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.training.loop import Callback, Loop, Position
 
-FORMAT = "numpy_cae checkpoint 2"
+FORMAT = "numpy_cae checkpoint 3"
 
 
 class CheckpointError(NumpyCaeError, ValueError):
@@ -39,7 +39,7 @@ class Checkpoint(Callback):
         remove_leftovers(self.path)
         self.require_none_unless_resumed()
         if self.path.exists():
-            loop.resume(*self._load())
+            self._resume(loop)
         loop.callbacks.append(self)
 
     def require_none_unless_resumed(self) -> None:
@@ -67,9 +67,11 @@ class Checkpoint(Callback):
         rng, history = loop.rng.bit_generator.state, vars(loop.history)
         about = {"run": self.run, "rng": rng, "position": position, "history": history}
         arrays["about"] = np.array(json.dumps(about))
+        before, self.saved = self.saved, None  # while it is unknown which of the two is in the file
         try:
             save_arrays(arrays, self.path, compressed=False)
         except FileError as error:
+            self.saved = before
             advice = "Correct that and continue with --resume"
             raise CheckpointError(f"{error}; {self.status()}. {advice}") from error
         self.saved, self.last = Position(**position), time.monotonic()
@@ -80,23 +82,34 @@ class Checkpoint(Callback):
 
     def status(self) -> str:
         """Where the last good state is, for a message."""
-        if (at := self.saved) is None:
+        if not self.path.exists():
             return "no state has been saved yet"
-        done = f"stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done"
-        return f"the last good state is in {self.path} ({done})"
+        at, done = self.saved, ""
+        if at is not None:
+            done = f" (stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done)"
+        return f"the last good state is in {self.path}{done}"
 
-    def _load(self) -> tuple[Position, dict[str, np.ndarray], dict, dict]:
-        """What `Loop.resume` takes."""
+    def _resume(self, loop: Loop) -> None:
+        """Continue the loop from the file."""
+
+        def resume(arrays: dict[str, np.ndarray]) -> Position | None:
+            about, prefix = text(arrays, "about"), "array "
+            if about["run"] != self.run:
+                return None
+            state = {name.removeprefix(prefix): array for name, array in arrays.items()}
+            position = Position(**about["position"], order=arrays["order"])
+            loop.resume(position, state, about["rng"], about["history"])
+            return replace(position)
+
         try:
-            run, *found = load_arrays(self.path, {FORMAT: _assemble})
-        except ModelFileError:
-            raise CheckpointError(f"{self.path}: is not a checkpoint of this version") from None
-        if run != self.run:
+            self.saved = load_arrays(self.path, {FORMAT: resume})
+        except ModelFileError as error:
+            advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
+            raise CheckpointError(f"{error}; {advice}") from None
+        if self.saved is None:
             advice = "give the same again or remove the file"
             other = "is of a run with other motions, settings or seed"
             raise CheckpointError(f"{self.path}: {other}; {advice}")
-        self.saved = replace(found[0])
-        return tuple(found)
 
 
 def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
@@ -106,10 +119,3 @@ def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:
         digest.update(repr((array.shape, array.dtype)).encode())
         digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
-
-
-def _assemble(arrays: dict[str, np.ndarray]) -> tuple:
-    about, prefix = text(arrays, "about"), "array "
-    named = {name.removeprefix(prefix): array for name, array in arrays.items() if prefix in name}
-    position = Position(**about["position"], order=arrays["order"])
-    return about["run"], position, named, about["rng"], about["history"]

@@ -70,9 +70,19 @@ class Loop:
         self._resumed: dict[str, np.ndarray] = {}
 
     def resume(self, position: Position, arrays: dict, rng: dict, history: dict) -> None:
-        """Continue from here; `rng` is a state of the generator. Call it before `run`."""
+        """Continue from here; `rng` is a state of the generator. Call it before `run`.
+
+        ValueError if a weight, the order of the examples or the history is not one of this loop.
+        """
+        at = position
+        if min(at.stage, at.epoch, at.step) < 0 or not np.isfinite([at.total, at.seconds]).all():
+            raise ValueError("the position is not one of a training")
+        if not np.array_equal(np.sort(at.order), np.arange(at.order.size)):
+            raise ValueError("the order of the examples is not one of a training")
+        if set(history) != set(vars(self.history)):
+            raise ValueError("the history is of another training")
         for name, array in self.parameters.items():
-            array[...] = arrays[name]
+            _restore(array, arrays, name)
         self.rng.bit_generator.state = rng
         vars(self.history).update(history)
         self.position, self._resumed = position, arrays
@@ -86,7 +96,9 @@ class Loop:
             self.position = Position(stage)
         elif self._resumed:
             for name, array in task.optimiser.state.items():
-                array[...] = self._resumed[name]
+                _restore(array, self._resumed, name)
+            if self.position.step and self.position.order.size != task.count:
+                raise ValueError("the order of the examples is of another training")
         self.task, self.steps = task, -(-task.count // task.stage.batch)
         started = time.perf_counter() - self.position.seconds
         while self.position.epoch < task.stage.epochs:
@@ -109,3 +121,13 @@ class Loop:
         self.position = Position(at.stage, at.epoch + 1, seconds=at.seconds)
         for callback in self.callbacks:
             callback.after_epoch(self, at.total / task.count)
+
+
+def _restore(array: np.ndarray, arrays: dict[str, np.ndarray], name: str) -> None:
+    """Copy the array of that name, which must have the same shape and dtype and be finite."""
+    found = arrays.get(name)
+    if found is None or (found.shape, found.dtype) != (array.shape, array.dtype):
+        raise ValueError(f"has no {name} of shape {array.shape} and {array.dtype}")
+    if not np.isfinite(found).all():
+        raise ValueError(f"{name} holds values that are not finite numbers")
+    array[...] = found

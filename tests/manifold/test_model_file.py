@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
+from numpy_cae.array_file import DIGEST, digest_of
 from numpy_cae.manifold import (
     ModelFileError,
     learn_manifold,
@@ -74,9 +75,10 @@ def arrays_of(data: bytes) -> dict[str, np.ndarray]:
         return {name: file[name] for name in file.files}
 
 
-def packed(arrays: dict[str, np.ndarray]) -> bytes:
+def packed(arrays: dict[str, np.ndarray], digested: bool = True) -> bytes:
+    """The arrays as a file, with the digest of what they hold now."""
     buffer = io.BytesIO()
-    np.savez(buffer, **arrays)
+    np.savez(buffer, **arrays | ({DIGEST: np.array(digest_of(arrays))} if digested else {}))
     return buffer.getvalue()
 
 
@@ -153,12 +155,13 @@ def test_every_array_missing_replaced_or_not_finite(models, kind, tmp_path, each
 @KINDS
 def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
     arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
-    for version in ("1", "3"):
-        form = str(arrays["format"]).replace("2", version)
+    for version in ("1", "4"):
+        form = str(arrays["format"]).replace("3", version)
         path.write_bytes(packed(arrays | {"format": np.array(form)}))
         with pytest.raises(ModelFileError, match=f"manifold {version}'.*make the file again"):
             load_manifold(path)
-    path.write_bytes(packed(arrays | {"rate": np.array([{"run": "me"}], dtype=object)}))
+    pickled = {"rate": np.array([{"run": "me"}], dtype=object)}
+    path.write_bytes(packed(arrays | pickled, digested=False))
     with pytest.raises(ModelFileError, match="not a model"):
         load_manifold(path)
 
@@ -173,7 +176,7 @@ def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
         ("conv", {"settings": np.array('{"a": ' + "[" * 50_000 + "]" * 50_000 + "}")}, "recursion"),
         ("conv", {"window": np.array(-3)}, "window is not a whole number"),
         ("sequence", {"mean": np.zeros(53)}, "mean has shape"),
-        ("sequence", {"deviation": np.zeros(54)}, "not above 0"),
+        ("sequence", {"deviation": np.zeros(54)}, "not from 1e-06"),
         ("sequence", {"table": np.array("another")}, "not one of this version"),
         ("sequence", {"state_w": np.zeros(3)}, "not a matrix"),
         ("sequence", {"frames": np.array(10**9)}, "frames is not a whole number"),
@@ -184,6 +187,23 @@ def test_arrays_that_do_not_fit_are_named(models, tmp_path, kind, changes, messa
     path.write_bytes(packed(arrays_of(models[kind]) | changes))
     with pytest.raises(ModelFileError, match=message):
         load_manifold(path)
+
+
+@KINDS
+def test_edited_weights_are_refused_and_files_of_version_2_have_no_digest(models, kind, tmp_path):
+    arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
+    name = next(name for name, array in arrays.items() if array.dtype == np.float32)
+    edited = {name: arrays[name] * np.float32(1.5)}
+    path.write_bytes(packed(arrays | edited, digested=False))
+    with pytest.raises(ModelFileError, match="was changed after it was written"):
+        load_manifold(path)
+    without = {key: array for key, array in arrays.items() if key != DIGEST}
+    path.write_bytes(packed(without, digested=False))
+    with pytest.raises(ModelFileError, match="has no 'digest'"):
+        load_manifold(path)
+    old = {"format": np.array(str(arrays["format"]).replace("3", "2"))}
+    path.write_bytes(packed(without | old, digested=False))
+    assert type(load_manifold(path)).__name__.endswith("Manifold")
 
 
 @pytest.mark.parametrize("content", [b"", b"not a model", b"PK\x03\x04 broken", None])
