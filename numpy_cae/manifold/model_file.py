@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib.resources import as_file, files
 from itertools import pairwise
 from pathlib import Path
 
@@ -28,12 +29,15 @@ MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
 
 
-def save_manifold(manifold: Manifold, path: str | Path) -> None:
-    """Write a manifold of either kind, atomically."""
+def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> None:
+    """Write a manifold of either kind, atomically; with `half`, weights in float16."""
     if isinstance(manifold, SequenceManifold):
         arrays = _arrays_of_sequences(manifold)
     else:
         arrays = _arrays_of_motions(manifold)
+        if half:
+            weights = [name for name in arrays if name[1:].isdigit()]
+            arrays |= {name: arrays[name].astype(np.float16) for name in weights}
     save_arrays(arrays | {"settings": np.array(json.dumps(manifold.settings))}, path)
 
 
@@ -54,6 +58,18 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     }
     manifold = load_arrays(path, readers, (CONVOLUTIONAL_2, SEQUENTIAL_2))
     manifold.network = with_engine(manifold.network, engine)
+    return manifold
+
+
+def starter(engine: str = "fast") -> MotionManifold:
+    """The manifold in the package, learned from CMU's database and synthetic motion.
+
+    docs/starter_model.md says how, what it measures and where it fails; `engine` is as in
+    `load_manifold`.
+    """
+    with as_file(files("numpy_cae.manifold") / "starter.npz") as path:
+        manifold = load_manifold(path, engine)
+    assert isinstance(manifold, MotionManifold)
     return manifold
 
 
@@ -89,7 +105,11 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     bound = checked(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
     network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
     for number, layer in enumerate(network.layers, start=1):
-        layer.w, layer.b = arrays[f"w{number}"], arrays[f"b{number}"]
+        # float16 in the package's starter model, to save space
+        layer.w, layer.b = (
+            np.asarray(arrays[name], np.promote_types(arrays[name].dtype, np.float32))
+            for name in (f"w{number}", f"b{number}")
+        )
     return MotionManifold(
         network,
         checked(arrays, "mean_pose", (FEATURES,)),

@@ -1,24 +1,39 @@
-"""Repair of a motion by projection (holden2015, section 7, "Fixing Corrupt Motion Data")."""
+"""Repair of a motion (holden2015, section 7, "Fixing Corrupt Motion Data").
+
+The paper projects the whole motion (`project_motion`), which also changes what was right. `repair`
+changes only what is damaged.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from numpy_cae.manifold.detect import direct_damage, find_damage, residual, typical
+from numpy_cae.manifold.fill import fill_positions, whole_features
+from numpy_cae.manifold.holes import at_thirty, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.manifold.repaired import Repaired, change_joints
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 
 
-def repair(
-    motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
-) -> Motion:
-    """The motion projected onto the manifold, in its own rig.
+UNKNOWN = 0.05
+"""Metres: with a larger typical residual, a motion is unlike what the manifold knows."""
 
-    The projection is the mean over all positions of the pooling grid. Frames between two poses at
-    the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
-    (fingers) and rotations of bones about their own axis stay as they were.
+
+def repair(
+    motion: Motion,
+    manifold: MotionManifold,
+    mapping: dict[str, str] | None = None,
+    damaged: np.ndarray | None = None,
+    strength: float = 1.0,
+    smooth: bool = False,
+    force: bool = False,
+) -> Repaired:
+    """Find what is damaged in a motion, fill it in, and leave the rest as it is, to the bit.
 
     Parameters
     ----------
@@ -26,6 +41,46 @@ def repair(
         Of any rig in which the twenty joints can be found, at any rate.
     manifold : MotionManifold
     mapping : dict of joint name to the rig's joint name, optional
+    damaged : (frames, 20) array of bool, optional
+        In the frames of the file; found by `find_damage` where None.
+    strength : float
+        Share of the way to the repaired positions, 0 to 1.
+    smooth : bool
+        Whether to remove jitter from the whole motion.
+    force : bool
+        Whether to repair a motion that is unlike what the manifold knows.
+
+    Returns
+    -------
+    Repaired
+        Unchanged, with `known` False, if the motion is unlike what the manifold knows.
+    """
+    if not 0 <= strength <= 1:
+        raise ValueError(f"strength is {strength}, expected 0 to 1")
+    body = manifold.body(motion, mapping)
+    nothing = np.zeros((len(motion), len(JOINTS)), bool)
+    if damaged is None:
+        missing = find_damage(manifold, body)
+        damaged = in_file(motion, missing) | direct_damage(body)
+    missing = at_thirty(motion, damaged)
+    features, _ = whole_features(body, missing)
+    middle = float(np.median(typical(residual(manifold, features, missing), missing)))
+    if middle > UNKNOWN and not force:
+        return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
+    target = fill_positions(manifold, body, missing)
+    return change_joints(body, motion, target, damaged, strength, middle)
+
+
+def project_motion(
+    motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
+) -> Motion:
+    """The motion projected onto the manifold, in its own rig: the paper's repair.
+
+    The projection is the mean over all positions of the pooling grid. Frames between two poses at
+    the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
+    (fingers) and rotations of bones about their own axis stay as they were.
+
+    Arguments are as in `repair`.
 
     Returns
     -------

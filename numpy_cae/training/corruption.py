@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+
+LONGEST = 80
+"""Frames of the longest damaged stretch."""
 
 
 def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -33,3 +38,56 @@ def corrupt(
         p = rng.uniform(*zeroed, size=(len(x), 1, 1)).astype(x.dtype)
     corrupted = zero_values(x, p, rng)
     return corrupted / (1 - p) if rescaled else corrupted
+
+
+def damage_stretches(
+    x: np.ndarray, chains: Sequence[Sequence[int]], size: float, rng: np.random.Generator
+) -> np.ndarray:
+    """X_c of windows (B, T, C) with the damage of motion files: up to three stretches in a window.
+
+    In a stretch of 1 to `LONGEST` frames one chain of points is zeroed, frozen, frozen relative to
+    its base, interpolated or displaced. Short stretches are as likely as long ones. Not in the
+    paper, which only zeroes single values.
+
+    A chain is the first channel of each of its points, from the base outwards: channels c, c + 1
+    and c + 2 are one point, and the base itself is not damaged. `size` is the standard deviation of
+    the displacement of a chain's last point; the others are displaced in proportion.
+    """
+    damaged, frames = x.copy(), x.shape[1]
+    for window in damaged:
+        for _ in range(rng.integers(4)):
+            base, *points = chains[rng.integers(len(chains))]
+            length = min(int(LONGEST ** rng.random()), frames)
+            start = int(rng.integers(frames - length + 1))
+            _damage(window, base, points, start, start + length, size, rng)
+    return damaged
+
+
+def _damage(
+    x: np.ndarray,
+    base: int,
+    points: Sequence[int],
+    start: int,
+    stop: int,
+    size: float,
+    rng: np.random.Generator,
+) -> None:
+    """Damage the frames `start` to `stop` of one window (T, C) in place."""
+    kind = rng.integers(5)
+    shift = size * rng.standard_normal(3) * rng.random() * 2
+    t = np.linspace(0, 1, stop - start + 2)[1:-1, None]
+    after = min(stop, len(x) - 1)
+    for number, point in enumerate(points, start=1):
+        value = x[start:stop, point : point + 3]
+        first, last = x[max(start - 1, 0), point : point + 3], x[after, point : point + 3]
+        if kind == 0:
+            value[...] = 0
+        elif kind == 1:
+            value[...] = first.copy()
+        elif kind == 2:
+            below = slice(base, base + 3)
+            value[...] = x[start:stop, below] + (first - x[max(start - 1, 0), below])
+        elif kind == 3:
+            value[...] = (1 - t) * first + t * last
+        else:
+            value += (shift * number / len(points)).astype(x.dtype)

@@ -29,6 +29,10 @@ class Stage:
     unpooling: Literal["random", "even"] | None = None  # None: random for one layer, even for all
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
+    chains: tuple[tuple[int, ...], ...] = ()  # of which `damage_stretches` damages stretches
+    displacement: float = 0.15  # `size` of `damage_stretches`
+    noise: float = 0.0  # largest standard deviation of the noise that is added to a window
+    posture: float = 0.0  # standard deviation of a constant added to each number of a window
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.corruption import corrupt
+from numpy_cae.training.corruption import corrupt, damage_stretches
 from numpy_cae.training.schedule import EVEN, RANDOM, SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 
@@ -26,7 +26,15 @@ def denoising_step(
     it; `layer` is this layer, 0 the lowest, or None for all. Returns the loss of equation 3 before
     the step; if it is not finite, no weight is changed.
     """
+    if stage.posture:
+        shape = (len(x), 1, x.shape[2])
+        x = x + stage.posture * rng.standard_normal(shape, dtype=x.dtype)
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
+    if stage.chains:
+        corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
+    if stage.noise:
+        deviation = stage.noise * rng.random((len(x), 1, 1), dtype=x.dtype)
+        corrupted = corrupted + deviation * rng.standard_normal(x.shape, dtype=x.dtype)
     layers = model.layers if layer is None else [model.layers[layer]]
     # The paper unpools at random while one layer is trained, and evenly while all are.
     unpooling = stage.unpooling or (EVEN if layer is None else RANDOM)

@@ -2,7 +2,7 @@
 figure 1, right (the wrist); then every joint in turn.
 
 A missing joint is placed where it is in the mean pose, which is zero for the network. The network
-does not know which joint is missing; the joint is read from the projection (`fill_joint`).
+does not know which joint is missing; the joint is read from the projection.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import pca_on_frames, pca_on_windows
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import split_of
-from numpy_cae.manifold import MotionManifold, fill_joint
+from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import FEATURES, JOINTS, joint_slice
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, bars_figure, world_actors
 
@@ -45,7 +45,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         for pca in pcas:
             size = pca.best(_without(split.choosing, joint), split.choosing, joint)
             filled[pca.name] = pca.repair(lost, size)
-        filled[NETWORK] = testing.each(lambda x, joint=joint: fill_joint(manifold, x, joint))
+        filled[NETWORK] = testing.each(lambda x, joint=joint: _projected(manifold, x, joint))
         filled[LINEAR] = split.moments.solve(_kept(joint)).repair(lost)
         errors[joint] = {name: testing.error(x, joint) for name, x in filled.items()}
         if joint == WRISTS[0]:
@@ -70,6 +70,14 @@ def _kept(joint: str) -> np.ndarray:
     kept = np.ones(FEATURES)
     kept[joint_slice(joint)] = 0
     return kept
+
+
+def _projected(manifold: MotionManifold, features: np.ndarray, joint: str) -> np.ndarray:
+    """Features (F, 63) with the joint as it is projected from the mean pose."""
+    place, filled = joint_slice(joint), features.copy()
+    filled[:, place] = manifold.mean_pose[place]
+    filled[:, place] = manifold.project(filled)[:, place]
+    return filled
 
 
 def _without(clips: Clips, joint: str) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Stepped animation, every 15th frame held: holden2015, section 7, "Filling in Missing Data".
 
 The paper projects it without knowing the keys and finds smooth transitions between them. Where the
-keys are known, one can also interpolate between them, or project and keep them (`fill_keyframes`).
+keys are known, one can also interpolate between them, or fill in the rest (`fill`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import MEDIAN, printed, repair_baselines
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.split import split_of
-from numpy_cae.manifold import MotionManifold, fill_keyframes
+from numpy_cae.manifold import MotionManifold, fill, keyframe_mask
 from numpy_cae.motion import POSITIONS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, feature_figure, world_actors
@@ -26,9 +26,8 @@ P = 0.1
 """Of the linear denoiser; also the paper's corruption in training."""
 HELD, TRUE = "held", "truth"
 LINEAR, CUBIC = "linear interpolation of the keys", "cubic interpolation of the keys"
-FILLED = "fill_keyframes, from held keys"
-FILLED_LINE = "fill_keyframes, from a line"
-KEYS_KNOWN = (LINEAR, CUBIC, FILLED, FILLED_LINE)
+FILLED = "fill, keys known"
+KEYS_KNOWN = (LINEAR, CUBIC, FILLED)
 CAPTION = (
     f"Every {EVERY}th frame is held until the next, in all 63 features; measured up to the last "
     f"key. A held key lags behind by {DELAY} frames on average, which a method that does not know "
@@ -55,10 +54,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     known[:, keys] = True
     filled[LINEAR] = interpolate_linearly(held, known)
     filled[CUBIC] = interpolate_cubically(held, keys)
-    for name, start in ((FILLED, "held"), (FILLED_LINE, "line")):
-        filled[name] = testing.each(
-            lambda x, start=start: fill_keyframes(manifold, x, EVERY, start)
-        )
+    filled[FILLED] = testing.each(lambda x: fill(manifold, x, keyframe_mask(len(x), EVERY)))
     filled[TRUE] = testing.x
 
     delayed = testing.later(DELAY)
@@ -99,7 +95,7 @@ def _claims(measured: dict[str, tuple[float, float, float]]) -> list[Claim]:
     held, held_delayed, held_jitter = measured[HELD]
     error, delayed, jitter = measured[ENDS_HELD]
     truth = measured[TRUE][2]
-    filled = min(measured[name][0] for name in (FILLED, FILLED_LINE))
+    filled = measured[FILLED][0]
     best = min((LINEAR, CUBIC), key=lambda name: measured[name][0])
     return [
         Claim(

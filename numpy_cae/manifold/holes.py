@@ -1,0 +1,44 @@
+"""Holes in a motion: frames and joints whose values are unknown, as a mask."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.to_body import RATE
+
+
+def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
+    """Values (F, N, …) interpolated over the frames and columns of the mask (F, N).
+
+    The curve is a monotone cubic (PCHIP), which does not overshoot. Beyond the first and the last
+    known frame their values are held; a column without known frames is left unchanged.
+    """
+    filled = np.array(values, dtype=np.float64)
+    frames = np.arange(len(filled))
+    for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
+        gaps, known = frames[missing[:, column]], frames[~missing[:, column]]
+        if len(known) == 1:
+            filled[gaps, column] = filled[known, column]
+        else:
+            curve = PchipInterpolator(known, filled[known, column])
+            filled[gaps, column] = curve(np.clip(gaps, known[0], known[-1]))
+    return filled
+
+
+def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
+    """A mask (frames, N) of a file's frames at 30 a second: where a frame nearby is in it."""
+    source = motion.source_frames(RATE)
+    low, high = np.floor(source).astype(int), np.ceil(source).astype(int)
+    return mask[low] | mask[np.minimum(high, len(motion) - 1)]
+
+
+def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
+    """A mask (F, N) of frames at 30 a second in the frames of a file: up to the frames at 30 a
+    second next to those of the mask, which are not in it."""
+    source = motion.source_frames(RATE)
+    after = np.searchsorted(source, np.arange(len(motion)), side="left")
+    before = np.searchsorted(source, np.arange(len(motion)), side="right") - 1
+    last = len(source) - 1
+    return mask[np.minimum(after, last)] | mask[before]

@@ -1,0 +1,106 @@
+"""The result of a repair, and the change of a motion in some joints and frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae.manifold.holes import spline
+from numpy_cae.motion.body import Body
+from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.to_rig import retarget
+
+_CHILDREN = [[c for c, parent in enumerate(PARENTS) if parent == j] for j in range(len(JOINTS))]
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """A motion after a repair, and what was changed.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of the skeleton, rate, unit and length of the file's.
+    touched : (frames, 20) array of bool
+        The joints that were repaired, in the frames of the file.
+    moved : (frames, 20) array of float64
+        How far each joint moved, metres.
+    residual : float
+        Median distance of a joint from its projection, metres; 0 where it was not measured.
+    known : bool
+        Whether the motion is like what the manifold was learned from.
+    """
+
+    motion: Motion
+    touched: np.ndarray
+    moved: np.ndarray
+    residual: float = 0.0
+    known: bool = True
+
+
+def change_joints(
+    body: Body,
+    original: Motion,
+    target: np.ndarray,
+    touched: np.ndarray,
+    strength: float = 1.0,
+    residual: float = 0.0,
+) -> Repaired:
+    """Move the joints of a mask to target positions, and nothing else.
+
+    Parameters
+    ----------
+    body : Body
+        Of the motion to change.
+    original : Motion
+        What `moved` is measured from.
+    target : (F, 20, 3) array of float
+        World positions at 30 frames a second, metres.
+    touched : (frames, 20) array of bool
+        In the frames of the file.
+    strength : float
+        Share of the way to the target, 0 to 1.
+    residual : float
+        Of `Repaired`.
+    """
+    before = body_positions(original, body.mapping)
+    if not touched.any():
+        return Repaired(original, touched, np.zeros(touched.shape), residual)
+    own = body.positions_in_file
+    positions = body.in_file_frames(target)
+    # The resampled curve misses known frames by a little: no jump where it meets them.
+    positions += spline(own - positions, touched)
+    positions = np.where(touched[..., None], own + strength * (positions - own), own)
+    for joint, children in enumerate(_CHILDREN):
+        if PARENTS[joint] < 0 or len(children) != 1:
+            continue
+        between = touched[:, joint] & ~touched[:, PARENTS[joint]] & ~touched[:, children[0]]
+        here = positions[between]
+        positions[between, joint] = _nearest_on_circle(
+            here[:, joint], own[between, joint], here[:, PARENTS[joint]], here[:, children[0]]
+        )
+    motion = retarget(body.motion, positions, body.mapping)
+    moved = np.linalg.norm(body_positions(motion, body.mapping) - before, axis=-1)
+    return Repaired(motion, touched, moved, residual)
+
+
+def _nearest_on_circle(
+    target: np.ndarray, own: np.ndarray, parent: np.ndarray, child: np.ndarray
+) -> np.ndarray:
+    """The point nearest to `target` on the circle through `own` about the line from parent to
+    child, where the distances from both are kept. All arrays are (F, 3)."""
+    line = child - parent
+    line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-12)
+
+    def off_line(points: np.ndarray) -> np.ndarray:
+        along = np.sum((points - parent) * line, axis=-1, keepdims=True) * line
+        return points - parent - along
+
+    radius = np.linalg.norm(off_line(own), axis=-1, keepdims=True)
+    outward = off_line(target)
+    distance = np.linalg.norm(outward, axis=-1, keepdims=True)
+    on_circle = outward / np.maximum(distance, 1e-12) * radius
+    return own - off_line(own) + np.where(distance > 1e-6, on_circle, off_line(own))
