@@ -15,8 +15,8 @@ import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.manifold import fill_joint, fill_motion_joint, fill_motion_keyframes
-from numpy_cae.motion import Motion
+from numpy_cae.manifold import fill_motion, keyframe_mask
+from numpy_cae.motion import JOINTS, Motion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,28 +29,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     missing.add_argument("--keyframes", **kinds.COUNT, help=every)
     gap = "with --joint: first and last frame without the joint, from 0 (default: all frames)"
     add("--frames", type=kinds.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=gap)
-    fit = "with --joint: find the motion that fits the known values, instead of one projection"
-    add("--fit", **kinds.FLAG, help=fit)
-    add("--data", **kinds.FOLDERS, help="with --fit: folders of motions for PCA of initial poses")
 
 
 def run(args: argparse.Namespace) -> int:
     """Fill in the motion."""
-    for option, required in (("frames", "joint"), ("fit", "joint"), ("data", "fit")):
-        if getattr(args, option) and not getattr(args, required):
-            raise ValueError(f"--{option} requires --{required}")
+    if args.frames and not args.joint:
+        raise ValueError("--frames requires --joint")
+    if args.joint not in (None, *JOINTS):
+        raise ValueError(f"there is no joint {args.joint!r}, expected one of {', '.join(JOINTS)}")
     manifold = one_motion.load_model(args)
-    if args.joint is None:
-        filled = partial(fill_motion_keyframes, manifold=manifold, every=args.keyframes)
-        return one_motion.change(args, filled, partial(_held_keyframes, every=args.keyframes))
-    filler = fill_joint
-    if args.fit:
-        from numpy_cae.beyond import fill_observed, pose_pca
 
-        features = one_motion.load_features(args, manifold)
-        filler = partial(fill_observed, poses=pose_pca(manifold, features) if features else None)
-    filled = partial(fill_motion_joint, manifold=manifold, joint=args.joint, filler=filler)
-    return one_motion.change(args, partial(filled, frames=args.frames))
+    def filled(motion: Motion, mapping: dict[str, str] | None) -> Motion:
+        if args.joint is None:
+            missing = keyframe_mask(len(motion), args.keyframes)
+        else:
+            first, last = args.frames or (0, len(motion) - 1)
+            if not 0 <= first <= last < len(motion):
+                raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
+            missing = np.zeros((len(motion), len(JOINTS)), bool)
+            missing[first : last + 1, JOINTS.index(args.joint)] = True
+        return fill_motion(motion, manifold, missing, mapping).motion
+
+    if args.joint is None:
+        return one_motion.change(args, filled, partial(_held_keyframes, every=args.keyframes))
+    return one_motion.change(args, filled)
 
 
 def _held_keyframes(motion: Motion, every: int) -> Motion:

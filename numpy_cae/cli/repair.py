@@ -39,7 +39,9 @@ def run(args: argparse.Namespace) -> int:
             raise ValueError(f"{args.model}: a sequential model supports no constraints")
         return one_motion.change(args, partial(repair_sequence, manifold=manifold))
     if not args.constrain and not args.pin:
-        return one_motion.change(args, partial(repair, manifold=manifold))
+        return one_motion.change(
+            args, lambda motion, mapping: repair(motion, manifold, mapping).motion
+        )
     from numpy_cae.beyond import read_pins, repair_constrained
 
     def repaired(motion: Motion, mapping: dict[str, str] | None) -> Motion:

@@ -58,7 +58,7 @@ def fill(
     missing = _checked(missing, len(features))
     filled = np.array(features, dtype=np.float64)
     points = filled[:, POSITIONS].reshape(-1, len(JOINTS), 3)  # a view
-    never = missing.all(axis=0)
+    never = np.asarray(missing.all(axis=0))
     points[:, never] = manifold.mean_pose[POSITIONS].reshape(-1, 3)[never]
     points[...] = spline(points, missing)
     for _ in range(repeats if missing.any() else 0):
@@ -101,7 +101,8 @@ def fill_motion(
         If joints of the rig are missing; if the mask has another shape.
     """
     missing = _checked(missing, len(motion))
-    body = manifold.body(_interpolated(motion, missing.all(axis=1)), mapping)
+    whole = np.asarray(missing.all(axis=1))
+    body = manifold.body(_interpolated(motion, whole), mapping)
     target = fill_positions(manifold, body, at_thirty(motion, missing))
     return change_joints(body, motion, target, missing)
 

@@ -19,7 +19,6 @@ from numpy_cae.motion.heading import SMOOTHING_SECONDS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 
-
 UNKNOWN = 0.05
 """Metres: with a larger typical residual, a motion is unlike what the manifold knows."""
 

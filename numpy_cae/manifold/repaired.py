@@ -8,12 +8,8 @@ import numpy as np
 
 from numpy_cae.manifold.holes import spline
 from numpy_cae.motion.body import Body
-from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
-from numpy_cae.motion.retarget.to_rig import retarget
-
-_CHILDREN = [[c for c, parent in enumerate(PARENTS) if parent == j] for j in range(len(JOINTS))]
 
 
 @dataclass(frozen=True)
@@ -74,33 +70,6 @@ def change_joints(
     # The resampled curve misses known frames by a little: no jump where it meets them.
     positions += spline(own - positions, touched)
     positions = np.where(touched[..., None], own + strength * (positions - own), own)
-    for joint, children in enumerate(_CHILDREN):
-        if PARENTS[joint] < 0 or len(children) != 1:
-            continue
-        between = touched[:, joint] & ~touched[:, PARENTS[joint]] & ~touched[:, children[0]]
-        here = positions[between]
-        positions[between, joint] = _nearest_on_circle(
-            here[:, joint], own[between, joint], here[:, PARENTS[joint]], here[:, children[0]]
-        )
-    motion = retarget(body.motion, positions, body.mapping)
+    motion = body.retarget(positions, touched)
     moved = np.linalg.norm(body_positions(motion, body.mapping) - before, axis=-1)
     return Repaired(motion, touched, moved, residual)
-
-
-def _nearest_on_circle(
-    target: np.ndarray, own: np.ndarray, parent: np.ndarray, child: np.ndarray
-) -> np.ndarray:
-    """The point nearest to `target` on the circle through `own` about the line from parent to
-    child, where the distances from both are kept. All arrays are (F, 3)."""
-    line = child - parent
-    line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), 1e-12)
-
-    def off_line(points: np.ndarray) -> np.ndarray:
-        along = np.sum((points - parent) * line, axis=-1, keepdims=True) * line
-        return points - parent - along
-
-    radius = np.linalg.norm(off_line(own), axis=-1, keepdims=True)
-    outward = off_line(target)
-    distance = np.linalg.norm(outward, axis=-1, keepdims=True)
-    on_circle = outward / np.maximum(distance, 1e-12) * radius
-    return own - off_line(own) + np.where(distance > 1e-6, on_circle, off_line(own))

@@ -56,7 +56,7 @@ def damage_stretches(
     damaged, frames = x.copy(), x.shape[1]
     for window in damaged:
         for _ in range(rng.integers(4)):
-            base, *points = chains[rng.integers(len(chains))]
+            base, *points = chains[int(rng.integers(len(chains)))]
             length = min(int(LONGEST ** rng.random()), frames)
             start = int(rng.integers(frames - length + 1))
             _damage(window, base, points, start, start + length, size, rng)

@@ -1,15 +1,13 @@
-"""Optimised projections: exact lengths, standing feet, pinned joints and filled holes."""
+"""Optimised projections: exact lengths, standing feet, pinned joints."""
 
 import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.baselines import interpolate_linearly
-from numpy_cae.beyond import Pins, constraints, pose_pca, project_constrained, project_observed
-from numpy_cae.beyond.observed import fill_observed, initial_fill
+from numpy_cae.beyond import Pins, constraints, project_constrained
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.measures import position_error
-from numpy_cae.motion import JOINTS, body_of, features_to_positions, joint_slice
+from numpy_cae.motion import JOINTS, body_of, features_to_positions
 from numpy_cae.motion.contacts import find_contacts
 from numpy_cae.training import Schedule, Stage
 
@@ -47,39 +45,3 @@ def test_a_pinned_hand_reaches_its_target(walked):
     kept = project_constrained(manifold, features, start, pins=Pins(targets, weights), steps=60)
     reached = features_to_positions(kept, start)[30, hand]
     assert np.linalg.norm(reached - targets[30, hand]) < 0.03
-
-
-def test_known_values_stay_and_holes_are_filled_better_than_by_a_line(walked):
-    manifold, features, _ = walked
-    known = np.ones(features.shape, bool)
-    gap = slice(20, 50), joint_slice("left_ankle")
-    known[gap] = False
-    damaged = np.where(known, features, np.nan)
-    filled = project_observed(manifold, damaged, known)
-    np.testing.assert_array_equal(filled[known], features[known])
-
-    def error(x):
-        return np.sqrt(np.mean((x[gap] - features[gap]) ** 2))
-
-    assert error(filled) < error(interpolate_linearly(damaged, known)) / 2
-    np.testing.assert_array_equal(fill_observed(manifold, damaged, "left_ankle"), filled)
-    with pytest.raises(ValueError, match="nothing is known"):
-        project_observed(manifold, features, np.zeros(features.shape, bool))
-
-
-def test_pca_of_poses_improves_a_joint_that_is_never_observed(walked):
-    manifold, features, _ = walked
-    known = np.ones(features.shape, bool)
-    known[:, joint_slice("left_wrist")] = False
-    takes = [
-        manifold.features(body_of(make_take("walk", seed=seed, seconds=4, rate=30).motion))[0]
-        for seed in range(6, 10)
-    ]
-    poses = pose_pca(manifold, takes)
-    filled = [project_observed(manifold, features, known, 0.1, 20, each) for each in (None, poses)]
-    without, by_pca = (position_error(each, features, joint="left_wrist") for each in filled)
-    assert by_pca < without
-    for each, expected in ((None, False), (poses, True)):
-        start, used = initial_fill(manifold, features, known, each)
-        assert used == expected
-        np.testing.assert_allclose(start[known], features[known], atol=1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import MotionManifold, repair
+from numpy_cae.manifold import MotionManifold, project_motion
 from numpy_cae.manifold.repair import keep_trajectory
 from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
@@ -29,7 +29,7 @@ def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
         translations=motion.translations[:frames],
         unit=0.0254,
     )
-    fixed = repair(motion, untrained_manifold)
+    fixed = project_motion(motion, untrained_manifold)
     assert fixed.skeleton is motion.skeleton
     assert (fixed.rate, fixed.unit, len(fixed)) == (motion.rate, 0.0254, frames)
     assert np.all(np.isfinite(fixed.rotations))
@@ -42,7 +42,7 @@ def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
 def test_a_motion_on_the_manifold_comes_back(untrained_manifold, rate):
     """Only what lies between poses at 30 a second is lost."""
     motion = make_take("walk", 2, seconds=2.0, rate=rate).motion
-    fixed = repair(motion, Identity(**vars(untrained_manifold)))
+    fixed = project_motion(motion, Identity(**vars(untrained_manifold)))
     gap = np.linalg.norm(body_positions(fixed) - body_positions(motion), axis=-1)
     assert gap[:: round(rate / 30)].max() < 1e-6
     assert gap.max() < 0.03
@@ -61,12 +61,12 @@ def test_noise_between_the_poses_does_not_come_through(untrained_manifold):
         return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
 
     assert jitter(shaken) > 20 * jitter(calm)
-    assert jitter(repair(shaken, untrained_manifold)) < 0.1 * jitter(shaken)
+    assert jitter(project_motion(shaken, untrained_manifold)) < 0.1 * jitter(shaken)
 
 
 def test_fingers_are_carried_along_and_a_wrong_pose_moves(untrained_manifold):
     motion = make_take("walk", 1, seconds=2.0, rate=120.0).motion
-    fixed = repair(motion, untrained_manifold)
+    fixed = project_motion(motion, untrained_manifold)
     for finger in ("lfingers", "rthumb", "lhand"):
         place = motion.skeleton.index(finger)
         np.testing.assert_array_equal(fixed.rotations[:, place], motion.rotations[:, place])
