@@ -7,6 +7,7 @@ so that `rx ry rz` is R = R_z · R_y · R_x; `asf` defines the axes.
 from __future__ import annotations
 
 import logging
+from array import array
 from pathlib import Path
 
 import numpy as np
@@ -64,14 +65,12 @@ def read_amc(
     acclaim = read_asf(skeleton_path, unit)
     degrees, rate, header = _read_header(file, acclaim.degrees)
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
-    values = _frames(file, acclaim, header, step)
-    file.require_meaningful_size(len(values), len(acclaim.skeleton.names))
+    rate = rate if step == 1 or max_rate is None else max_rate
+    values = _frames(file, acclaim, header, step, rate)
     rotations, translations = _pose(acclaim, values, degrees)
     source = ":units of the skeleton" if unit is None else "as given"
     height = stature(acclaim.skeleton)
     note = f"{unit_name(acclaim.unit)} ({source}; the skeleton is about {height:.1f} m tall)"
-    if step > 1 and max_rate is not None:
-        rate = max_rate
     return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
 
 
@@ -115,30 +114,37 @@ def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float, int]:
     raise file.error(file.count, "the file ends before the first frame")
 
 
-def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) -> np.ndarray:
+def _frames(
+    file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int, rate: float
+) -> np.ndarray:
     """The table (every `step`-th frame, channels), columns in the order of the skeleton's joints.
 
-    Comments, blanks and the order of the bones in a frame do not matter.
+    `rate` is that of these frames. Comments, blanks and the order of the bones do not matter.
     """
     names = acclaim.skeleton.names
     channels = dict(zip(names, acclaim.channels, strict=True))
-    rows: list[np.ndarray] = []
+    rows = array("d")
     frame: dict[str, tuple[int, list[str]]] = {}
     number: int | None = None
     first = frame_line = 0
 
-    def finish(number: int) -> None:
+    def finish(number: int, last: bool = False) -> None:
         missing = [name for name in names if channels[name] and name not in frame]
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
-        if (number - first) % step == 0:
-            words = [word for name in names if channels[name] for word in frame[name][1]]
-            try:
-                rows.append(np.array(file.numbers(frame_line, words)))
-            except MotionFileError:
-                for bone in frame.values():  # for the line of the error
-                    file.numbers(*bone)
-                raise
+        kept = (number - first) % step == 0
+        if not kept and not last:  # the last one may be cut off
+            return
+        words = [word for name in names if channels[name] for word in frame[name][1]]
+        try:
+            values = file.numbers(frame_line, words)
+        except MotionFileError:
+            for bone in frame.values():  # for the line of the error
+                file.numbers(*bone)
+            raise
+        if kept:
+            rows.extend(values)
+            file.require_frames((number - first) // step + 1, len(names), rate)
 
     for line, (name, *values) in statements(file, header):
         if name not in channels:
@@ -167,9 +173,10 @@ def _frames(file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int) ->
             problem = f"bone {name!r} has {len(values)} values, expected {len(expected)}{reason}"
             raise file.error(line, problem)
         frame[name] = line, values
-    if number is not None:
-        finish(number)
-    return np.array(rows)
+    if number is None:
+        return np.empty((0, 0))  # not reached: the header ends at a first frame
+    finish(number, last=True)
+    return np.frombuffer(rows).reshape((number - first) // step + 1, -1)
 
 
 def _pose(

@@ -23,6 +23,8 @@ from numpy_cae.motion.io.text_file import TextFile, quoted
 from numpy_cae.motion.io.units import INCH, require_unit
 from numpy_cae.motion.skeleton import Skeleton
 
+MAX_BYTES = 1_000_000
+"""Of an .asf file; those of CMU have 6,000."""
 ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -102,7 +104,7 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     MotionFileError
         If the file is damaged, or a bone may stretch or slide (dof l, tx, ty, tz).
     """
-    file = TextFile.read(path)
+    file = TextFile.read(path, MAX_BYTES)
     sections = _read_sections(file)
     line, words = sections.units.get("length", (0, ["1"]))
     numbers = file.numbers(line, words)

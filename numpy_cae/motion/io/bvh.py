@@ -122,12 +122,12 @@ def _read_motion(
 
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     expected = "one line a frame, one value for each channel of the hierarchy"
-    values, lines = file.table(time_line, channels, expected, step)
-    if lines != whole_number(count):
+    frames = int(count)
+    rate = rate if step == 1 or max_rate is None else max_rate
+    file.require_frames(min(frames, file.count) // step, len(joints), rate)
+    values, lines = file.table(time_line, channels, frames, expected, step)
+    if lines != frames:
         raise file.error(count_line, f"Frames: says {count}, but {lines} lines of values follow")
-    file.require_meaningful_size(len(values), len(joints))
-    if step > 1 and max_rate is not None:
-        rate = max_rate
     return rate, values
 
 

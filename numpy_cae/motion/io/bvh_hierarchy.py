@@ -21,7 +21,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from numpy_cae.motion.io.text_file import TextFile, quoted, whole_number
+from numpy_cae.motion.io.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 
 CHANNELS = {
     f"{axis}{kind}".lower(): f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ"
@@ -141,6 +141,8 @@ class _Blocks:
         problem = None
         if not name:
             problem = f"{keyword} has no name"
+        elif len(self.joints) == MAX_JOINTS:
+            problem = f"the skeleton has more than {MAX_JOINTS} joints"
         elif keyword == "ROOT" and self.joints:
             problem = (
                 f"a second ROOT, {name!r}: the file holds several skeletons, expected one; give "

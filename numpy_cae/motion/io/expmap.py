@@ -11,13 +11,14 @@ BVH, and the text has +0.3665.
 
 from __future__ import annotations
 
+from array import array
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
-from numpy_cae.motion.io.text_file import TextFile
+from numpy_cae.motion.io.text_file import MAX_LINE, TextFile
 from numpy_cae.motion.io.units import require_unit, unit_name
 from numpy_cae.motion.motion import Motion
 
@@ -70,7 +71,7 @@ def is_expmap_text(path: str | Path) -> bool:
     """
     try:
         with open(path, encoding="latin-1") as file:
-            first = next((line for line in file if line.strip()), "")
+            first = file.readline(MAX_LINE).strip() or file.readline(MAX_LINE)
     except OSError:
         return False
     return first.count(",") > _MIN_COMMAS
@@ -78,7 +79,7 @@ def is_expmap_text(path: str | Path) -> bool:
 
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     """The layout, and the numbers (frames, width)."""
-    rig, rows = None, []
+    rig, rows = None, array("d")
     for line, text in file.numbered():
         if not text.strip():
             continue
@@ -91,10 +92,11 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
             raise file.error(line, f"{found}, expected {widths}, separated by commas")
         if len(words) != rig.width:
             raise file.error(line, f"{found}, expected {rig.width} as in the lines above")
-        rows.append(file.numbers(line, words))
+        rows.extend(file.numbers(line, words))
+        file.require_frames(len(rows) // rig.width, len(rig.rows), rig.rate)
     if rig is None:
         raise file.error(None, "holds no frame")
-    return rig, np.array(rows)
+    return rig, np.frombuffer(rows).reshape(-1, rig.width)
 
 
 def cmu_root(text: Rotation) -> Rotation:

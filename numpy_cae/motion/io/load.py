@@ -7,8 +7,9 @@ from pathlib import Path
 
 from numpy_cae.motion.io.amc import read_amc
 from numpy_cae.motion.io.bvh import read_bvh
-from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
+from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
 
 SUPPORTED = (
@@ -55,9 +56,11 @@ def load_motion(
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
     if problem is not None:
         raise MotionFileError(path, None, problem)
-    if suffix == ".amc":
-        return read_amc(path, unit=unit, max_rate=max_rate)
-    return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
+    unit = None if unit is None else require_unit(unit)
+    with naming(path):
+        if suffix == ".amc":
+            return read_amc(path, unit=unit, max_rate=max_rate)
+        return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from codecs import BOM_UTF8
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,6 +17,10 @@ MAX_VALUE = 1e12
 """Above every length and angle of a motion; sums and products of smaller numbers are finite."""
 MIN_RATE = 1.0
 """Frames a second. At lower rates a few frames would last hours and, resampled, fill the memory."""
+NETWORK_RATE = 30.0
+"""Frames a second that every motion is resampled to."""
+MAX_BYTES, MAX_LINE, MAX_JOINTS = 1 << 30, 1_000_000, 5_000
+"""Of a file, of a line of it, and of a skeleton."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +38,20 @@ class TextFile:
     data: bytes
 
     @classmethod
-    def read(cls, path: str | Path) -> TextFile:
+    def read(cls, path: str | Path, most: int = MAX_BYTES) -> TextFile:
         """Read a file with any line ends, with or without a byte order mark.
 
-        Raises MotionFileError if the file is missing, a folder, empty or not text.
+        Raises MotionFileError if the file is missing, a folder or a pipe, empty, larger than `most`
+        bytes or not text.
         """
         path = Path(path)
         try:
+            size = path.stat().st_size
+            if size > most:
+                problem = f"has {size} bytes, expected at most {most}"
+                raise MotionFileError(path, None, problem)
+            if not path.is_file() and not path.is_dir():
+                raise MotionFileError(path, None, "is not a regular file")
             data = path.read_bytes()
         except FileNotFoundError:
             raise MotionFileError(path, None, "there is no such file") from None
@@ -72,6 +84,9 @@ class TextFile:
             line += 1
             end = self.data.find(b"\n", start)
             end = len(self.data) if end < 0 else end
+            if end - start > MAX_LINE:
+                problem = f"the line has {end - start} characters, expected at most {MAX_LINE}"
+                raise self.error(line, problem)
             if line > after:
                 yield line, self.data[start:end].decode()
             start = end + 1
@@ -104,7 +119,9 @@ class TextFile:
             raise self.error(line, f"{name} has {len(words)} values, expected 3 numbers (x y z)")
         return self.numbers(line, words)
 
-    def table(self, after: int, width: int, expected: str, step: int) -> tuple[np.ndarray, int]:
+    def table(
+        self, after: int, width: int, frames: int, expected: str, step: int
+    ) -> tuple[np.ndarray, int]:
         """The numbers in the lines below line `after`, the same count in each line.
 
         Parameters
@@ -112,10 +129,13 @@ class TextFile:
         after : int
         width : int
             Numbers in a line.
+        frames : int
+            Number of lines that are parsed at most.
         expected : str
             Description of a line, for the error.
         step : int
-            Only every `step`-th line is parsed; the others are counted.
+            Only every `step`-th line is parsed, and the last, which may be cut off; the others are
+            counted.
 
         Returns
         -------
@@ -123,29 +143,34 @@ class TextFile:
         lines : int
             Lines that are not blank, parsed or not.
         """
-        rows, lines = [], 0
+        rows, lines = array("d"), 0
         for line, text in self.numbered(after):
             if not text.strip():
                 continue
-            if lines % step == 0:
+            if lines < frames and (lines % step == 0 or lines == frames - 1):
                 words = text.split()
                 if len(words) != width:
                     raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
-                rows.append(np.array(self.numbers(line, words)))
+                values = self.numbers(line, words)
+                if lines % step == 0:
+                    rows.extend(values)
             lines += 1
-        return np.array(rows).reshape(-1, width), lines
+        return np.frombuffer(rows).reshape(-1, width), lines
 
-    def require_meaningful_size(self, frames: int, joints: int) -> None:
-        """Reject more poses than a file of this size can describe.
+    def require_frames(self, frames: int, joints: int, rate: float) -> None:
+        """Reject more poses than a file of this size can describe; call it before they are parsed.
 
-        A joint without channels takes no space in the file, but a quaternion per frame in memory:
-        a small damaged file with many such joints and many short lines would fill the memory.
+        A joint without channels takes no space in the file, but a quaternion per frame in memory,
+        and frames of a low rate become many at `NETWORK_RATE`: a small file could fill the memory.
         """
-        if frames * joints > 4 * len(self.data) + 100_000:
+        poses = frames * joints * max(1.0, NETWORK_RATE / rate)
+        most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
+        if poses > most:
             raise self.error(
                 None,
-                f"{frames} frames of {joints} joints, of which almost none has values: expected a "
-                "motion",
+                f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f} poses "
+                f"at {NETWORK_RATE:g} a second or more, expected at most {most} in a file of this "
+                "size",
             )
 
 
