@@ -14,8 +14,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf, statements
+from numpy_cae.motion.io.channels import Channels
 from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.text_file import MIN_RATE, TextFile, quoted, whole_number
+from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import stature, unit_name
 from numpy_cae.motion.motion import Motion, whole_step
 
@@ -72,6 +73,34 @@ def read_amc(
     height = stature(acclaim.skeleton)
     note = f"{unit_name(acclaim.unit)} ({source}; the skeleton is about {height:.1f} m tall)"
     return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
+
+
+def amc_channels(path: str | Path, unit: float) -> list[Channels]:
+    """The channels of each joint of an Acclaim motion, whose unit of length is so many metres."""
+    acclaim = read_asf(find_skeleton(path), unit)
+    degrees, _, _ = _read_header(TextFile.read(path, size=HEADER_SIZE), acclaim.degrees)
+    found, column = [], 0
+    for joint, names in enumerate(acclaim.channels):
+        places = {name: column + place for place, name in enumerate(names)}
+        column += len(places)
+        positions = [name for name in places if name[0] == "t"]
+        rotations = [name for name in places if name[0] == "r"]
+        limits = acclaim.limits[joint] if acclaim.degrees == degrees else None
+        found.append(
+            Channels(
+                tuple("xyz".index(name[1]) for name in positions),
+                tuple(places[name] for name in positions),
+                tuple(places[name] for name in rotations),
+                "".join(name[1] for name in rotations),
+                unit,
+                acclaim.axes[joint],
+                Rotation.identity() if joint else acclaim.orientation,
+                acclaim.skeleton.offsets[joint],
+                degrees,
+                limits,
+            )
+        )
+    return found
 
 
 def find_skeleton(path: str | Path) -> Path:

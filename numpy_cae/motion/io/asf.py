@@ -12,6 +12,7 @@ at the knee.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +26,7 @@ from numpy_cae.motion.skeleton import Skeleton
 
 MAX_BYTES = 1_000_000
 """Of an .asf file; those of CMU have 6,000."""
+_NUMBER = re.compile(r"[+-]?(\d|\.\d|inf\b)")
 ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -43,6 +45,8 @@ class AcclaimSkeleton:
         C of each bone; the identity for the root.
     orientation : Rotation
         The root's rotation is orientation · R.
+    limits : tuple of J arrays (number of rotations, 2), or None
+        Smallest and largest angle of each rotation; None for a bone without `limits`.
     unit, degrees
         Metres in one unit of the file; whether its angles are in degrees.
     """
@@ -51,6 +55,7 @@ class AcclaimSkeleton:
     channels: tuple[tuple[str, ...], ...]
     axes: tuple[Rotation, ...]
     orientation: Rotation
+    limits: tuple[np.ndarray | None, ...]
     unit: float
     degrees: bool
 
@@ -145,6 +150,8 @@ def _read_sections(file: TextFile) -> _Sections:
                 raise file.error(line, f"{quoted(words[0])} is outside begin and end")
             elif keyword == "end":
                 bone = None
+            elif "limits" in bone.fields and _NUMBER.match(keyword):
+                bone.fields["limits"][1].extend(words)
             else:
                 bone.fields[keyword] = line, words[1:]
     if bone is not None:
@@ -177,6 +184,15 @@ def _channels(
     if len(set(channels)) < len(channels):
         raise file.error(line, f"{keyword} names a channel twice: {' '.join(words)}")
     return channels
+
+
+def _limits(bone: _Bone, count: int) -> np.ndarray | None:
+    """The `limits` of a bone, (count, 2); None where it has none or damaged ones."""
+    try:
+        limits = np.array(bone.fields.get("limits", (0, []))[1], dtype=float)
+    except ValueError:
+        return None
+    return limits.reshape(count, 2) if count and limits.size == 2 * count else None
 
 
 def _rotation(
@@ -215,6 +231,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
     tips = {"root": np.zeros(3)}
     channels = {"root": _channels(file, sections.root, "order", ROOT_CHANNELS, ROOT_CHANNELS)}
     axes = {"root": Rotation.identity()}
+    limits: dict[str, np.ndarray | None] = {}
     for bone in sections.bones:
         for required in ("name", "direction", "length", "axis"):
             if required not in bone.fields:
@@ -230,6 +247,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
         angles = file.three_numbers(line, words[:3], "axis")
         axes[bone.name] = _rotation(file, line, angles, " ".join(words[3:]), degrees)
         channels[bone.name] = _channels(file, bone.fields, "dof", ROOT_CHANNELS[3:], ())
+        limits[bone.name] = _limits(bone, len(channels[bone.name]))
 
     children = _children(file, sections)
     names: list[str] = []
@@ -256,6 +274,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
         skeleton=Skeleton(tuple(names), tuple(parents), np.array(offsets), end_sites),
         channels=tuple(channels[name] for name in names),
         axes=tuple(axes[name] for name in names),
+        limits=(None, *(limits[name] for name in names[1:])),
         orientation=_rotation(file, line, angles, " ".join(order), degrees),
         unit=unit,
         degrees=degrees,

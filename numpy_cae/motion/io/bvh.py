@@ -15,7 +15,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.bvh_hierarchy import BvhJoint, read_hierarchy
-from numpy_cae.motion.io.text_file import MIN_RATE, TextFile, quoted, whole_number
+from numpy_cae.motion.io.channels import Channels
+from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stature, unit_name
 from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
@@ -63,6 +64,27 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         log.log(level, "%s: lengths taken as %s", path, note)
     translations *= unit
     return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
+
+
+def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
+    """The channels of each joint of a BVH file, whose unit of length is so many metres."""
+    joints, _ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
+    found, column = [], 0
+    for joint in joints:
+        places = {name: column + place for place, name in enumerate(joint.channels or [])}
+        column += len(places)
+        positions = [name for name in places if name.endswith("position")]
+        rotations = [name for name in places if name.endswith("rotation")]
+        found.append(
+            Channels(
+                tuple("XYZ".index(name[0]) for name in positions),
+                tuple(places[name] for name in positions),
+                tuple(places[name] for name in rotations),
+                "".join(name[0] for name in rotations),
+                unit,
+            )
+        )
+    return found
 
 
 def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:

@@ -15,6 +15,8 @@ from numpy_cae.motion.io.error import MotionFileError
 
 MAX_VALUE = 1e12
 """Above every length and angle of a motion; sums and products of smaller numbers are finite."""
+HEADER_SIZE = 1 << 22
+"""Bytes, above those before the first frame of every motion file."""
 MIN_RATE = 1.0
 """Frames a second. At lower rates a few frames would last hours and, resampled, fill the memory."""
 NETWORK_RATE = 30.0
@@ -38,21 +40,23 @@ class TextFile:
     data: bytes
 
     @classmethod
-    def read(cls, path: str | Path, most: int = MAX_BYTES) -> TextFile:
-        """Read a file with any line ends, with or without a byte order mark.
+    def read(cls, path: str | Path, most: int = MAX_BYTES, size: int = -1) -> TextFile:
+        """Read a file, or its first `size` bytes, with any line ends, with or without a byte order
+        mark.
 
         Raises MotionFileError if the file is missing, a folder or a pipe, empty, larger than `most`
         bytes or not text.
         """
         path = Path(path)
         try:
-            size = path.stat().st_size
-            if size > most:
-                problem = f"has {size} bytes, expected at most {most}"
+            in_all = path.stat().st_size
+            if in_all > most:
+                problem = f"has {in_all} bytes, expected at most {most}"
                 raise MotionFileError(path, None, problem)
             if not path.is_file() and not path.is_dir():
                 raise MotionFileError(path, None, "is not a regular file")
-            data = path.read_bytes()
+            with path.open("rb") as file:
+                data = file.read(size)
         except FileNotFoundError:
             raise MotionFileError(path, None, "there is no such file") from None
         except IsADirectoryError:

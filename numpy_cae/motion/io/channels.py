@@ -1,0 +1,140 @@
+"""A joint's channels of a motion file: from rotations and translations back to their numbers.
+
+Three angles and (a ± 180°, 180° - b, c ± 180°), each plus whole turns, are the same rotation. Of
+these the ones nearest to the frame before are used, so that curves in an editor do not jump.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+@dataclass(frozen=True)
+class Channels:
+    """The channels of one joint, in the order of the file.
+
+    Parameters
+    ----------
+    positions : tuple of int
+        The coordinate of each position channel, 0 to 2.
+    position_columns, rotation_columns : tuple of int
+        Where the channels are in a frame's numbers.
+    order : str
+        The axes of the rotation channels as in `scipy.spatial.transform`: capital letters are the
+        joint's own axes, others are fixed.
+    axes, orientation : Rotation
+        The joint's rotation is orientation · axes · R(angles) · axes⁻¹.
+    offset : (3,) array
+        Metres, subtracted from the translation.
+    unit : float
+        Metres in one unit of the file.
+    degrees : bool
+    limits : (number of angles, 2) array, optional
+        Smallest and largest angles, in the unit of the file.
+    """
+
+    positions: tuple[int, ...]
+    position_columns: tuple[int, ...]
+    rotation_columns: tuple[int, ...]
+    order: str
+    unit: float
+    axes: Rotation = field(default_factory=Rotation.identity)
+    orientation: Rotation = field(default_factory=Rotation.identity)
+    offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    degrees: bool = True
+    limits: np.ndarray | None = None
+
+    def position_values(self, translations: np.ndarray) -> np.ndarray:
+        """The numbers of the position channels, from translations (F, 3) in metres."""
+        return ((translations - self.offset) / self.unit)[:, list(self.positions)]
+
+    def rotation_values(
+        self,
+        rotations: np.ndarray,
+        present: np.ndarray,
+        before: np.ndarray | None,
+        after: np.ndarray | None,
+    ) -> np.ndarray:
+        """The numbers of the rotation channels, from quaternions (F, 4).
+
+        They continue the numbers of the frames before and after them, where there are such. If
+        they cannot continue both, they jump where their `present` numbers (F, N) do.
+        """
+        local = self.axes.inv() * self.orientation.inv() * Rotation.from_quat(rotations) * self.axes
+        angles = nearest_angles(local, self.order)
+        unit = np.radians(1.0) if self.degrees else 1.0
+        jump = 0 if before is None else len(angles)
+        if before is None and after is None:
+            before, jump = present[0], len(angles)
+        elif before is not None and after is not None:
+            steps = np.abs(np.diff(np.vstack([before, present, after]), axis=0))
+            jump = int(np.argmax(steps.max(axis=1)))
+        parts = []
+        if jump > 0 and before is not None:
+            parts.append(continuous_angles(angles[:jump], unit * before))
+        if jump < len(angles) and after is not None:
+            parts.append(continuous_angles(angles[jump:][::-1], unit * after)[::-1])
+        angles = np.concatenate(parts) / unit
+        if self.limits is None:
+            return angles
+        # Files exceed their limits; a stretch then may as far as its neighbours do.
+        around = [self.limits.T, *(end[None] for end in (before, after) if end is not None)]
+        return np.clip(angles, np.vstack(around).min(axis=0), np.vstack(around).max(axis=0))
+
+    def rotation(self, values: np.ndarray) -> Rotation:
+        """The joint's rotation from the numbers of its rotation channels (F, N)."""
+        local = Rotation.identity(len(values))
+        if self.order:
+            local = Rotation.from_euler(self.order, values, degrees=self.degrees)
+        return self.orientation * self.axes * local * self.axes.inv()
+
+
+def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
+    """The same rotations by angles (F, 1 to 3) in radians without avoidable jumps from frame to
+    frame, beginning near the angles `before` (N,)."""
+    if angles.shape[1] == 3:
+        before = angles[0] if before is None else before
+        other = angles * [1, -1, 1] + np.pi
+        from_one = _distance(np.vstack([before, angles[:-1]]), angles)
+        from_other = _distance(np.vstack([before, angles[:-1]]), other)
+        use_other = np.cumsum(from_other < from_one) % 2 == 1
+        angles = np.where(use_other[:, None], other, angles)
+    if before is None:
+        return np.unwrap(angles, axis=0)
+    return np.unwrap(np.vstack([before, angles]), axis=0)[1:]
+
+
+def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The largest difference of angles (F, 3), without regard to whole turns."""
+    difference = (one - other + np.pi) % (2 * np.pi) - np.pi
+    return np.abs(difference).max(axis=-1)
+
+
+def nearest_angles(rotations: Rotation, order: str) -> np.ndarray:
+    """The angles (F, N) in radians about these axes whose rotation is nearest.
+
+    For fewer than three axes, an angle is dropped of each decomposition into three that keeps the
+    order, and the best is taken.
+    """
+    found = np.zeros((len(rotations), len(order)))
+    least = np.full(len(rotations), np.inf if order else -np.inf)
+    three: Any
+    for three in map("".join, permutations("XYZ" if order.isupper() else "xyz")):
+        places = [three.index(axis) for axis in order]
+        if places == sorted(places):
+            with warnings.catch_warnings():
+                # At a pole scipy sets one angle to zero and warns; the rotation is the same.
+                warnings.filterwarnings("ignore", message="Gimbal lock")
+                angles = rotations.as_euler(three)[:, places]
+            if len(order) == 3:
+                return angles
+            miss = (Rotation.from_euler(order, angles).inv() * rotations).magnitude()
+            found[miss < least] = angles[miss < least]
+            least = np.minimum(least, miss)
+    return found

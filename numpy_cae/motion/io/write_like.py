@@ -1,0 +1,230 @@
+"""Write a changed motion as its own file with only the changed numbers replaced.
+
+The header, the order of channels, line ends, spaces and all other numbers stay as they are, to the
+byte. The text is processed in blocks of frames, so that a long file needs little memory.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.motion.io.amc import amc_channels
+from numpy_cae.motion.io.bvh import bvh_channels
+from numpy_cae.motion.io.bvh_writer import write_bvh
+from numpy_cae.motion.io.channels import Channels
+from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.motion import Motion
+
+log = logging.getLogger(__name__)
+
+_BLOCK = 4096
+"""Frames in memory at a time."""
+_NOTICEABLE = 0.5
+"""Degrees by which a rotation may miss, for want of channels or by limits, without a message."""
+_PIECES = re.compile(r"(\s+|#[^\r\n]*)")
+"""Words are at even places between these separators."""
+
+
+@dataclass(frozen=True)
+class _Format:
+    """`frames` yields the pieces of a file's text, each with whether it is a frame; `numbers` gives
+    the places of a frame's numbers among its words, in the order of the columns of `channels`."""
+
+    channels: list[Channels]
+    frames: Callable[[Iterable[str]], Iterator[tuple[str, bool]]]
+    numbers: Callable[[list[str]], list[int]]
+
+
+def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
+    """Write `after`, a changed `before`, with the text of the file that `before` was read from.
+
+    Numbers are replaced where a joint's rotation or translation differs between the two, with as
+    many decimals as the file has; angles continue those of neighbouring frames without avoidable
+    jumps. A joint's rotation that its channels or limits do not allow is written as near as they
+    do, with a warning. If the suffix of `path` is not that of `source`, or the frames are not the
+    same in number, the motion is written as BVH by `write_bvh`.
+
+    Parameters
+    ----------
+    source : path of a .bvh or .amc file
+    before : Motion
+        As `load_motion(source)` returns it.
+    after : Motion
+        Of the same skeleton.
+    path : path of the file
+        Replaced if it exists; it may be `source`.
+
+    Raises
+    ------
+    MotionFileError
+        If the source cannot be read again or has changed.
+    FileError
+        If the file cannot be written.
+    """
+    source = Path(source)
+    suffix = source.suffix.lower()
+    same_kind = Path(path).suffix.lower() == suffix and suffix in (".bvh", ".amc")
+    if not same_kind or len(before) != len(after):
+        write_bvh(after, path)
+        return
+    found = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
+    misses: dict[str, float] = {}
+    count = 0
+    with (
+        atomic_write(path) as beside,
+        _text(source, "r") as lines,
+        _text(beside, "w") as output,
+    ):
+        last = None
+        pieces = found.frames(lines)
+        while block := list(islice(pieces, _BLOCK)):
+            places = [place for place, (_, is_frame) in enumerate(block) if is_frame]
+            frames = slice(count, count + len(places))
+            count += len(places)
+            if count > len(before):
+                break
+            texts = [block[place][0] for place in places]
+            if places:
+                parts = before.at(frames), after.at(frames)
+                texts, last = _replaced(texts, last, *parts, found, misses)
+            for place, text in zip(places, texts, strict=True):
+                block[place] = text, True
+            output.writelines(text for text, _ in block)
+        if count != len(before):
+            raise MotionFileError(source, None, "has changed since it was read")
+    if misses:
+        worst = ", ".join(f"{name} {miss:.0f}°" for name, miss in misses.items())
+        log.warning("%s: rotations that the channels or limits do not allow: %s", path, worst)
+
+
+def _replaced(
+    texts: list[str],
+    last: np.ndarray | None,
+    before: Motion,
+    after: Motion,
+    found: _Format,
+    misses: dict[str, float],
+) -> tuple[list[str], np.ndarray]:
+    """The texts of some frames with new numbers, and the numbers of the last frame; `last` are
+    those of the frame before the first."""
+    turned = np.any(before.rotations != after.rotations, axis=-1)
+    moved = np.any(before.translations != after.translations, axis=-1)
+    changed = np.any(turned | moved, axis=1)
+    needed = np.convolve(changed, [True, True, True], "same") > 0
+    needed[-1] = True
+    words = {frame: _PIECES.split(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
+    numbers = {frame: found.numbers(pieces) for frame, pieces in words.items()}
+    columns = len(next(iter(numbers.values())))
+    values = np.zeros((len(texts), columns))
+    for frame, places in numbers.items():
+        values[frame] = [float(words[frame][place]) for place in places]
+    old = values.copy()
+    for joint, channels in enumerate(found.channels):
+        frames = np.flatnonzero(moved[:, joint]).tolist()
+        place = np.ix_(frames, channels.position_columns)
+        values[place] = channels.position_values(after.translations[frames, joint])
+        if turned[:, joint].any():
+            miss = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], channels)
+            if miss > _NOTICEABLE:
+                name = after.skeleton.names[joint]
+                misses[name] = max(miss, misses.get(name, 0.0))
+    decimals = _decimals(words, numbers)
+    new = np.abs(values - old) > 0.5 * 10.0**-decimals
+    for frame in np.flatnonzero(changed).tolist():
+        pieces = words[frame]
+        for column in np.flatnonzero(new[frame]):
+            pieces[numbers[frame][column]] = f"{values[frame, column]:.{decimals}f}"
+        texts[frame] = "".join(pieces)
+    return texts, values[-1]
+
+
+def _put_angles(
+    values: np.ndarray,
+    last: np.ndarray | None,
+    rotations: np.ndarray,
+    turned: np.ndarray,
+    channels: Channels,
+) -> float:
+    """Put the angles of a joint's changed frames into the table; by how many degrees they miss."""
+    columns = list(channels.rotation_columns)
+    edges = np.flatnonzero(np.diff(turned, prepend=False, append=False))
+    miss = 0.0
+    for first, end in edges.reshape(-1, 2):
+        before = values[first - 1, columns] if first else None
+        before = last[columns] if first == 0 and last is not None else before
+        after = values[end, columns] if end < len(values) else None
+        own, present = rotations[first:end], values[first:end, columns]
+        angles = channels.rotation_values(own, present, before, after)
+        values[first:end, columns] = angles
+        if len(columns) < 3 or channels.limits is not None:
+            off = (channels.rotation(angles).inv() * Rotation.from_quat(own)).magnitude()
+            miss = max(miss, float(np.degrees(off.max())))
+    return miss
+
+
+def _decimals(words: dict[int, list[str]], numbers: dict[int, list[int]]) -> int:
+    """The most decimals of a number in some of the frames."""
+    some = islice(words, 0, None, max(1, len(words) // 50))
+    texts = (words[frame][place] for frame in some for place in numbers[frame])
+    fixed = (text for text in texts if "e" not in text.lower())
+    return max((len(text.partition(".")[2]) for text in fixed), default=6)
+
+
+def _text(path: Path, mode: str):
+    # No line end is translated, and every byte that is not UTF-8 comes out as it went in.
+    return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
+
+
+def _bvh_format(source: Path, motion: Motion) -> _Format:
+    def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
+        header = True
+        for line in lines:
+            yield line, not header and not line.isspace()
+            header = header and not re.match(r"\s*frame\s*time", line, re.IGNORECASE)
+
+    def numbers(pieces: list[str]) -> list[int]:
+        return [place for place in range(0, len(pieces), 2) if pieces[place]]
+
+    return _Format(bvh_channels(source, motion.unit), frames, numbers)
+
+
+def _amc_format(source: Path, motion: Motion) -> _Format:
+    channels = amc_channels(source, motion.unit)
+    counts = [len(each.position_columns) + len(each.rotation_columns) for each in channels]
+    starts = np.cumsum([0, *counts])
+    index = {name: joint for joint, name in enumerate(motion.skeleton.names)}
+
+    def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
+        frame: list[str] = []
+        for line in lines:
+            begins = line.partition("#")[0].strip().isdecimal()
+            if begins and frame:
+                yield "".join(frame), True
+                frame = []
+            if begins or frame:
+                frame.append(line)
+            else:
+                yield line, False
+        if frame:
+            yield "".join(frame), True
+
+    def numbers(pieces: list[str]) -> list[int]:
+        places = [0] * int(starts[-1])
+        words = [place for place in range(0, len(pieces), 2) if pieces[place]]
+        word = 1
+        while word < len(words):
+            joint = index[pieces[words[word]]]
+            places[starts[joint] : starts[joint + 1]] = words[word + 1 : word + 1 + counts[joint]]
+            word += 1 + counts[joint]
+        return places
+
+    return _Format(channels, frames, numbers)
