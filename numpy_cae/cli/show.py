@@ -1,40 +1,94 @@
-"""Draw a motion file as a strip of poses (PNG) and as an animation (GIF), named after the file.
+"""Draw motion files: a strip of poses (PNG) and an animation (GIF) of each, named after the file;
+or with --html one page that plays them in 3D, side by side or overlaid, in any browser.
 
-example: numpy-cae show walk.bvh -o pictures
+examples:
+  numpy-cae show walk.bvh -o pictures
+  numpy-cae show damaged.bvh fixed.bvh --html
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.viz.actor import Actor, motion_actor
+from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
+
+COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The file, the folder to write and the number of poses."""
+    """The files, the folder to write and the kind of picture."""
     add = parser.add_argument
-    add("file", type=Path, help="motion file (.bvh, .amc or .txt) to read")
+    add("files", nargs="+", **kinds.FILE, help="motion file (.bvh, .amc or .txt) to read")
     output = "folder to write, created if it does not exist (default: the current folder)"
     add("-o", "--output", **kinds.FOLDER, default=Path(), help=output)
+    page = (
+        "write one interactive page with all files instead of pictures; joints of the later files "
+        "are coloured by their distance from the first file's where the rigs and lengths agree"
+    )
+    add("--html", **kinds.FLAG, help=page)
     add("--poses", **kinds.COUNT, default=9, help="number of poses in the strip (default: 9)")
     kinds.add_shared(parser, "unit")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read the file, draw it and print what was drawn."""
-    from numpy_cae.motion import load_motion
-    from numpy_cae.viz import Actor, save_figure, save_gif, strip_figure
+    """Read the files, draw them and print what was drawn."""
+    args.output.mkdir(parents=True, exist_ok=True)
+    drawn = [_read(path, args.unit) for path in args.files]
+    if args.html:
+        return _write_page(args, drawn)
+    for actor, rate in drawn:
+        _write_pictures(args, replace(actor, colour=PLAIN), rate)
+    return 0
 
-    motion = load_motion(args.file, unit=args.unit)
+
+def _read(path: Path, unit: float | None) -> tuple[Actor, float]:
+    """A file's motion, labelled with its name, and the rate at which it is drawn."""
+    from numpy_cae.motion import load_motion
+
+    motion = load_motion(path, unit=unit)
     print(
-        f"{args.file}: {len(motion)} frames at {motion.rate:.5g} a second "
+        f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
         f"({motion.seconds:.1f} s), {len(motion.skeleton.names)} joints, {motion.unit_note}"
     )
-    drawn = motion.resampled(min(30.0, motion.rate))
-    actor = Actor(drawn.positions(), drawn.skeleton.parents, args.file.name)
-    args.output.mkdir(parents=True, exist_ok=True)
-    strip, gif = (args.output / f"{args.file.stem}.{suffix}" for suffix in ("png", "gif"))
-    save_figure(strip_figure([actor], drawn.rate, args.poses), strip)
+    return motion_actor(motion, path.name), min(30.0, motion.rate)
+
+
+def _write_pictures(args: argparse.Namespace, actor: Actor, rate: float) -> None:
+    from numpy_cae.viz import save_figure, save_gif, strip_figure
+
+    stem = Path(actor.label).stem
+    strip, gif = (args.output / f"{stem}.{suffix}" for suffix in ("png", "gif"))
+    save_figure(strip_figure([actor], rate, args.poses), strip)
     print(f"{strip}: {args.poses} poses")
-    save_gif([actor], gif, drawn.rate)
-    print(f"{gif}: the first {min(10.0, drawn.seconds):.1f} s")
+    print(f"{gif}: {save_gif([actor], gif, rate)}")
+
+
+def _write_page(args: argparse.Namespace, drawn: list[tuple[Actor, float]]) -> int:
+    from numpy_cae.viz import save_viewer
+
+    rates = {rate for _, rate in drawn}
+    if len(rates) > 1:
+        listed = ", ".join(f"{actor.label} {rate:g}" for actor, rate in drawn)
+        raise ValueError(f"motions of different rates cannot be compared frame by frame: {listed}")
+    first = drawn[0][0]
+    actors = [
+        replace(_compared(actor, first), colour=COLOURS[place % len(COLOURS)])
+        for place, (actor, _) in enumerate(drawn)
+    ]
+    path = args.output / ("_".join(file.stem for file in args.files) + ".html")
+    save_viewer(actors, path, rates.pop())
+    print(f"{path}: open it in a browser")
     return 0
+
+
+def _compared(actor: Actor, first: Actor) -> Actor:
+    """The motion with the distance of its joints from those of the first, where they agree."""
+    if actor is first or actor.names != first.names:
+        return actor
+    if actor.positions.shape != first.positions.shape:
+        return actor
+    return replace(actor, moved=np.linalg.norm(actor.positions - first.positions, axis=-1))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 from numpy_cae.motion.joints import PARENTS
+from numpy_cae.motion.motion import Motion
 from numpy_cae.viz.colours import PLAIN
 
 
@@ -23,12 +24,51 @@ class Actor:
     parents : tuple of J int
     label : str
     colour : str
+    names : sequence of J str
+        Of the joints, for the viewer.
+    moved : (F, J) array of float, optional
+        How far each joint was moved, metres; the viewer colours it.
+    damaged : (F, J) array of bool, optional
+        Which joints were damaged in which frames; the viewer's timeline shows it.
     """
 
     positions: np.ndarray
     parents: tuple[int, ...]
     label: str = ""
     colour: str = PLAIN
+    names: tuple[str, ...] = ()
+    moved: np.ndarray | None = None
+    damaged: np.ndarray | None = None
+
+    def at_frames(self, frames: np.ndarray) -> Actor:
+        """The same motion with other frames, given by their indices."""
+        chosen = {
+            name: value[frames]
+            for name in ("positions", "moved", "damaged")
+            if (value := getattr(self, name)) is not None
+        }
+        return replace(self, **chosen)
+
+
+_RIGID = 0.01
+"""Metres by which a bone's length may change. A root that stays behind has no bone to the hips."""
+
+
+def motion_actor(motion: Motion, label: str = "", colour: str = PLAIN, rate: float = 30.0) -> Actor:
+    """A motion of any rig, at `rate` or at its own rate where that is lower.
+
+    A root from which the body moves away (an origin on the floor) is left out.
+    """
+    drawn = motion.resampled(min(rate, motion.rate))
+    positions, parents = drawn.positions(), drawn.skeleton.parents
+    first = 0
+    while parents.count(first) == 1:
+        bone = np.linalg.norm(positions[:, first] - positions[:, first + 1], axis=-1)
+        if parents[first + 1] != first or np.ptp(bone) < _RIGID:
+            break
+        first += 1
+    kept = tuple(max(parent - first, -1) for parent in parents[first:])
+    return Actor(positions[:, first:], kept, label, colour, tuple(drawn.skeleton.names[first:]))
 
 
 Motions = Mapping[str, tuple[np.ndarray, str]]

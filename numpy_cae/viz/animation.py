@@ -17,9 +17,11 @@ def save_gif(
     rate: float,
     fps: float = 15.0,
     azimuth: float = 40.0,
-    seconds: float = 10.0,
-) -> None:
-    """Write motions side by side as a GIF; a camera follows each of them over a floor.
+    seconds: float = 20.0,
+    overlaid: bool = False,
+    height: int = 420,
+) -> str:
+    """Write motions side by side or overlaid as a GIF; a camera follows them over a floor.
 
     Parameters
     ----------
@@ -33,18 +35,29 @@ def save_gif(
         Degrees from which the camera looks.
     seconds : float
         A longer motion is truncated.
+    overlaid : bool
+        All motions in one panel, whose camera follows the first.
+    height : int
+        Of the picture, in pixels.
+
+    Returns
+    -------
+    str
+        What the animation shows: "all 8.9 s" or "the first 20.0 s of 61.2 s".
     """
     from matplotlib.animation import FuncAnimation, PillowWriter
     from matplotlib.figure import Figure
 
-    step = max(1, round(rate / fps))
-    moments = range(0, min(len(actors[0].positions), int(seconds * rate)), step)
+    step = _step(rate, fps)
+    frames = len(actors[0].positions)
+    moments = range(0, min(frames, int(seconds * rate)), step)
     half = _half_width(actors, moments, azimuth)
-    figure = Figure(figsize=(2.4 * half * len(actors), 2.8))
+    groups = [actors] if overlaid else [[actor] for actor in actors]
+    figure = Figure(figsize=(2.4 * half * len(groups), 2.8))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     panels = [
-        _Panel(figure.add_subplot(1, len(actors), place + 1), actor, azimuth, half)
-        for place, actor in enumerate(actors)
+        _Panel(figure.add_subplot(1, len(groups), place + 1), group, azimuth, half)
+        for place, group in enumerate(groups)
     ]
 
     def draw(frame: int) -> list:
@@ -52,7 +65,19 @@ def save_gif(
 
     animation = FuncAnimation(figure, draw, frames=moments, blit=False, init_func=lambda: [])
     with atomic_write(path) as beside:
-        animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=80)
+        animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=height / 2.8)
+    shown, whole = min(frames / rate, seconds), frames / rate
+    return f"all {whole:.1f} s" if shown == whole else f"the first {shown:.1f} s of {whole:.1f} s"
+
+
+def _step(rate: float, fps: float) -> int:
+    """Every how many frames a picture is drawn.
+
+    A GIF counts hundredths of a second, so only steps that last a whole number of them play at the
+    right speed: 30 frames a second in steps of 3 take 10 hundredths each, in steps of 2 6.67.
+    """
+    steps = range(max(1, round(rate / fps)), max(2, int(rate / 5)) + 1)
+    return min(steps, key=lambda step: round(abs(100 * step / rate - round(100 * step / rate)), 3))
 
 
 def _half_width(actors: list[Actor], moments: range, azimuth: float) -> float:
@@ -65,32 +90,35 @@ def _half_width(actors: list[Actor], moments: range, azimuth: float) -> float:
 
 
 class _Panel:
-    """The part of the picture with one motion."""
+    """The part of the picture with one motion, or with several overlaid."""
 
     _TILE = 0.5  # metres between two lines of the floor
 
-    def __init__(self, axes, actor: Actor, azimuth: float, half: float):
+    def __init__(self, axes, actors: list[Actor], azimuth: float, half: float):
         from matplotlib.collections import LineCollection
 
-        self.actor, self.azimuth = actor, azimuth
+        self.actors, self.azimuth = actors, azimuth
         self.floor = axes.add_collection(LineCollection([], colors="#dddddd", linewidths=0.8))
-        self.body = axes.add_collection(
-            LineCollection([], colors=actor.colour, linewidths=2.6, capstyle="round")
-        )
-        height = np.quantile(actor.positions[..., 1], 0.98)
+        style = {"linewidths": 2.6, "capstyle": "round", "alpha": 1.0 if len(actors) == 1 else 0.75}
+        self.bodies = [
+            axes.add_collection(LineCollection([], colors=actor.colour, **style))
+            for actor in actors
+        ]
+        height = max(np.quantile(actor.positions[..., 1], 0.98) for actor in actors)
         axes.set(xlim=(-half, half), ylim=(-0.3, max(height + 0.3, 1.9)))
         axes.set_aspect("equal")
         axes.axis("off")
-        axes.text(0.5, 0.97, actor.label, transform=axes.transAxes, ha="center", va="top")
+        for line, actor in enumerate(actors):
+            name = {"ha": "center", "va": "top", "fontsize": 8, "color": actor.colour}
+            axes.text(0.5, 0.98 - 0.05 * line, actor.label, transform=axes.transAxes, **name)
 
     def draw(self, frame: int) -> tuple:
-        points = self.actor.positions[frame]
-        followed = floor_point(points)
-        self.body.set_segments(
-            bones(camera_view(points - followed, self.azimuth), self.actor.parents)
-        )
+        followed = floor_point(self.actors[0].positions[frame])
+        for body, actor in zip(self.bodies, self.actors, strict=True):
+            points = actor.positions[frame] - followed
+            body.set_segments(bones(camera_view(points, self.azimuth), actor.parents))
         self.floor.set_segments(camera_view(self._floor(followed), self.azimuth))
-        return self.body, self.floor
+        return (*self.bodies, self.floor)
 
     def _floor(self, followed: np.ndarray) -> np.ndarray:
         """Lines of the floor around the body, fixed in the world."""

@@ -1,0 +1,148 @@
+"""Motions in an interactive viewer: one HTML file that needs no network.
+
+The viewer is `viewer_page/viewer.js`, drawn with three.js. A page holds its script once (`head`)
+and any number of motions (`fragment`). Positions are packed: the root as float32, each joint's
+offset from the root as int16 steps of at most 0.1 mm for a body of human size, as differences
+between frames, deflated, in base64.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Sequence
+from functools import cache
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.viz.actor import Actor
+
+_FOLDER = files("numpy_cae.viz") / "viewer_page"
+_LARGEST = np.iinfo(np.int16).max
+_BONE_RADIUS = 0.011
+"""Of the height of the body."""
+DAMAGED_COLOUR, MOVED_COLOUR = "#e8a33a", "#d62728"
+
+
+def save_viewer(
+    actors: Sequence[Actor], path: str | Path, rate: float, title: str = "", overlaid: bool = False
+) -> None:
+    """Write a page that plays motions side by side or overlaid, atomically.
+
+    Parameters
+    ----------
+    actors : sequence of Actor
+        The shorter ones hold their last pose until the longest ends.
+    path : path of the .html file
+    rate : float
+        Frames a second of the motions.
+    title : str
+        Of the page; by default the labels of the motions.
+    overlaid : bool
+        Start with all motions in one place instead of side by side.
+    """
+    with atomic_write(path) as beside:
+        Path(beside).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")
+
+
+def page_html(actors: Sequence[Actor], rate: float, title: str = "", overlaid: bool = False) -> str:
+    """The page that `save_viewer` writes."""
+    title = title or ", ".join(actor.label for actor in actors)
+    viewer = fragment(actors, rate, overlaid, "whole")
+    page = Template(_text("page.html"))
+    return page.substitute(title=escape(title), head=head(), viewer=viewer)
+
+
+@cache
+def head() -> str:
+    """The style and the scripts that a page with viewers needs once, after its motions."""
+    modules = {
+        "three": "three/three.module.min.js",
+        "three-orbit-controls": "three/OrbitControls.js",
+        "motion-viewer": "viewer.js",
+    }
+    packed = {name: _deflated(_text(file).encode()) for name, file in modules.items()}
+    return (
+        f"<style>{_text('viewer.css')}</style>\n"
+        f'<script type="application/json" id="viewer-modules">{json.dumps(packed)}</script>\n'
+        f"<script>{_text('start.js')}</script>"
+    )
+
+
+def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style: str = "") -> str:
+    """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`."""
+    longest = max(len(actor.positions) for actor in actors)
+    actors = [_held(actor, longest) for actor in actors]
+    furthest = max((float(a.moved.max()) for a in actors if a.moved is not None), default=0.0)
+    height = max(float(np.median(np.ptp(actor.positions[..., 1], axis=1))) for actor in actors)
+    reach = max(float(np.ptp(actor.positions[:, :, 0], axis=1).max()) for actor in actors)
+    data = {
+        "rate": rate,
+        "frames": longest,
+        "size": max(reach, 0.6 * height, 1e-3) * 1.15,
+        "overlaid": overlaid,
+        "furthest": furthest,
+        "motions": [_packed(actor, furthest, _BONE_RADIUS * height) for actor in actors],
+        "tracks": [track for actor in actors for track in _tracks(actor, furthest)],
+    }
+    # "</script>" in a joint's name must not end the element.
+    text = json.dumps(data).replace("<", "\\u003c")
+    return f'<script type="application/json" class="viewer-data {style}">{text}</script>'
+
+
+def _text(name: str) -> str:
+    return _FOLDER.joinpath(name).read_text(encoding="utf-8")
+
+
+def _held(actor: Actor, frames: int) -> Actor:
+    """The motion with its last pose held up to a number of frames."""
+    return actor.at_frames(np.minimum(np.arange(frames), len(actor.positions) - 1))
+
+
+def _packed(actor: Actor, furthest: float, radius: float) -> dict:
+    positions = np.asarray(actor.positions, dtype=np.float64)
+    root = positions[:, 0].astype("<f4")
+    local = positions - root[:, None].astype(np.float64)
+    step = max(1e-4, float(np.abs(local).max()) / _LARGEST)
+    steps = np.round(local / step).astype("<i2")
+    differences = np.diff(steps, axis=0, prepend=np.zeros_like(steps[:1]))
+    packed = {
+        "label": actor.label,
+        "colour": actor.colour,
+        "names": [*actor.names] or [f"joint {joint}" for joint in range(positions.shape[1])],
+        "parents": [int(parent) for parent in actor.parents],
+        "root": _deflated(root.tobytes()),
+        "local": _deflated(differences.tobytes()),
+        "step": step,
+        "radius": radius,
+        "furthest": furthest,
+    }
+    if actor.moved is not None and furthest > 0:
+        levels = np.ceil(actor.moved / furthest * 255).astype(np.uint8)
+        packed["moved"] = _deflated(levels.tobytes())
+    return packed
+
+
+def _deflated(values: bytes) -> str:
+    return base64.b64encode(zlib.compress(values, 9)).decode()
+
+
+def _tracks(actor: Actor, furthest: float) -> list[dict]:
+    """Rows of the timeline: the share of damaged joints and the largest distance moved."""
+    tracks = []
+    if actor.damaged is not None:
+        share = np.where(actor.damaged.any(axis=1), 0.25 + 0.75 * actor.damaged.mean(axis=1), 0.0)
+        tracks.append(_track(f"{actor.label}: damaged", DAMAGED_COLOUR, share))
+    if actor.moved is not None and furthest > 0:
+        tracks.append(_track(f"{actor.label}: moved", MOVED_COLOUR, actor.moved.max(1) / furthest))
+    return tracks
+
+
+def _track(label: str, colour: str, values: np.ndarray) -> dict:
+    return {"label": label, "colour": colour, "values": [round(float(v), 2) for v in values]}
