@@ -169,14 +169,14 @@ def checked(
     least: float = -MAX_NUMBER,
     most: float = MAX_NUMBER,
 ) -> np.ndarray:
-    """The array of that name; ValueError unless it has this shape and holds numbers of 32 or 64
+    """The array of that name; ValueError unless it has this shape and holds numbers of at most 64
     bits from `least` to `most`."""
     array = arrays[name]
     if array.shape != shape:
         raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
-    if array.dtype not in (np.float32, np.float64) or not np.all(np.isfinite(array)):
+    if array.dtype.kind != "f" or array.dtype.itemsize > 8 or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} holds values that are not finite numbers")
-    if array.size and not least <= array.min() <= array.max() <= most:
+    if array.size and not least <= float(array.min()) <= float(array.max()) <= most:
         raise ValueError(f"{name} holds values that are not from {least:g} to {most:g}")
     return array
 
