@@ -6,6 +6,8 @@ changes only what is damaged.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -14,10 +16,13 @@ from numpy_cae.manifold.fill import fill_positions, whole_features
 from numpy_cae.manifold.holes import at_thirty, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints
+from numpy_cae.manifold.smooth import smooth_motion
+from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
 
 UNKNOWN = 0.05
 """Metres: with a larger typical residual, a motion is unlike what the manifold knows."""
@@ -45,7 +50,7 @@ def repair(
     strength : float
         Share of the way to the repaired positions, 0 to 1.
     smooth : bool
-        Whether to remove jitter from the whole motion.
+        Whether to remove jitter from the whole motion, by `smooth_motion`.
     force : bool
         Whether to repair a motion that is unlike what the manifold knows.
 
@@ -67,7 +72,16 @@ def repair(
     if middle > UNKNOWN and not force:
         return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
     target = fill_positions(manifold, body, missing)
-    return change_joints(body, motion, target, damaged, strength, middle)
+    repaired = change_joints(body, motion, target, damaged, strength, middle)
+    return smoothed(repaired, body) if smooth else repaired
+
+
+def smoothed(repaired: Repaired, body: Body) -> Repaired:
+    """The same without jitter; every joint that moves counts as touched."""
+    motion = smooth_motion(repaired.motion)
+    after = body_positions(motion, body.mapping)
+    moved = np.linalg.norm(after - body.positions_in_file, axis=-1)
+    return replace(repaired, motion=motion, touched=moved > 0, moved=moved)
 
 
 def project_motion(

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from data_synth import make_take
-from numpy_cae.manifold import MotionManifold, project_motion
+from numpy_cae.manifold import MotionManifold, project_motion, repair
 from numpy_cae.manifold.repair import keep_trajectory
+from numpy_cae.manifold.smooth import smooth_curves
 from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
 from numpy_cae.motion.features import trajectory_of
@@ -112,3 +114,28 @@ def test_slow_motion_of_the_root_is_the_files_and_fast_motion_the_projections(wa
     same, place = keep_trajectory(features, features, start, 30.0)
     np.testing.assert_allclose(same[:-1], features[:-1], atol=1e-9)
     assert place.heading == pytest.approx(start.heading)
+
+
+def test_smoothing_removes_jitter_better_than_savitzky_golay_and_keeps_clean_motion():
+    clean = body_positions(make_take("walk", 3, seconds=6.0, rate=30.0).motion)
+    shaken = clean + np.random.default_rng(0).normal(0, 0.008, clean.shape)
+
+    def error(x):
+        return np.linalg.norm(x - clean, axis=-1).mean()
+
+    assert error(smooth_curves(shaken, 30.0)) < 0.9 * error(savgol_filter(shaken, 7, 2, axis=0))
+    assert error(smooth_curves(clean, 30.0)) < 0.002
+
+
+def test_a_smoothed_motion_has_its_rig_and_less_jitter(untrained_manifold):
+    calm = make_take("walk", 2, seconds=2.0, rate=60.0).motion
+    rotations = calm.rotations + np.random.default_rng(0).normal(0, 0.01, calm.rotations.shape)
+    shaken = replace(calm, rotations=-rotations / np.linalg.norm(rotations, axis=-1)[..., None])
+    fixed = repair(shaken, untrained_manifold, smooth=True, force=True)
+    assert fixed.motion.skeleton is shaken.skeleton
+    np.testing.assert_array_equal(fixed.touched, fixed.moved > 0)
+
+    def jitter(motion):
+        return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
+
+    assert jitter(fixed.motion) < 0.2 * jitter(shaken)
