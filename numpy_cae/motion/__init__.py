@@ -31,6 +31,7 @@ from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.expmap import read_expmap
 from numpy_cae.motion.io.load import find_motion_files, load_motion
 from numpy_cae.motion.io.t_pose import without_t_pose
+from numpy_cae.motion.io.write import write_motion
 from numpy_cae.motion.io.write_like import write_like
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
@@ -56,5 +57,5 @@ __all__ = [
     "find_joints", "find_motion_files", "fit_motion", "joint_slice", "load_angles", "load_body",
     "load_motion", "load_windows", "motion_of", "on_floor", "positions_to_features", "read_amc",
     "read_asf", "read_bvh", "read_expmap", "read_mapping", "retarget", "without_t_pose",
-    "write_bvh", "write_like",
+    "write_bvh", "write_like", "write_motion",
 ]  # fmt: skip

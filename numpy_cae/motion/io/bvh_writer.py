@@ -56,7 +56,10 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
         If the file cannot be written.
     """
     unit = require_unit(motion.unit if unit is None else unit)
-    _require_writable(motion)
+    require_writable(motion)
+    for name in motion.skeleton.names:
+        if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
+            raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
     order = _depth_first(motion.skeleton)
     distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
     moving = {joint for joint in order if joint == 0 or distance[joint] > RESOLUTION}
@@ -69,12 +72,10 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
             file.write(line + "\n")
 
 
-def _require_writable(motion: Motion) -> None:
+def require_writable(motion: Motion) -> None:
+    """Raise ValueError if a motion has no frames or values that are not finite."""
     if len(motion) == 0:
         raise ValueError("the motion has no frames, expected one at least")
-    for name in motion.skeleton.names:
-        if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
-            raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
     for values in ("rotations", "translations"):
         wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
         if len(wrong):

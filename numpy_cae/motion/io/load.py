@@ -7,15 +7,17 @@ from pathlib import Path
 
 from numpy_cae.motion.io.amc import read_amc
 from numpy_cae.motion.io.bvh import read_bvh
+from numpy_cae.motion.io.c3d import read_c3d
 from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
 
 SUPPORTED = (
-    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
-    "(exponential maps of CMU or Human3.6M)"
+    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it), .txt "
+    "(exponential maps of CMU or Human3.6M) and .c3d (joint centres, with the extra c3d)"
 )
+SUFFIXES = (".amc", ".bvh", ".txt", ".c3d")
 
 
 def load_motion(
@@ -25,7 +27,7 @@ def load_motion(
 
     Parameters
     ----------
-    path : path of a .bvh, .amc or .txt file
+    path : path of a .bvh, .amc, .txt or .c3d file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
         for BVH, as the skeleton says for Acclaim, as the layout says for text; see
@@ -52,7 +54,7 @@ def load_motion(
         problem = f"there is no such file; {SUPPORTED}"
     elif suffix == ".asf":
         problem = "is a skeleton without motion, expected the .amc file that moves it"
-    elif suffix not in (".amc", ".bvh", ".txt"):
+    elif suffix not in SUFFIXES:
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
     if problem is not None:
         raise MotionFileError(path, None, problem)
@@ -60,12 +62,14 @@ def load_motion(
     with naming(path):
         if suffix == ".amc":
             return read_amc(path, unit=unit, max_rate=max_rate)
+        if suffix == ".c3d":
+            return read_c3d(path, unit)
         return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """The .bvh and .amc files in a folder and its subfolders, sorted, and the .txt files among
-    them that are exponential maps.
+    """The .bvh, .amc and .c3d files in a folder and its subfolders, and the .txt files among them
+    that are exponential maps, sorted.
 
     Raises MotionFileError if there is no such folder or it holds no such file.
     """
@@ -76,7 +80,7 @@ def find_motion_files(folder: str | Path) -> list[Path]:
         path
         for path in folder.rglob("*")
         # A name that begins with a dot is a system's note about a file, not the file.
-        if path.suffix.lower() in (".bvh", ".amc", ".txt")
+        if path.suffix.lower() in SUFFIXES
         and path.is_file()
         and not path.name.startswith(".")
         and (path.suffix.lower() != ".txt" or is_expmap_text(path))

@@ -1,0 +1,33 @@
+"""Write a motion to any supported file, chosen by its suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from numpy_cae.motion.io.bvh_writer import write_bvh
+from numpy_cae.motion.io.gltf_writer import write_glb
+from numpy_cae.motion.io.table_writers import write_csv, write_npz
+from numpy_cae.motion.motion import Motion
+
+WRITERS = {".bvh": write_bvh, ".glb": write_glb, ".npz": write_npz, ".csv": write_csv}
+
+
+def require_writer(path: str | Path) -> None:
+    """Raise ValueError if no writer has the suffix of this path."""
+    if Path(path).suffix.lower() not in WRITERS:
+        known = "a motion is written as .bvh, .glb (glTF), .npz or .csv (positions)"
+        raise ValueError(f"{path}: {known}")
+
+
+def write_motion(motion: Motion, path: str | Path) -> None:
+    """Write a motion as .bvh, .glb, .npz or .csv, atomically.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is another, or the motion has no frames or values that are not finite.
+    FileError
+        If the file cannot be written.
+    """
+    require_writer(path)
+    WRITERS[Path(path).suffix.lower()](motion, path)
