@@ -5,15 +5,23 @@ In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 
 example: numpy-cae verify student.py --as conv1d=my_conv
 
-Each file runs in a process of its own with limits on time and memory. This
-protects against mistakes, not against an attack: the file can read and delete
-what its user can, use the network and read the solutions in the source of
-numpy_cae. Grade files of people you do not trust in a container. Exit status:
-0 if every property holds, 1 if something fails, 2 if there was nothing to grade.
+The points possible are those of all exercises of a lesson: the one that --lesson
+names, or that a notebook's cells or a name such as 03_mine.py tell. A file of no
+lesson is graded for the functions that it has.
+
+Each function runs in a process of its own with limits on time, memory, files and
+processes; where bubblewrap (bwrap) is installed and works, also without network
+and without write access. This protects against mistakes and shortcuts, not against
+an attack: a file can read what its user can, the solutions in the source of
+numpy_cae among it, and find the tests in the memory of its process. On Windows an
+endless loop ends the grading of the whole file. Grade files of people you do not
+trust in a container, and not as root. Exit status: 0 if every property holds, 1 if
+something fails, 2 if there was nothing to grade.
 """
 
 import argparse
 import importlib.util
+from pathlib import Path
 from typing import Any
 
 from numpy_cae.cli import arguments as kinds
@@ -22,10 +30,13 @@ from numpy_cae.cli import arguments as kinds
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the names of functions and the limits."""
     add = parser.add_argument
-    add("files", **kinds.FILE, nargs="+", help="a Python file or a lesson's notebook")
+    files = "a Python file, a lesson's notebook, or a folder of these"
+    add("files", **kinds.FILE, nargs="+", help=files)
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     renamed = "test a function with another name as this operation"
     add("--as", **named, metavar="OPERATION=FUNCTION", help=renamed)
+    lesson = "the assignment: all exercises of this lesson count (default: told by the file)"
+    add("--lesson", default="", metavar="NN", help=lesson)
     seconds = "limit of the time for one file (default: 120 s)"
     add("--time-limit", type=kinds.positive, default=120.0, metavar="SECONDS", help=seconds)
     memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
@@ -40,17 +51,24 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.cli.output import print_json
     from numpy_cae.verify.grading import grade
 
-    for file in args.files:
-        if not file.is_file():
-            raise ValueError(f"{file}: there is no such file")
-    catalogue, named = "numpy_cae.course.catalogue", dict(args.named)
-    limits = args.time_limit, int(args.memory_limit)
-    graded = [grade(file, catalogue, named, *limits) for file in args.files]
+    files = [file for path in args.files for file in _submissions(path)]
+    if not any(file.is_file() for file in files):
+        raise ValueError(f"nothing to grade: {', '.join(map(str, args.files))}")
+    options = dict(args.named), args.time_limit, int(args.memory_limit), args.lesson
+    graded = [grade(file, "numpy_cae.course.catalogue", *options) for file in files]
     if args.json:
         print_json([file.as_json() for file in graded])
     else:
         print("\n\n".join(str(file) for file in graded))
     return 0 if all(file.held for file in graded) else 1
+
+
+def _submissions(path: Path) -> list[Path]:
+    """A file itself; of a folder, the Python files and notebooks in it and in its folders."""
+    if not path.is_dir():
+        return [path]
+    files = (file for file in path.rglob("*") if file.suffix in (".py", ".ipynb"))
+    return sorted(f for f in files if not f.relative_to(path).as_posix().startswith("."))
 
 
 def _named(text: str) -> tuple[str, str]:

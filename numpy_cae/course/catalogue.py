@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING
 
-from numpy_cae.course.exercises import EXERCISES
+from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.verify import catalogue as operations
 from numpy_cae.verify.case import example_of
 from numpy_cae.verify.catalogue import find_task
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from numpy_cae.verify.reporting import Report
 
 CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
+ASSIGNMENTS = {number: tuple(each.name for each in made) for number, made in LESSONS.items()}
+"""The exercises of each lesson, by its number."""
 
 
 def properties(name: str) -> tuple[Property, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 
-from numpy_cae.verify.notebook import is_exercise
+from numpy_cae.verify.submission import is_exercise
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")

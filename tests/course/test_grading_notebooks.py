@@ -60,7 +60,7 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
         ((ENCODE,), "name 'tanh' is not defined"),  # of the same lesson
         ((DECODE,), "name 'decode_layer' is not defined"),  # of the same lesson, later
         ((TANH, OWN_CONV1D, ENCODE), "ValueError: mine"),  # the student's own comes first
-        (("def encode_layer(",), "not Python"),
+        (("def encode_layer(",), "cell 1: SyntaxError"),
     ],
 )
 def test_a_failing_cell_gets_its_message(tmp_path, cells, message):

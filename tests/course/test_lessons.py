@@ -10,7 +10,7 @@ import pytest
 from numpy_cae.course import execute, find_lessons, read_notebook, source_hash, student_copy
 from numpy_cae.course.exercises import EXERCISES, Exercise
 from numpy_cae.verify.grading import grade
-from numpy_cae.verify.notebook import is_exercise
+from numpy_cae.verify.submission import is_exercise
 
 COURSE = "numpy_cae.course.catalogue"
 

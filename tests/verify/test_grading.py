@@ -10,7 +10,6 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.verify import grading
-from numpy_cae.verify.sandbox import process
 
 RIGHT = """
 import numpy as np
@@ -93,24 +92,23 @@ def test_each_function_of_a_file_has_its_report(graded):
 
 
 def test_without_the_functions_to_be_tested_the_file_fails(graded):
-    assert graded(RIGHT, named={"conv1d": "mine"}).faults == [
-        "it has no function mine to try as conv1d"
-    ]
+    file = graded(RIGHT, named={"conv1d": "mine"})
+    assert [report.points for report in file.reports] == [0, 10]
+    assert file.possible == 26 and "it has no function mine" in str(file.reports[0])
     assert "no function has an operation's name" in graded("x = 1").faults[0]
 
 
 @pytest.mark.parametrize(
     ("line", "fault"),
     [
-        ("import torch", "line 2: torch"),
-        ("from numpy_cae import ops", "line 2: numpy_cae"),
-        ("m = __import__('numpy' + '_cae.ops')", "ImportError: numpy_cae may not be imported here"),
-        ("import sys; sys.exit(0)", "at import it calls sys.exit"),
+        ("import torch", "torch may not be imported: the operations are written by hand (line 2)"),
+        ("from numpy_cae import ops", "numpy_cae may not be imported"),
+        ("m = __import__('numpy' + '_cae.ops')", "numpy_cae may not be imported"),
+        ("import sys; sys.exit(0)", "at import: it calls sys.exit"),
         ("import os; os._exit(0)", "its process ended"),
         ("1 / 0", "at import: ZeroDivisionError: division by zero (line 2)"),
-        ("import os; os.closerange(3, 1000); import time; time.sleep(60)", "closed the channel"),
-        ("import os; [os.write(i, b'{}\\n') for i in range(3, 6)]", "something that is no reply"),
-        ("def broken(:", "it is not Python"),
+        ("import os; os.closerange(3, 1000); import time; time.sleep(60)", "process ended"),
+        ("def broken(:", "SyntaxError: invalid syntax"),
     ],
 )
 def test_what_a_file_may_not_do_is_a_fault(graded, line, fault):
@@ -152,13 +150,12 @@ def test_output_warnings_an_altered_numpy_and_self_tests_are_no_fault(graded):
     self_test = "\nif __name__ == '__main__':\n    import torch\n    print(1)\n"
     report = graded(RIGHT.replace("\n    y = ", noise) + spoilt + self_test)
     assert report.held and [each.operation for each in report.reports] == ["tanh"]
+    assert "tanh: UserWarning: careful (line 8)" in report.notes
 
 
 def test_endless_loops_end(graded, monkeypatch):
-    monkeypatch.setattr(process, "STARTUP_SECONDS", 30.0)
-    monkeypatch.setattr(process, "EXERCISE_SECONDS", 0.1)
-    assert "endless loop" in graded("while True: pass").faults[0]
-    monkeypatch.setattr(process, "EXERCISE_SECONDS", 0.5)
+    assert "endless loop" in graded("while True: pass", seconds=0.5).faults[0]
+    monkeypatch.setattr(grading, "EXERCISE_SECONDS", 2.0)
     report = graded(RIGHT + ENDLESS)
     by_name = {r.operation: r for r in report.reports}
     assert by_name["tanh"].held and not by_name["max_pool"].held and not by_name["linear"].held
@@ -168,22 +165,21 @@ def test_endless_loops_end(graded, monkeypatch):
     assert report.points == 10 and not report.faults
 
 
-def test_the_time_limit_is_for_the_whole_file(graded):
-    report = graded("import time\ntime.sleep(9)", seconds=0.5)
-    assert "time limit" in report.faults[0]
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS binds on Linux only")
 def test_memory_is_limited(graded):
     report = graded("import numpy as np\nx = np.ones(10**9)", megabytes=1500)
     assert "at import: MemoryError" in report.faults[0] or "its process ended" in report.faults[0]
 
 
-def test_the_command_wants_a_file_that_is_there(tmp_path, capsys):
-    assert main(["verify", str(tmp_path / "nowhere.py")]) == 2
-    assert "nowhere.py" in capsys.readouterr().err
-    right = tmp_path / "right.py"
+def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path, capsys):
+    assert main(["verify", str(tmp_path), str(tmp_path / "nowhere.py")]) == 2
+    assert "nothing to grade" in capsys.readouterr().err
+    right = tmp_path / "group" / "right.py"
+    right.parent.mkdir()
     right.write_text(RIGHT)
+    assert main(["verify", str(tmp_path / "nowhere.py"), str(tmp_path)]) == 1
+    printed = capsys.readouterr().out
+    assert "there is no such file" in printed and "right.py: 10 of 10 points" in printed
     assert main(["verify", str(right), "--as", "convolve=tanh"]) == 2
     assert "no operation is called 'convolve'" in capsys.readouterr().err
 

@@ -1,11 +1,10 @@
-"""A student's file runs in a process of its own: `process` starts it, `child` is what it runs.
+"""A student's file is graded in processes of its own, by tests that run beside its functions.
 
-The process tests the file's functions itself and sends back one line of JSON for each. It has
-limits on time, memory and the number of processes, a NumPy of its own, so that what the file
-changes there does not reach the tests, and no import of this project or of a library that
-differentiates.
+`process` starts `child`, in bubblewrap where that works. `child` reads the file and forks a
+process for each function (`apart`), which loads the file, tests the function and sends one reply;
+`confinement` limits what it can do, and gives it copies of all modules.
 
-This protects against mistakes and shortcuts, not against an attack. A file can read and delete
-whatever its user can, use the network, read the solutions in the project's source, or find the
-tests in the memory of its process. Grade files of people you do not trust in a container.
+This protects against mistakes and shortcuts, not against an attack: a file can read whatever its
+user can, the solutions in this project's source among it, and find the tests in the memory of its
+process. Grade files of people you do not trust in a container, and not as root.
 """

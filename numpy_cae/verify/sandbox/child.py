@@ -1,18 +1,16 @@
-"""The student's process: load a file, test its functions, reply with one line of JSON for each."""
+"""The grader's process: read a submission, and test each of its functions in a forked process."""
 
 from __future__ import annotations
 
-import ctypes
-import importlib.abc
 import json
-import math
 import os
-import signal
 import sys
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
@@ -23,154 +21,162 @@ import numpy.polynomial
 import numpy.random
 import numpy.testing
 
-try:
-    import resource
-except ImportError:  # Windows, where a process has no such limits
-    resource = None
-
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.catalogue import load_catalogue
-from numpy_cae.verify.reporting import report_on
-from numpy_cae.verify.sandbox.refusal import is_refused
+from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.reporting import holds, report_on
+from numpy_cae.verify.sandbox import confinement
+from numpy_cae.verify.sandbox.apart import Ended, do_apart
+from numpy_cae.verify.submission import Submission, SubmissionError, read_submission
 
-MAX_FILE_SIZE = 2**24
-PR_SET_PDEATHSIG = 1
+MAX_NOTES = 5
+LONGEST_TEXT = 1000
+MISSING = (
+    f"no function has an operation's name ({', '.join(OPERATIONS)}); "
+    "name one with --as conv1d=my_conv"
+)
 
 
 class LoadError(NumpyCaeError):
-    """The student's file cannot be loaded."""
-
-
-class ImportBlocker(importlib.abc.MetaPathFinder):
-    """Refuses to import what would do the exercise instead of the student."""
-
-    def find_spec(self, name, path=None, target=None):
-        if is_refused(name):
-            raise ImportError(f"{name} may not be imported here")
-        return None
+    """A Python file cannot be run."""
 
 
 def main() -> None:
-    """Do the request that standard input holds, and reply on standard output.
+    """Do the request on standard input; one reply goes to standard output.
 
-    It names the file, the catalogue, the tasks with the functions to be tested, the functions
-    that the file is given, the limits, and the token that marks a reply as ours.
+    The request names the file, the catalogue, the lesson, functions with other names, and the
+    limits. The reply has the result of each task, and what is wrong with the file as a whole.
     """
-    _end_with_parent()
     request = json.load(sys.stdin)
-    replies = _private_output()
-    catalogue = load_catalogue(request["catalogue"])
-    import hypothesis  # noqa: F401 (before the student's file, as NumPy)
-
-    def send(reply: dict) -> None:
-        replies.write(json.dumps({**reply, "token": request["token"]}) + "\n")
-        replies.flush()
-
-    warnings.simplefilter("ignore")
-    _limit(request["megabytes"])
-    _limit_cpu_time(request["exercise_seconds"])
-    given = {name: catalogue[name].solution for name in request["given"]}
-    kept = _isolate()
-    try:
-        functions = _load(Path(request["path"]), given)
-    except LoadError as error:
-        send({"fault": str(error)[:1000]})
-        return
-    todo = [(task, name) for task, name in request["tasks"] if name in functions]
-    send({"found": todo})
-    for task, name in todo:
-        _limit_cpu_time(request["exercise_seconds"])
-        try:
-            report = report_on(catalogue[task], functions[name], name).as_reply()
-        except BaseException as error:  # such as KeyboardInterrupt
-            report = {"ended": f"{type(error).__name__}: {error}"[:1000]}
-        send({"task": task, "report": report})
-    del kept
-
-
-def _private_output():
-    """Standard output, out of reach of what prints; the standard streams become empty."""
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
-    return replies
+    sys.stdout = sys.stderr = os.fdopen(1, "w", errors="replace", closefd=False)
+    confinement.adopt_orphans()
+    module = import_module(request["catalogue"])
+    holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what hypothesis imports when it runs
+    json.dump(Grading(request, module).reply(), replies)
+    replies.close()
 
 
-def _end_with_parent() -> None:
-    """Where Linux is, have this process killed when the grader ends."""
-    try:
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    except (OSError, AttributeError, TypeError):
-        pass
+class Grading:
+    """One submission, and the tasks that its functions are tested for."""
 
-
-def _limit(megabytes: int) -> None:
-    """Limit memory, processes and the size of files."""
-    if resource is None:
-        return
-    for kind, limit in (
-        (resource.RLIMIT_AS, megabytes * 2**20),
-        (resource.RLIMIT_NPROC, 0),
-        (resource.RLIMIT_FSIZE, MAX_FILE_SIZE),
-    ):
+    def __init__(self, request: dict, module: ModuleType) -> None:
+        self.catalogue, self.named = module.CATALOGUE, request["named"]
+        self.cpu_seconds, self.megabytes = request["exercise_seconds"], request["megabytes"]
+        self.deadline = time.monotonic() + request["seconds"]
+        self.submission, self.fault = Submission(Path(request["path"])), ""
         try:
-            resource.setrlimit(kind, (limit, limit))
-        except (ValueError, OSError):
-            pass
+            self.submission = read_submission(self.submission.path)
+        except (SubmissionError, OSError) as error:
+            self.fault = str(error)
+        is_notebook, lessons = self.submission.is_notebook, getattr(module, "ASSIGNMENTS", {})
+        self.assigned = lessons.get(request["lesson"] or self.submission.lesson(lessons), ())
+        known = self.assigned or (self.catalogue if is_notebook else OPERATIONS)
+        self.wanted = {name: name for name in known} | self.named
+        own = self.assigned or self.submission.defined() & self.wanted.keys()
+        given = {name for task in own for name in self.catalogue[task].given} - set(self.assigned)
+        self.given = {name: self.catalogue[name].solution for name in given}
+
+    def reply(self) -> dict:
+        """The result of each task, and what is wrong with the file as a whole."""
+        loaded = {"failed": self.fault} if self.fault else self._apart(self._names, 1)
+        fault = loaded.get("failed", "")
+        found = self.submission.defined() if fault else loaded["found"]
+        tasks = {
+            task: function
+            for task, function in self.wanted.items()
+            if function in found or task in self.assigned or task in self.named
+        }
+        results = []
+        for done, (task, function) in enumerate(tasks.items()):
+            if fault or function not in found:
+                result = {"failed": fault or f"it has no function {function}"}
+            else:
+                result = self._apart(partial(self._report, task, function), len(tasks) - done)
+            results.append({"task": task, "function": function, **result})
+        faults = [fault] if fault else loaded["problems"] + ([] if tasks else [MISSING])
+        return {"faults": faults, "results": results}
+
+    def _names(self) -> dict:
+        functions, problems = load(self.submission, self.given)
+        return {"found": [n for n in self.wanted.values() if n in functions], "problems": problems}
+
+    def _report(self, task: str, function: str) -> dict:
+        functions, _ = load(self.submission, self.given)
+        report = report_on(self.catalogue[task], functions[function], function)
+        return {"report": report.as_reply()}
+
+    def _apart(self, work: Callable[[], dict], left: int) -> dict:
+        """The result of work in a confined process; the time that is left is for so many."""
+        seconds = min(2 * self.cpu_seconds, (self.deadline - time.monotonic()) / left)
+        if seconds <= 0:
+            return {"failed": "the time limit for the whole file is used up"}
+        try:
+            return do_apart(lambda: self._confined(work), seconds)
+        except Ended as end:
+            return {"failed": str(end)}
+
+    def _confined(self, work: Callable[[], dict]) -> dict:
+        """Do work with limits; a warning becomes a note, an exception the reason of a failure."""
+        notes: dict[str, None] = {}
+
+        def note(message, category, filename, lineno, *others) -> None:
+            if len(notes) < MAX_NOTES:
+                notes[f"{category.__name__}: {message} (line {lineno})"[:LONGEST_TEXT]] = None
+
+        kept = confinement.confine(self.cpu_seconds, self.megabytes, os.getcwd())
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("default")
+                warnings.showwarning = note
+                result = work()
+        except BaseException as error:  # such as KeyboardInterrupt
+            result = {"failed": _described(error)}
+        del kept
+        return {**result, "notes": list(notes)}
 
 
-def _limit_cpu_time(seconds: float) -> None:
-    """Let this process be ended after so much CPU time from now."""
-    if resource is not None:
-        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + seconds), hard))
-
-
-def _isolate() -> list[ModuleType]:
-    """Give what is imported from now on a NumPy of its own, and nothing of this project.
-
-    The tests keep the NumPy that they have, whatever the student's file changes in the other.
-    Returns the modules that were taken away, to be kept as long as they run.
-    """
-    ours = {name: m for name, m in list(sys.modules.items()) if isinstance(m, ModuleType)}
-    copies = {}
-    for name, module in ours.items():
-        if name.partition(".")[0] == "numpy":
-            copies[name] = ModuleType(name)
-            vars(copies[name]).update(vars(module))
-        elif name.partition(".")[0] == "numpy_cae":
-            del sys.modules[name]
-    for name, copy in copies.items():
-        package, _, last = name.rpartition(".")
-        if package and vars(copies[package]).get(last) is ours[name]:
-            setattr(copies[package], last, copy)
-    sys.modules.update(copies)
-    sys.meta_path.insert(0, ImportBlocker())
-    return list(ours.values())
-
-
-def _load(path: Path, given: Mapping[str, Callable]) -> dict[str, Callable]:
-    """Run the student's file as a module; return its own functions by name.
+def load(
+    submission: Submission, given: dict[str, Callable]
+) -> tuple[dict[str, Callable], list[str]]:
+    """Run a submission as a module; return the functions it defines, and why cells failed.
 
     Raises
     ------
     LoadError
-        If it raises anything.
+        If a Python file raises anything; a notebook goes on with its next cell.
     """
-    module = ModuleType("student")
+    module, is_notebook = ModuleType("student"), submission.is_notebook
     sys.modules["student"] = module
-    sys.path.append(str(path.parent))
-    vars(module).update(given)
+    sys.path.append(str(submission.path.parent))
+    own = vars(module)
+    own |= {"__file__": str(submission.path), "__builtins__": vars(sys.modules["builtins"])}
+    own |= {**given, **({"np": sys.modules["numpy"]} if is_notebook else {})}
+    problems = []
+    for name, source in submission.cells:
+        try:
+            with np.errstate():
+                exec(compile(source, name, "exec"), own)
+        except BaseException as error:  # such as SystemExit
+            problems.append(f"{name if is_notebook else 'at import'}: {_described(error, name)}")
+            if not is_notebook:
+                raise LoadError(problems[0]) from None
+    there = list(own.items())
+    return {name: f for name, f in there if callable(f) and f is not given.get(name)}, problems
+
+
+def _described(error: BaseException, file: str = "") -> str:
+    """An exception's type, message and line in a file, whatever its class does."""
+    if isinstance(error, LoadError):
+        return str(error)
     try:
-        with np.errstate():
-            exec(compile(path.read_bytes(), str(path), "exec"), vars(module))
-    except SystemExit:
-        raise LoadError("at import it calls sys.exit") from None
-    except BaseException as error:
-        frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame.lineno for frame in frames if frame.filename == str(path)]
-        place = f" (line {lines[-1]})" if lines else ""
-        raise LoadError(f"at import: {type(error).__name__}: {error}{place}") from None
-    there = list(vars(module).items())
-    return {name: f for name, f in there if callable(f) and f is not given.get(name)}
+        text = f"{type(error).__name__}: {error}"[:LONGEST_TEXT]
+    except Exception:
+        text = f"{type(error).__name__}, whose message cannot be printed"
+    if isinstance(error, SystemExit):
+        text = "it calls sys.exit"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == file]
+    return f"{text} (line {lines[-1]})" if lines else text

@@ -1,0 +1,127 @@
+"""What a student's process may do: limits of the system, refused actions, modules of its own."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.abc
+import math
+import os
+import signal
+import sys
+import time
+from types import ModuleType
+
+try:
+    import resource
+except ImportError:  # Windows, where a process has no such limits
+    resource = None
+
+LARGEST_WRITTEN_FILE = 2**24
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
+SHARED = ("sys", "warnings")
+"""Modules that the interpreter itself looks into; a copy would change nothing."""
+WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+CHANGES = tuple(
+    f"os.{name}"
+    for name in "remove rename rmdir mkdir link symlink truncate chmod chown utime".split()
+)
+REFUSED = ("os.fork", "os.exec", "os.posix_spawn", "os.spawn", "os.system", "os.kill", "socket.")
+REFUSED += ("subprocess.Popen", "_winapi.CreateProcess")
+
+
+AUTODIFF = (
+    "aesara autograd casadi chainer cupy dynet flax jax keras mindspore mlx mxnet paddle pytensor "
+    "sympy tangent tensorflow theano tinygrad torch"
+).split()
+
+
+class ImportBlocker(importlib.abc.MetaPathFinder):
+    """Refuses to import what would do the exercise instead of the student."""
+
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("numpy_cae", *AUTODIFF):
+            raise ImportError(f"{name} may not be imported: the operations are written by hand")
+        return None
+
+
+def adopt_orphans() -> None:
+    """End with the grader, and become the parent of processes that lose theirs (Linux)."""
+    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    _set_process_option(PR_SET_CHILD_SUBREAPER, 1)
+
+
+def confine(seconds: float, megabytes: int, folder: str) -> list[ModuleType]:
+    """Limit this process for the rest of its life.
+
+    Parameters
+    ----------
+    seconds : float
+        Of CPU time, from now.
+    megabytes : int
+    folder : str
+        The only one in which files may be changed.
+
+    Returns
+    -------
+    list
+        The modules that the tests use, to be kept: what is imported from now on gets copies.
+    """
+    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    cpu = math.ceil(time.process_time() + seconds)
+    limits = {"CPU": (cpu, cpu + 1), "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
+    for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
+        try:
+            pair = limit if isinstance(limit, tuple) else (limit, limit)
+            resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), pair)
+        except (ValueError, OSError, AttributeError):  # as far as the system has it
+            pass
+    _refuse_actions(os.path.realpath(folder))
+    return _isolate_modules()
+
+
+def _set_process_option(option: int, value: int) -> None:
+    try:
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+    except (OSError, AttributeError, TypeError):  # not Linux
+        pass
+
+
+def _refuse_actions(folder: str) -> None:
+    """Refuse from now on new processes, connections, and changes of files outside a folder."""
+
+    def is_elsewhere(path: object) -> bool:
+        if not isinstance(path, str | bytes | os.PathLike):
+            return False
+        real = os.path.realpath(os.fsdecode(path))
+        return real != os.devnull and os.path.commonpath([real, folder]) != folder
+
+    def hook(event: str, arguments: tuple) -> None:
+        changed = arguments if event in CHANGES else ()
+        if event == "open" and isinstance(arguments[2], int) and arguments[2] & WRITING:
+            changed = arguments[:1]
+        if event.startswith(REFUSED) or any(map(is_elsewhere, changed)):
+            raise PermissionError(f"{event} is not allowed while a file is graded")
+
+    sys.addaudithook(hook)
+
+
+def _isolate_modules() -> list[ModuleType]:
+    """Replace every module by a copy, so that what a file changes there does not reach the tests.
+
+    The functions of the tests keep the modules that they have, NumPy and builtins among them.
+    Returns those, to be kept while they are in use. This project can no longer be imported.
+    """
+    loaded = [(name, module) for name, module in sys.modules.items() if name not in SHARED]
+    ours = {name: module for name, module in loaded if type(module) is ModuleType}
+    copies = {name: ModuleType(name) for name in ours if name.partition(".")[0] != "numpy_cae"}
+    for name, copy in copies.items():
+        vars(copy).update(vars(ours[name]))
+    for name, copy in copies.items():
+        package, _, last = name.rpartition(".")
+        if package in copies and vars(copies[package]).get(last) is ours[name]:
+            setattr(copies[package], last, copy)
+    for name in ours.keys() - copies.keys():
+        del sys.modules[name]
+    sys.modules.update(copies)
+    sys.meta_path.insert(0, ImportBlocker())
+    return list(ours.values())

@@ -1,0 +1,94 @@
+"""What a student hands in: a Python file, or a lesson's notebook with its exercise cells."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from numpy_cae.errors import NumpyCaeError
+
+LARGEST_PROGRAM = 2**20
+LARGEST_NOTEBOOK = 2**25  # with its pictures
+MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
+DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
+
+
+class SubmissionError(NumpyCaeError):
+    """A file is too large, or is not a notebook with exercise cells."""
+
+
+@dataclass(frozen=True)
+class Submission:
+    """The parts of a file that are run, each with its name: the whole file, or exercise cells.
+
+    `ids` names the exercises of the cells that are there, whoever wrote them.
+    """
+
+    path: Path
+    cells: tuple[tuple[str, str | bytes], ...] = ()
+    ids: frozenset[str] = frozenset()
+
+    @property
+    def is_notebook(self) -> bool:
+        return self.path.suffix == ".ipynb"
+
+    def lesson(self, lessons: Mapping[str, Collection[str]]) -> str:
+        """The number of the lesson that the file belongs to, by its cells or its name, or ""."""
+        shared = {number: len(self.ids & set(names)) for number, names in lessons.items()}
+        if any(shared.values()):
+            return max(shared, key=shared.__getitem__)
+        number = self.path.name.partition("_")[0]
+        return number if number in lessons else ""
+
+    def defined(self) -> set[str]:
+        """The names of functions in the text, which may not be Python."""
+        texts = (s if isinstance(s, str) else s.decode("latin-1") for _, s in self.cells)
+        return {name for text in texts for name in DEFINITION.findall(text)}
+
+
+def read_submission(path: Path) -> Submission:
+    """Read a Python file as it is; of an .ipynb file, the cells that nbgrader marks as solutions.
+
+    Raises
+    ------
+    SubmissionError
+        If it is too large; if it is not a notebook, or has no exercise cell.
+    OSError
+        If it cannot be read.
+    """
+    submission = Submission(path)
+    largest = LARGEST_NOTEBOOK if submission.is_notebook else LARGEST_PROGRAM
+    with path.open("rb") as file:
+        content = file.read(largest + 1)
+    if len(content) > largest:
+        raise SubmissionError(f"it is larger than {largest // 2**20} MB")
+    if not submission.is_notebook:
+        return Submission(path, ((str(path), content),))
+    try:
+        cells = json.loads(content.decode("utf-8-sig"))["cells"]
+        exercises = [cell for cell in cells if is_exercise(cell)]
+        sources = [(f"cell {_id(cell) or n}", _source(cell)) for n, cell in enumerate(exercises, 1)]
+        ids = frozenset(_id(cell).removesuffix("_check") for cell in cells)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise SubmissionError(f"it is not a Jupyter notebook: {error}") from None
+    if not sources:
+        raise SubmissionError("it has no exercise cell: is it a copy of a lesson?")
+    return Submission(path, tuple(sources), ids)
+
+
+def is_exercise(cell: dict) -> bool:
+    """Whether a cell is one that a student fills."""
+    marks = cell["metadata"].get("nbgrader", {})
+    return cell["cell_type"] == "code" and bool(marks.get("solution"))
+
+
+def _id(cell: dict) -> str:
+    return str(cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
+
+
+def _source(cell: dict) -> str:
+    """The text of a cell without Jupyter's own commands."""
+    return MAGIC.sub("pass", "".join(cell["source"]))
