@@ -10,6 +10,7 @@ from string import Template
 
 from numpy_cae.experiments.result import Claim, Table
 from numpy_cae.experiments.section import Section
+from numpy_cae.viz.viewer import head
 
 _PAGE = Template((files("numpy_cae.experiments") / "page.html").read_text(encoding="utf-8"))
 
@@ -30,6 +31,8 @@ def page(
     """The page's HTML; `provenance`, what must be known to reproduce the figures, is at the top."""
     claims = [claim for section in sections for claim in section.claims]
     held = sum(bool(claim.held) for claim in claims)
+    pairs = [(section, claim) for section in sections for claim in section.claims]
+    ordered = sorted(pairs, key=lambda pair: not pair[1].held)
     return _PAGE.substitute(
         title=escape(title),
         introduction=escape(introduction),
@@ -38,7 +41,9 @@ def page(
             f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in provenance.items()
         ),
         contents="\n".join(_entry(section) for section in sections),
+        claims="\n".join(_listed(section, claim) for section, claim in ordered),
         sections="\n".join(_section(section) for section in sections),
+        viewer=head() if any(section.viewer for section in sections) else "",
     )
 
 
@@ -60,13 +65,18 @@ def _entry(section: Section) -> str:
     return f'<li><a href="#{section.name}">{escape(section.title)}</a> {status}</li>'
 
 
+def _listed(section: Section, claim: Claim) -> str:
+    where = f'<a href="#{section.name}">{escape(section.title)}</a>'
+    return f"<li>{_status(claim.held)} {escape(claim.sentence)} <small>{where}</small></li>"
+
+
 def _section(section: Section) -> str:
     parts = [f'<section id="{section.name}">', f"<h2>{escape(section.title)}</h2>"]
     if section.failure:
         parts.append(f"<p>Could not be run: {escape(section.failure)}.</p>")
     parts += [_claim(claim) for claim in section.claims]
     parts += _image(section.picture, "image/png", f"{section.title}: picture")
-    parts += _image(section.gif, "image/gif", f"{section.title}: animation")
+    parts += [f"<figure>{section.viewer}</figure>"] * bool(section.viewer)
     if section.result:
         parts += [_table(table) for table in section.result.tables]
         parts.append(_paragraph(section.result.note))

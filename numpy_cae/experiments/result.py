@@ -1,4 +1,4 @@
-"""The result of an experiment, as text, JSON, PNG and GIF; `page` makes HTML of it."""
+"""The result of an experiment, as text, JSON, PNG, GIF and a viewer; `page` makes HTML of it."""
 
 from __future__ import annotations
 
@@ -67,7 +67,9 @@ class Claim:
 
 @dataclass(frozen=True)
 class Animation:
-    """Motions side by side, for a GIF; the parameters are those of `numpy_cae.viz.save_gif`."""
+    """Motions side by side, for the viewer or a GIF; the parameters are those of
+    `numpy_cae.viz.save_gif`.
+    """
 
     actors: Sequence[Actor]
     rate: float
@@ -151,6 +153,14 @@ class Result:
             view = {"azimuth": moving.azimuth, "seconds": moving.seconds}
             save_gif(list(moving.actors), path, moving.rate, **view)
             return path.read_bytes()
+
+    def viewer(self) -> str:
+        """The animation in the viewer, as HTML; empty where there is none."""
+        if self.animation is None:
+            return ""
+        from numpy_cae.viz.viewer import fragment
+
+        return fragment(self.animation.actors, self.animation.rate)
 
     def save_picture(self, path: str | Path) -> None:
         """Write the figure as a PNG file."""

@@ -35,14 +35,14 @@ experiment needs."""
 
 @dataclass(frozen=True)
 class Section:
-    """The result of an experiment with its figure and animation as PNG and GIF (empty where there
-    is none) and the seconds that it took, or `failure`, why it could not be run.
+    """The result of an experiment with its figure as PNG and its animation as the HTML of a viewer
+    (empty where there is none) and the seconds that it took, or `failure`, why it could not be run.
     """
 
     name: str
     result: Result | None = None
     picture: bytes = b""
-    gif: bytes = b""
+    viewer: str = ""
     seconds: float = 0.0
     failure: str = ""
 
@@ -76,7 +76,7 @@ class Section:
 
 def drawn(name: str, result: Result, seconds: float = 0.0) -> Section:
     """The section of a result, with its figure and its animation drawn."""
-    return Section(name, result, result.png(), result.gif(), seconds)
+    return Section(name, result, result.png(), result.viewer(), seconds)
 
 
 def run_section(name: str, manifold: MotionManifold, material: Material, seed: int = 0) -> Section:

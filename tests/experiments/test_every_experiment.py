@@ -23,8 +23,9 @@ def test_the_result_is_well_formed(result_of, name):
     assert [claim["held"] for claim in data["claims"]] == [bool(c.held) for c in result.claims]
     section = drawn(name, result)
     assert section.picture.startswith(b"\x89PNG") and len(section.picture) > 5000
-    assert section.gif[:4] == (b"GIF8" if result.animation else b"")
+    assert ("viewer-data" in section.viewer) == bool(result.animation)
     text, html = plain_text([section], {}), page([section], {})
     assert result.title in text and result.tables[0].header[-1] in text
-    assert html.count("<img ") == 1 + bool(section.gif)
+    assert html.count("<img ") == 1
+    assert html.count('class="viewer-data') == bool(section.viewer)
     assert html.count("<table>") == len(result.tables)

@@ -18,7 +18,7 @@ NOT_HELD = Claim("It remains valid.", False, "5 cm.")
 TABLE = Table("Before <it>:", ["a", "error, cm", "share"], [["x < y", 1.0, 0.5], ["z", 10.25, 2]])
 RESULT = Result("First & foremost", [TABLE], [HELD, NOT_HELD], note="Measured on 2 takes.")
 SECTIONS = [
-    Section("one", RESULT, b"PNG", b"GIF"),
+    Section("one", RESULT, b"PNG", '<script class="viewer-data ">{}</script>'),
     Section("two", failure="no press-ups among the takes"),
 ]
 
@@ -76,14 +76,15 @@ def html() -> str:
 def test_the_page_is_self_contained_and_the_text_has_the_same(html):
     read = Checked(html)
     pictures = [source for source in read.sources if not source.startswith("#")]
-    assert pictures == ["data:image/png;base64,UE5H", "data:image/gif;base64,R0lG"]
-    assert "script" not in read.tags and "link" not in read.tags
+    assert pictures == ["data:image/png;base64,UE5H"]
+    assert "link" not in read.tags
+    assert html.count('id="viewer-modules"') == 1
     words = "".join(read.words)
     for each in (HELD.sentence, HELD.figures, NOT_HELD.sentence, "m.npz <1>", RESULT.title):
         assert each in words
     assert "1 of 2 claims held" in words and RESULT.note in words
     assert "Could not be run: no press-ups among the takes" in words
-    assert words.count("not held") == 2  # in the contents and at the claim
+    assert words.count("not held") == 3  # in the summary, in the contents and at the claim
     assert "<th>a</th><th class=number>error, cm</th>" in html
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
     text = plain_text(SECTIONS, {"model": "m.npz"})
@@ -102,7 +103,7 @@ def test_an_experiment_that_cannot_be_run_says_why(monkeypatch):
     monkeypatch.setattr(sections, "EXPERIMENTS", {name: name for name in modules})
     monkeypatch.setattr(sections, "import_module", lambda path: modules[path.split(".")[-1]])
     good, bad = (run_section(name, None, None) for name in modules)
-    assert (good.picture, good.gif, good.held) == (b"", b"", 1)
+    assert (good.picture, good.viewer, good.held) == (b"", "", 1)
     assert good.summary().startswith("good: 1 of 2 claims held")
     assert bad.summary() == "bad: could not be run: there are no labels"
     assert bad.data()["failure"] == "there are no labels"
