@@ -51,6 +51,8 @@ def write_texts(folder: Path, texts: dict[str, str]) -> None:
 def require_place(path: Path) -> None:
     """Raise ValueError unless a file can be created there; call it before hours of work."""
     folder = path.resolve().parent
+    if path.is_dir():
+        raise ValueError(f"{path}: cannot be written: there is a folder of this name")
     if not folder.is_dir():
         raise ValueError(f"{path}: cannot be written: there is no folder {folder}")
     try:

@@ -20,26 +20,49 @@ _LEGS = [
     JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("knee", "ankle")
 ]
 _NO_LENGTH = 1e-6  # metres; the CMU BVH files have both collars exactly at the chest
+LEGS = (0.05, 20.0)
+"""Range of the length of both legs in metres; an adult has about 1.7."""
+MAX_STEP = 30.0
+"""Metres that the hips may move in a 30th of a second, and that a joint may be away from them."""
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
     """The mean length of the bone that ends at each of the twenty joints, (20,) in metres, from
     positions (F, 20, 3) in metres. It is 0 for the hips, where no bone ends.
     """
-    lengths = np.zeros(len(JOINTS))
-    for joint, parent in enumerate(PARENTS):
-        if parent >= 0:
-            bones = positions[:, joint] - positions[:, parent]
-            lengths[joint] = np.linalg.norm(bones, axis=-1).mean()
-    return lengths
+    return _lengths(positions).mean(axis=0)
 
 
-def require_legs(path: str | Path, positions: np.ndarray) -> None:
-    """Raise MotionFileError if the legs in (F, 20, 3) positions have no length, so that
-    `change_lengths` cannot scale the body."""
-    legs = bone_lengths(positions)[_LEGS].sum()
-    if not legs > _NO_LENGTH:
-        raise MotionFileError(path, None, f"its legs are {legs:.2g} m long, expected a person's")
+def _lengths(positions: np.ndarray) -> np.ndarray:
+    """The lengths in each frame, (F, 20)."""
+    parents = [0, *PARENTS[1:]]
+    return np.linalg.norm(positions - positions[:, parents], axis=-1)
+
+
+def problem_of(positions: np.ndarray) -> str:
+    """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
+    scale; empty if they are. A bone without a length needs one above it that has one."""
+    lengths = np.median(_lengths(positions), axis=0)  # whatever a few damaged frames say
+    legs = lengths[_LEGS].sum()
+    if not LEGS[0] <= legs <= LEGS[1]:
+        found = f"the bones to both knees and ankles are {legs:.3g} m long in all"
+        return f"{found}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
+    for joint, parent in list(enumerate(PARENTS))[1:]:
+        if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):
+            return f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
+    return ""
+
+
+def require_steady(path: str | Path, positions: np.ndarray) -> None:
+    """Raise MotionFileError if positions (F, 20, 3) jump so far that a network which learns from
+    them would learn nothing else."""
+    hips = positions[:, 0]
+    steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
+    apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
+    for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
+        if far.size and not far.max() <= MAX_STEP:
+            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} of 30 a second"
+            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")
 
 
 def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:
@@ -67,7 +90,8 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
             bone = (positions[:, joint] - positions[:, parent]) * (target[joint] / own[joint])
         else:
             above = changed[:, parent] - changed[:, PARENTS[parent]]
-            bone = above * (target[joint] / target[parent])
+            longer = target[parent] > _NO_LENGTH
+            bone = above * (target[joint] / target[parent] if longer else 0.0)
         changed[:, joint] = changed[:, parent] + bone
     return changed
 

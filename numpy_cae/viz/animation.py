@@ -105,7 +105,7 @@ class _Panel:
             for actor in actors
         ]
         height = max(np.quantile(actor.positions[..., 1], 0.98) for actor in actors)
-        axes.set(xlim=(-half, half), ylim=(-0.3, max(height + 0.3, 1.9)))
+        axes.set(xlim=(-half, half), ylim=(-0.3, np.clip(height + 0.3, 1.9, 10.0)))
         axes.set_aspect("equal")
         axes.axis("off")
         for line, actor in enumerate(actors):

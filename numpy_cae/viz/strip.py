@@ -43,7 +43,9 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     left = min(-0.55 * wide, reach[:, 0].min() - 0.05)
     right = max(0.55 * wide, reach[:, 0].max() + 0.05) + (len(moments) - 1) * wide
     width = 1.25 * len(moments)
-    figure = Figure(figsize=(width, len(actors) * width * (high - low) / (right - left)))
+    # Damage can move a body up by any distance.
+    tall = width * min((high - low) / (right - left), 3.0)
+    figure = Figure(figsize=(width, len(actors) * tall))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     for row, (actor, pictures) in enumerate(zip(actors, drawn, strict=True)):
         axes = figure.add_subplot(len(actors), 1, row + 1)

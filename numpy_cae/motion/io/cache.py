@@ -7,29 +7,32 @@ is found again and a changed one is not. The folder of the cache can be deleted 
 from __future__ import annotations
 
 import hashlib
-import io
 import json
+import logging
 import os
 import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.array_file import ModelFileError, checked, load_arrays, save_arrays, word
 from numpy_cae.errors import FileError
 from numpy_cae.motion.io.amc import find_skeleton
-from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.lengths import require_legs
+from numpy_cae.motion.lengths import require_steady
 from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
 from numpy_cae.motion.retarget.to_body import RATE
 
-VERSION = "numpy_cae take 3"
+log = logging.getLogger(__name__)
+
+VERSION = "numpy_cae take 4"
 """Part of every hash: a change in the readers must change the version."""
 WORTHWHILE = 20e6
 """Total bytes below which reading takes less than starting processes or looking into a cache."""
@@ -49,10 +52,13 @@ class Body:
     problem: MotionFileError | UnknownRigError | None = None
 
 
-def default_cache() -> Path:
-    """The folder `numpy_cae` in the user's cache folder."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "numpy_cae"
+def default_cache() -> Path | None:
+    """The folder `numpy_cae` in the user's cache folder; None where the user has no home."""
+    folder = os.environ.get("XDG_CACHE_HOME", "")
+    try:
+        return Path(folder if os.path.isabs(folder) else Path.home() / ".cache") / "numpy_cae"
+    except RuntimeError:  # no HOME and no entry in the list of users
+        return None
 
 
 def read_bodies(
@@ -70,10 +76,12 @@ def read_bodies(
     mapping, unit
         See `load_body`.
     cache : path, optional
-        A folder, created if missing; None for no cache.
+        A folder, created if missing; None for no cache. One that belongs to another user or cannot
+        be written is not used, with a warning.
     processes : int, optional
         By default one, or the number of processors for `WORTHWHILE` bytes or more.
     """
+    cache = _usable(cache)
     read = partial(_read, mapping=mapping, unit=unit, cache=cache)
     if processes is None:
         processes = (os.cpu_count() or 1) if is_worthwhile(paths) else 1
@@ -110,10 +118,11 @@ def _read(
             return body
         motion = load_motion(path, unit=unit, max_rate=RATE)
         try:
-            positions = body_positions(motion.resampled(RATE), mapping)
+            with naming(path):
+                positions = body_positions(motion.resampled(RATE), mapping)
         except UnknownRigError as error:
             raise UnknownRigError(f"{path}: {error}") from None
-        require_legs(path, positions)
+        require_steady(path, positions)
     except (MotionFileError, UnknownRigError) as problem:
         return Body(path, None, "", problem)
     if cached is not None:
@@ -135,24 +144,39 @@ def _hash(path: Path, mapping: dict[str, str] | None, unit: float | None) -> str
     return digest.hexdigest()
 
 
-def _load(path: Path, cached: Path) -> Body | None:
-    """The cached result; None if there is none or its file is damaged."""
-    try:
-        with np.load(cached, allow_pickle=False) as file:
-            positions, note = file["positions"], str(file["note"])
-    except Exception:  # whatever np.load raises for a missing or damaged archive
+def _usable(cache: Path | None) -> Path | None:
+    """The folder, created if missing; None if it is not one that only this user writes to."""
+    if cache is None:
         return None
-    valid = positions.ndim == 3 and positions.shape[1:] == (20, 3) and len(positions) > 0
-    return Body(path, positions, note) if valid and np.isfinite(positions).all() else None
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        problem = "" if os.access(cache, os.W_OK | os.X_OK) else "cannot be written"
+        if hasattr(os, "getuid") and cache.stat().st_uid != os.getuid():
+            problem = "belongs to another user"
+    except OSError as error:
+        problem = error.strerror or str(error)
+    if problem:
+        log.warning("%s: %s; this cache is not used", cache, problem)
+    return None if problem else cache
+
+
+def _load(path: Path, cached: Path) -> Body | None:
+    """The cached result; None if there is none, or, with a warning, if its file is damaged."""
+
+    def body(arrays: dict[str, np.ndarray]) -> Body:
+        frames = len(arrays["positions"])
+        positions = checked(arrays, "positions", (frames, 20, 3))
+        return Body(path, positions, word(arrays, "note"))
+
+    try:
+        return load_arrays(cached, {VERSION: body}) if os.path.lexists(cached) else None
+    except ModelFileError as error:
+        log.warning("%s; this entry of the cache is not used", error)
+        return None
 
 
 def _save(cached: Path, positions: np.ndarray, note: str) -> None:
     """Write to the cache; failures are ignored, as the take has been read already."""
-    try:
-        cached.parent.mkdir(parents=True, exist_ok=True)
-        archive = io.BytesIO()  # np.savez into a file could be interrupted halfway
-        np.savez(archive, positions=positions, note=np.array(note))
-        with atomic_write(cached) as beside:
-            beside.write_bytes(archive.getbuffer())
-    except (OSError, FileError):
-        return
+    arrays = {"format": np.array(VERSION), "positions": positions, "note": np.array(note)}
+    with suppress(OSError, FileError):
+        save_arrays(arrays, cached, compressed=False)

@@ -13,6 +13,7 @@ import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.lengths import problem_of
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -50,7 +51,7 @@ RIGS: dict[str, dict[str, str]] = {
 
 
 class UnknownRigError(NumpyCaeError, ValueError):
-    """A skeleton in which some of the twenty joints could not be found."""
+    """A skeleton in which some of the twenty joints could not be found, or are no person's."""
 
 
 def find_joints(skeleton: Skeleton, mapping: dict[str, str] | None = None) -> list[int]:
@@ -100,6 +101,10 @@ def read_mapping(path: str | Path) -> dict[str, str]:
 def body_positions(motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
     """World positions of the twenty joints, (frames, 20, 3) in metres.
 
-    Raises UnknownRigError as `find_joints` does.
+    Raises UnknownRigError as `find_joints` does, and if the bones are not a person's.
     """
-    return motion.positions(find_joints(motion.skeleton, mapping))
+    positions = motion.positions(find_joints(motion.skeleton, mapping))
+    problem = problem_of(positions)
+    if problem:
+        raise UnknownRigError(problem)
+    return positions
