@@ -8,6 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
+from numpy_cae.experiments.legend import legend_of
 from numpy_cae.experiments.result import Claim, Table
 from numpy_cae.experiments.section import Section
 from numpy_cae.viz.viewer import head
@@ -42,6 +43,10 @@ def page(
         ),
         contents="\n".join(_entry(section) for section in sections),
         claims="\n".join(_listed(section, claim) for section, claim in ordered),
+        legend="\n".join(
+            f"<dt>{escape(name)}</dt><dd>{escape(meaning)}</dd>"
+            for name, meaning in legend_of([s.result for s in sections if s.result]).items()
+        ),
         sections="\n".join(_section(section) for section in sections),
         viewer=head() if any(section.viewer for section in sections) else "",
     )
