@@ -21,6 +21,7 @@ something fails, 2 if there was nothing to grade.
 
 import argparse
 import importlib.util
+import re
 from pathlib import Path
 from typing import Any
 
@@ -67,8 +68,10 @@ def _submissions(path: Path) -> list[Path]:
     """A file itself; of a folder, the Python files and notebooks in it and in its folders."""
     if not path.is_dir():
         return [path]
-    files = (file for file in path.rglob("*") if file.suffix in (".py", ".ipynb"))
-    return sorted(f for f in files if not f.relative_to(path).as_posix().startswith("."))
+    inside = (file.relative_to(path) for file in path.rglob("*"))
+    hidden = re.compile(r"(^|/)[.]")  # such as .ipynb_checkpoints
+    found = (f for f in inside if f.suffix in (".py", ".ipynb") and not hidden.search(f.as_posix()))
+    return [path / file for file in sorted(found)]
 
 
 def _named(text: str) -> tuple[str, str]:

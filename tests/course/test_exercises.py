@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -59,11 +60,19 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     assert capsys.readouterr().out == "conv1d: the next cells use your function\n"
 
 
-def test_to_nbgrader_a_check_that_fails_raises(monkeypatch):
+def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
+    def half(x, w, b):
+        warnings.warn("careful", stacklevel=2)
+        y, pullback = ops.conv1d(x, w, b)
+        return y, lambda dy: (pullback(dy)[0], 2 * pullback(dy)[1], pullback(dy)[2])
+
+    points = course.report("conv1d", half).points
+    capsys.readouterr()
     monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
-    with pytest.raises(AssertionError, match="0 of 16 points"):
-        course.report("conv1d", unsolved)
-    assert course.report("conv1d", ops.conv1d).held
+    assert 0 < points < 16 and course.report("conv1d", half) == points
+    printed = capsys.readouterr()
+    assert f"{points} of 16 points" in printed.out and not printed.err
+    assert course.report("conv1d", ops.conv1d) == 16 and course.report("conv1d", unsolved) == 0
 
 
 def doubled(x):
