@@ -38,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--as", **named, metavar="OPERATION=FUNCTION", help=renamed)
     lesson = "the assignment: all exercises of this lesson count (default: told by the file)"
     add("--lesson", default="", metavar="NN", help=lesson)
+    others = "accept other documented conventions, such as the gates of a GRU in another order"
+    add("--any-convention", action="store_true", help=others)
     seconds = "limit of the time for one file (default: 120 s)"
     add("--time-limit", type=kinds.positive, default=120.0, metavar="SECONDS", help=seconds)
     memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
@@ -56,6 +58,7 @@ def run(args: argparse.Namespace) -> int:
     if not any(file.is_file() for file in files):
         raise ValueError(f"nothing to grade: {', '.join(map(str, args.files))}")
     options = dict(args.named), args.time_limit, int(args.memory_limit), args.lesson
+    options = *options, args.any_convention
     graded = [grade(file, "numpy_cae.course.catalogue", *options) for file in files]
     if args.json:
         print_json([file.as_json() for file in graded])

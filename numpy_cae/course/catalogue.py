@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.verify import catalogue as operations
-from numpy_cae.verify.case import example_of
 from numpy_cae.verify.catalogue import find_task
 from numpy_cae.verify.property import Property
+from numpy_cae.verify.trial import example_of
 
 if TYPE_CHECKING:
     from numpy_cae.verify.reporting import Report
@@ -77,7 +77,7 @@ def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
     ValueError
         If there is no such operation or exercise, or a size is missing.
     """
-    return example_of(find_task(CATALOGUE, name).properties[0], seed, sizes)
+    return example_of(find_task(CATALOGUE, name).properties, seed, sizes).arguments
 
 
 def _stand_in(solution: Callable, name: str) -> Callable:

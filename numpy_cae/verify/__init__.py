@@ -17,6 +17,7 @@ from numpy_cae.verify.gradients import check_gradients
 if TYPE_CHECKING:
     from numpy_cae.verify.property import Property
     from numpy_cae.verify.reporting import Report
+    from numpy_cae.verify.trial import Example
 
 __all__ = ["check_adjoint", "check_gradients", "example", "properties", "report"]
 
@@ -28,7 +29,7 @@ def properties(name: str) -> tuple[Property, ...]:
     return find_task(CATALOGUE, name).properties
 
 
-def report(name: str, function: Callable) -> Report:
+def report(name: str, function: Callable, any_convention: bool = False) -> Report:
     """Test an implementation for every property of an operation.
 
     Parameters
@@ -37,6 +38,9 @@ def report(name: str, function: Callable) -> Report:
         An operation of `numpy_cae.ops`, or "tied_layer".
     function : callable
         With the arguments of that operation; returns a value and its pullback.
+    any_convention : bool
+        Whether it may follow another documented convention than `numpy_cae.ops`, such as a GRU
+        with its gates in another order, or half the mean squared error.
 
     Returns
     -------
@@ -47,21 +51,28 @@ def report(name: str, function: Callable) -> Report:
     ------
     ValueError
         If there is no such operation.
-    ImportError
-        If hypothesis, which draws the examples, is not installed.
     """
     from numpy_cae.verify.catalogue import CATALOGUE, find_task
     from numpy_cae.verify.reporting import report_on
 
-    return report_on(find_task(CATALOGUE, name), function)
+    return report_on(find_task(CATALOGUE, name), function, any_convention=any_convention)
 
 
-def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
-    """The arguments, by name, of a counterexample that a report prints as a call of this function.
+def example(name: str, seed: int, **sizes: int | str) -> Example:
+    """The example that a report prints as a call of this function.
 
-    Raises a ValueError if there is no such operation or a size, such as frames=2, is missing.
+    Returns
+    -------
+    Example
+        `.arguments` by name, `.upstream`, `.value`, and `.gradients` by argument: the value and
+        the gradients are those of the definition.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation, or a size such as frames=2 is missing or unknown.
     """
-    from numpy_cae.verify.case import example_of
     from numpy_cae.verify.catalogue import CATALOGUE, find_task
+    from numpy_cae.verify.trial import example_of
 
-    return example_of(find_task(CATALOGUE, name).properties[0], seed, sizes)
+    return example_of(find_task(CATALOGUE, name).properties, seed, sizes)

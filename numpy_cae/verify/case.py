@@ -1,13 +1,14 @@
-"""One example to try a property on: a few sizes and a seed.
+"""One example to try a property on: sizes, a class of values, and a seed.
 
-Hypothesis draws and shrinks the sizes, so that a counterexample reads "batch 1, frames 2, taps 3".
-The arrays follow from them and the seed. Their entries are a shuffled even grid: distinct and never
-0, so that no pair ties and no entry is at a kink, and short to write down.
+A counterexample reads "batch 1, frames 2, values ties, seed 3". The arrays follow from that.
+Ordinary entries are a shuffled even grid: distinct and never 0, and short to write down. The other
+classes have what an operation meets in use: zeros, ties, numbers near 0, saturating ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,24 +17,35 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy_cae.verify.property import Property
 
-WORTH_PRINTING = 24
+WORTH_PRINTING = 48
+MAX_SHRINKS = 150
+SEEDS = 10_000
+SEEDS_TRIED = 3
+ORDINARY = "ordinary"
+
+Sizes = Mapping[str, tuple]
+"""What to draw from, the simplest first: sizes by name, and classes such as those of values."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """Sizes by name, such as (("batch", 1), ("frames", 4)), and the seed of the entries."""
+    """Sizes by name, such as (("batch", 1), ("values", "ties")), and the seed of the entries."""
 
-    sizes: tuple[tuple[str, int], ...]
+    sizes: tuple[tuple[str, int | str], ...]
     seed: int
 
     def __getitem__(self, name: str) -> int:
         return dict(self.sizes)[name]
 
+    def get(self, name: str, default: int | str = ORDINARY) -> int | str:
+        return dict(self.sizes).get(name, default)
+
     def rng(self) -> np.random.Generator:
         return np.random.default_rng(self.seed)
 
     def __str__(self) -> str:
-        return ", ".join(f"{name} {size}" for name, size in self.sizes) + f", seed {self.seed}"
+        told = [f"{name} {size}" for name, size in self.sizes if size != ORDINARY]
+        return ", ".join([*told, f"seed {self.seed}"])
 
 
 def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0) -> np.ndarray:
@@ -44,27 +56,119 @@ def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0)
     return rng.permutation(grid)[:count].reshape(shape)
 
 
-def described(name: str, case: Case, arguments: Mapping[str, object]) -> str:
-    """A case of an operation or exercise with its arrays; if they are long, a call to get them."""
-    arrays = [a for a in arguments.values() if isinstance(a, np.ndarray)]
-    if sum(a.size for a in arrays) > WORTH_PRINTING:
-        numbers = ", ".join(f"{size}={number}" for size, number in case.sizes)
-        return f'{case}\nexample("{name}", {numbers}, seed={case.seed})'
-    lines = [f"{argument} = {_written(value)}" for argument, value in arguments.items()]
-    return "\n".join([str(case), *lines])
+def _near_ties(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    return rng.choice([-1.0, 0.0, 0.5], shape) * reach + 1e-8 * spread(rng, shape)
 
 
-def example_of(stated: Property, seed: int, sizes: Mapping[str, int]) -> dict[str, object]:
-    """The arguments of a case of a property; a ValueError if it has other sizes than these."""
-    if set(sizes) != set(stated.sizes):
-        known, got = ", ".join(stated.sizes), ", ".join(sizes)
-        raise ValueError(f"{stated.operation} has the sizes {known}, got {got}")
-    return stated.arguments(Case(tuple(sizes.items()), seed))
+def _signed_zeros(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    return rng.choice([0.0, -0.0, 0.5, -0.5], shape) * reach
 
 
-def _written(value: object) -> str:
+def _huge(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    return rng.choice([-1000.0, -1000.0, -100.0, -30.0, 30.0, 100.0, 1000.0, 1000.0], shape)
+
+
+def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    kinds = [VALUES[name](rng, shape, reach) for name in VALUES if name not in ("mixed", "huge")]
+    return np.choose(rng.integers(len(kinds), size=shape), kinds)
+
+
+VALUES: dict[str, Callable[..., np.ndarray]] = {
+    ORDINARY: spread,
+    "random": lambda rng, shape, reach: rng.uniform(-reach, reach, shape),
+    "zeros": lambda rng, shape, reach: np.zeros(shape),
+    "ties": lambda rng, shape, reach: rng.choice([-1.0, -0.5, 0.5, 1.0], shape) * reach,
+    "signed zeros": _signed_zeros,
+    "near ties": _near_ties,
+    "tiny": lambda rng, shape, reach: spread(rng, shape) * rng.choice([1e-4, 1e-9], shape),
+    "positive": lambda rng, shape, reach: np.abs(spread(rng, shape, reach)),
+    "negative": lambda rng, shape, reach: -np.abs(spread(rng, shape, reach)),
+    "large": lambda rng, shape, reach: spread(rng, shape, 5 * reach),
+    "huge": _huge,
+    "mixed": _mixed,
+}
+"""The classes of values, the simplest first: (rng, shape, reach) -> array."""
+
+
+def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) -> dict:
+    """Arrays by name, of which one or all are of the case's class of values."""
+    special = rng.integers(-1, len(shapes))
+    draw = VALUES[case.get("values")]
+    return {
+        name: (draw if special in (-1, number) else spread)(rng, shape, reach)
+        for number, (name, shape) in enumerate(shapes.items())
+    }
+
+
+def drawn_cases(stated: Property, count: int) -> Iterator[Case]:
+    """Random cases of a property, seeded by its name; each size and class is drawn as often."""
+    rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
+    columns = []
+    for options in stated.sizes.values():
+        rounds = -(-count // len(options))
+        order = np.concatenate([rng.permutation(len(options)) for _ in range(rounds)])
+        columns.append([options[i] for i in order[:count]])
+    for drawn_sizes in zip(*columns, strict=True):
+        yield Case(
+            tuple(zip(stated.sizes, drawn_sizes, strict=True)),
+            int(rng.integers(SEEDS_TRIED, SEEDS)),
+        )
+
+
+def smallest(case: Case, stated: Property, fails: Callable[[Case], bool]) -> Case:
+    """A case that fails likewise, none of whose sizes or classes can be simpler by itself."""
+    left = MAX_SHRINKS
+    found = None
+    while found != case and left > 0:
+        found = case
+        for simpler in _simpler(case, stated.sizes):
+            left -= 1
+            if left >= 0 and fails(simpler):
+                case = simpler
+                break
+    return case
+
+
+def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
+    """The case with one thing simpler, the largest simplifications first."""
+    for number, (name, size) in enumerate(case.sizes):
+        for option in sizes[name][: sizes[name].index(size)]:
+            changed = (*case.sizes[:number], (name, option), *case.sizes[number + 1 :])
+            yield Case(changed, case.seed)
+    for seed in range(min(case.seed, SEEDS_TRIED)):
+        yield Case(case.sizes, seed)
+
+
+def example_call(name: str, case: Case) -> str:
+    """The call of `verify.example` that returns a case."""
+    sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
+    return f'example("{name}", {sizes}, seed={case.seed})'
+
+
+def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
+    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
+    known: dict[str, list] = {}
+    for stated in properties:
+        for name, options in stated.sizes.items():
+            known.setdefault(name, []).extend(options)
+    needed = {name for name, options in known.items() if ORDINARY not in options}
+    if not needed <= set(sizes) <= set(known):
+        there, got = ", ".join(known), ", ".join(sizes)
+        raise ValueError(f"{properties[0].operation} has the sizes {there}, got {got}")
+    for name, size in sizes.items():
+        if isinstance(size, str) and size not in known[name]:
+            options = ", ".join(dict.fromkeys(map(str, known[name])))
+            raise ValueError(f"{name} is {size!r}, expected one of {options}")
+    return Case(tuple(sizes.items()), seed)
+
+
+def written(value: object) -> str:
+    """An argument or result as it is printed in a counterexample."""
     if not isinstance(value, np.ndarray):
-        return repr(value)
+        return f"{value:.6g}" if isinstance(value, float) else repr(value)
     if value.size == 0:
         return f"np.empty({value.shape})"
-    return str((value if value.dtype == bool else np.round(value, 4)).tolist())
+    rounded = (
+        value if value.dtype.kind != "f" else np.array([f"{v:.6g}" for v in value.flat], float)
+    )
+    return str(rounded.reshape(value.shape).tolist())

@@ -7,15 +7,18 @@ larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 
 from numpy_cae import ops
-from numpy_cae.verify.convention import PYTORCH, Convention
+from numpy_cae.verify.convention import Variant
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.property import Property, shared_properties
 from numpy_cae.verify.tied import tied_layer
+
+CONTRACT = "that of numpy_cae.ops"
+"""The convention that an implementation follows unless another one is allowed."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +51,11 @@ class Task:
 Catalogue = Mapping[str, Task]
 
 
-def properties_of(name: str, convention: Convention = PYTORCH) -> tuple[Property, ...]:
-    """Every property of an operation; of a GRU, in any convention."""
+def properties_of(name: str, variant: Variant | None = None) -> tuple[Property, ...]:
+    """Every property of an operation, or of one in another convention."""
     operation = OPERATIONS[name]
-    if convention != PYTORCH:
-        operation = operation.in_convention(convention)
+    if variant is not None:
+        operation = replace(operation, reference=variant.reference)
     return (*shared_properties(operation), *operation_properties(operation))
 
 

@@ -1,21 +1,30 @@
-"""The conventions of the GRU: equal networks whose weights have different meanings.
+"""Other conventions of an operation: right in their own way, but not what the contract says.
 
-`numpy_cae.ops` follows PyTorch and cuDNN. A GRU in another convention has other values but is not
-wrong; a report says which convention it is and tests it by the definition in that convention.
+The contract is that of `numpy_cae.ops`. A report that is asked to allow other conventions says
+which one a function has, and tests it by the definition in that convention.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
 
+from numpy_cae import ops
 from numpy_cae.ops import gru_step, linear, sigmoid
 
 OURS = ("reset", "update", "new")
 ORDERS = (OURS, ("update", "reset", "new"))
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One operation in another convention: what differs, and its value and pullback."""
+
+    sentence: str
+    reference: Callable = field(repr=False)
 
 
 @dataclass(frozen=True)
@@ -38,11 +47,13 @@ class Convention:
 PYTORCH = Convention()
 
 
-def other_conventions() -> Iterator[Convention]:
-    """Every convention but ours."""
-    for flags in product((True, False), (True, False), ORDERS):
-        if Convention(*flags) != PYTORCH:
-            yield Convention(*flags)
+def other_conventions() -> list[Convention]:
+    """Every convention of the GRU but ours, those that differ least first."""
+    conventions = [Convention(*flags) for flags in product((True, False), (True, False), ORDERS)]
+    differences = {
+        c: [c.reset_after, c.update_keeps, c.order == OURS].count(False) for c in conventions
+    }
+    return sorted(conventions, key=differences.__getitem__)[1:]
 
 
 def gru_step_in(convention: Convention) -> Callable:
@@ -70,6 +81,30 @@ def gru_step_in(convention: Convention) -> Callable:
     return step_in_convention
 
 
+def gru_in(convention: Convention) -> Callable:
+    """`gru` in another convention: its step, repeated."""
+    step = gru_step_in(convention)
+
+    def gru_in_convention(x, h0, w, u, b, c):
+        h, states, pullbacks = h0, [], []
+        for frame in np.moveaxis(x, 1, 0):
+            h, step_pullback = step(frame, h, w, u, b, c)
+            states.append(h)
+            pullbacks.append(step_pullback)
+
+        def pullback(dy):
+            dh, dx = np.zeros_like(h0), np.empty_like(x)
+            sums = [np.zeros_like(weights) for weights in (w, u, b, c)]
+            for t in reversed(range(len(pullbacks))):
+                dx[:, t], dh, *terms = pullbacks[t](dy[:, t] + dh)
+                sums = [total + term for total, term in zip(sums, terms, strict=True)]
+            return dx, dh, *sums
+
+        return np.stack(states, axis=1), pullback
+
+    return gru_in_convention
+
+
 def _step_reset_before(x, h, w, u, b, c):
     """n = tanh(x · Wn + bn + (r ∘ h) · Un + cn), the rest as in `numpy_cae.ops.gru_step`."""
     hidden = h.shape[1]
@@ -94,3 +129,74 @@ def _step_reset_before(x, h, w, u, b, c):
         return dx, dh, dw, du, db, np.concatenate([dc_gates, dc_n])
 
     return h_next, pullback
+
+
+def _scaled(operation: Callable, factor: Callable[..., float]) -> Callable:
+    """The operation times a factor that depends on its first argument."""
+
+    def scaled(x, *others):
+        value, pullback = operation(x, *others)
+        return value * factor(x), lambda *dy: pullback(*dy) * factor(x)
+
+    return scaled
+
+
+def _tie_to_the_later(x):
+    y, pullback = ops.max_pool(_pairs_exchanged(x))
+    return y, lambda dy: _pairs_exchanged(pullback(dy))
+
+
+def _tie_to_both(x):
+    y, to_earlier = ops.max_pool(x)
+    _, to_later = _tie_to_the_later(x)
+    return y, lambda dy: (to_earlier(dy) + to_later(dy)) / 2
+
+
+def _pairs_exchanged(x):
+    return np.stack([x[:, 1::2], x[:, 0::2]], axis=2).reshape(x.shape)
+
+
+def _filters_flipped(x, w, b):
+    y, pullback = ops.conv1d(x, w[::-1], b)
+
+    def flipped(dy):
+        dx, dw, db = pullback(dy)
+        return dx, dw[::-1], db
+
+    return y, flipped
+
+
+_LOSSES = (
+    ("half the mean, so that the derivative has no 2", lambda x: 0.5),
+    ("a sum over all elements where the contract says the mean", lambda x: x.size),
+    ("half the sum over all elements", lambda x: x.size / 2),
+    ("a sum over frames and features, a mean over windows", lambda x: x.size / len(x)),
+)
+
+
+def _losses(operation: Callable, *numbers: int) -> tuple[Variant, ...]:
+    chosen = (_LOSSES[number] for number in numbers)
+    return tuple(Variant(sentence, _scaled(operation, factor)) for sentence, factor in chosen)
+
+
+VARIANTS: dict[str, tuple[Variant, ...]] = {
+    "gru_step": tuple(Variant(str(c), gru_step_in(c)) for c in other_conventions()),
+    "gru": tuple(Variant(str(c), gru_in(c)) for c in other_conventions()),
+    "conv1d": (Variant("the filters are flipped in time, a true convolution", _filters_flipped),),
+    "max_pool": (
+        Variant("a tie goes to the later frame", _tie_to_the_later),
+        Variant("of a tie both frames get half the gradient", _tie_to_both),
+    ),
+    "unpool_even": (
+        Variant("both frames get the whole value", _scaled(ops.unpool_even, lambda y: 2)),
+    ),
+    "mean_squared_error": _losses(ops.mean_squared_error, 0, 1, 2, 3),
+    "mean_absolute": _losses(ops.mean_absolute, 1, 3),
+    "sliced_wasserstein": (
+        Variant(
+            "a sum over the points where the contract says the mean",
+            _scaled(ops.sliced_wasserstein, len),
+        ),
+    ),
+}
+"""By operation, the documented conventions other than ours."""

@@ -1,169 +1,158 @@
-"""The likely mistake of an implementation that fails: the planted bug that behaves the same.
+"""The likely mistake of an implementation that fails: a wrong operation that does the same.
 
-The calls of failing examples are recorded and repeated with each planted bug of the operation. A
-bug is named only if it reproduces what the implementation did, in these calls and at further
-random cases, and the right operation does not.
+The implementation, the right operation, each planted bug and each other convention are called with
+the same random cases. A mistake is named only if the wrong operation does in every case what the
+implementation does, wherever either of them can show, and the right operation does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.planted_bugs import bugs_of, right_operation
-from numpy_cae.verify.property import Property, drawn_upstream
+from numpy_cae.verify.case import Case, drawn_cases
+from numpy_cae.verify.convention import VARIANTS
+from numpy_cae.verify.layout import LAYOUTS
+from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.planted_bugs import bugs_of
+from numpy_cae.verify.property import (
+    UPSTREAM,
+    Property,
+    copied,
+    copies,
+    differentiated,
+    drawn_upstream,
+    in_float32,
+)
 
-MAX_RECORDED = 400
-MAX_REPEATED = 40
-GENERAL_CASES = 8
+CASES = 39
+SEVERAL = 2
+SHOWN_BY = {
+    "value": ("value",),
+    "purity": ("altered",),
+    "independence": ("again",),
+    "dtype": ("value", "gradient", "float32"),
+    "strides": ("of views",),
+    "upstream default": ("by default",),
+}
+"""By property, how the keys begin of what shows that it does not hold; else value and gradients."""
+
+Observation = dict[str, object]
 
 
 @dataclass
-class CallRecord:
-    """One call of an operation, or of a pullback that the call number `of_call` returned."""
+class Diagnosis:
+    """What an implementation does, compared with what wrong operations do."""
 
-    of_call: int
-    arguments: tuple
-    arguments_after: tuple = ()
-    result: tuple = ()
-    raised: type | None = None
-    is_pullback: bool = False
-
-
-@dataclass
-class Recorder:
-    """An implementation that records its calls."""
-
+    operation: Operation
     implementation: Callable
-    records: list[CallRecord] = field(default_factory=list)
-    calls: int = 0
 
-    def __call__(self, *arguments):
-        number, self.calls = self.calls, self.calls + 1
-        record = CallRecord(number, _copies(arguments))
-        returned = self._recorded(record, self.implementation, arguments)
-        if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
-            return returned
-        value, pullback = returned
+    def mistake(self, stated: Property) -> str:
+        """The sentence on the mistake because of which a property does not hold, or ""."""
+        starts = SHOWN_BY.get(stated.name, ("value", "gradient"))
+        if stated.name.startswith(("gradient for", "adjoint in")):
+            starts = (f"gradient for {stated.name.rpartition(' ')[2]}",)
+        wrong = sum(bool(_differing(a, b, starts)) for a, b in self._observed)
+        if wrong < SEVERAL:
+            return ""
+        explained = {
+            sentence: len(touched)
+            for sentence, touched in self._reproducing.items()
+            if any(key.startswith(starts) for key in touched)
+            and all(key in touched for a, b in self._observed for key in _differing(a, b, starts))
+        }
+        return max(explained, key=explained.__getitem__, default="")
 
-        def recorded_pullback(*upstream):
-            record = CallRecord(number, _copies(upstream), is_pullback=True)
-            return self._recorded(record, pullback, upstream)
+    @cached_property
+    def _cases(self) -> list[Case]:
+        sizes = {
+            name: options if isinstance(options[0], str) else options[-3:]  # where more can show
+            for name, options in {**self.operation.sizes, **UPSTREAM}.items()
+        }
+        name, arguments = self.operation.name, self.operation.arguments
+        return list(drawn_cases(Property(name, "diagnosis", "", print, arguments, sizes), CASES))
 
-        return value, recorded_pullback
+    @cached_property
+    def _observed(self) -> list[tuple[Observation, Observation]]:
+        """What the implementation and the right operation do in each case."""
+        both = self.implementation, self.operation.reference
+        return [tuple(observe(f, self.operation, case) for f in both) for case in self._cases]
 
-    def _recorded(self, record: CallRecord, function: Callable, arguments: tuple):
-        if len(self.records) < MAX_RECORDED:
-            self.records.append(record)
-        try:
-            with np.errstate():  # a student's np.seterr ends here
-                returned = function(*arguments)
-        except SystemExit:
-            record.raised = RuntimeError
-            raise RuntimeError("it calls sys.exit") from None
-        except Exception as error:
-            record.raised = type(error)
-            raise
-        record.arguments_after = _copies(arguments)
-        record.result = _copies(_arrays(returned, record.is_pullback))
-        return returned
+    @cached_property
+    def _reproducing(self) -> dict[str, set[str]]:
+        """The wrong operations that do the same, each with the keys of what they do wrong."""
+        wrong = [(bug.sentence, bug.function()) for bug in bugs_of(self.operation.name)]
+        wrong += [
+            (f"another convention, which may be allowed: {variant.sentence}", variant.reference)
+            for variant in VARIANTS.get(self.operation.name, ())
+        ]
+        found = {sentence: self._touched(function) for sentence, function in wrong}
+        return {sentence: touched for sentence, touched in found.items() if touched}
 
-    def reproduced_by(self, other: Callable, only: int | None = None) -> bool:
-        """Whether another implementation, called the same, does the same.
-
-        Of the gradients, `only` one is compared if it is given.
-        """
-        repeated = {record.of_call for record in self.records if record.is_pullback}
-        repeated |= set(range(MAX_REPEATED))
-        pullbacks: dict[int, Callable] = {}
-        for record in self.records:
-            if record.of_call not in repeated:
-                continue
-            arguments = _copies(record.arguments)
-            try:
-                function = pullbacks[record.of_call] if record.is_pullback else other
-                with np.errstate(all="ignore"):
-                    returned = function(*arguments)
-            except Exception as error:
-                return record.raised is type(error)
-            if record.raised:
-                return False
-            if not record.is_pullback:
-                pullbacks[record.of_call] = returned[1]
-            ours, theirs = record.result, _arrays(returned, record.is_pullback)
-            if record.is_pullback and only is not None:
-                ours, theirs = ours[only : only + 1], theirs[only : only + 1]
-            if not _equal(ours, theirs) or not _equal(record.arguments_after, arguments):
-                return False
-        return bool(self.records)
+    def _touched(self, wrong: Callable) -> set[str]:
+        """The keys of what a wrong operation does wrong, if the implementation does all of it."""
+        touched: set[str] = set()
+        kept = []
+        for case, (student, right) in zip(self._cases, self._observed, strict=True):
+            kept.append((student, observe(wrong, self.operation, case)))
+            touched |= _differing(kept[-1][1], right)
+            if any(_differing(*pair) & touched for pair in kept):
+                return set()
+        return touched
 
 
-def likely_mistake(stated: Property, implementation: Callable, failed: list[Recorder]) -> str:
-    """The sentence of the planted bug that behaves as an implementation does, or "".
-
-    The property does not hold; `failed` has the calls of failing examples.
-    """
-    bugs = bugs_of(stated.operation)
-    if not bugs:
-        return ""
-    only = None
-    if stated.name.startswith(("gradient for", "adjoint in")):
-        names = OPERATIONS[stated.operation].differentiated
-        only = names.index(stated.name.rpartition(" ")[2])
-    right = right_operation(stated.operation)
-    if any(recorder.reproduced_by(right, only) for recorder in failed):
-        return ""
-    pulls = stated.name != "value"
-    general = [_recorded_at(stated, implementation, seed, pulls) for seed in range(GENERAL_CASES)]
-    alike = [
-        bug
-        for bug in bugs
-        if all(recorder.reproduced_by(bug.function(), only) for recorder in [*failed, *general])
-    ]
-    if len(alike) > 1:  # compare all gradients, not only the one that is wrong here
-        general = [_recorded_at(stated, implementation, seed) for seed in range(GENERAL_CASES)]
-        alike.sort(key=lambda bug: -sum(r.reproduced_by(bug.function()) for r in general))
-    return alike[0].sentence if alike else ""
-
-
-def _recorded_at(stated: Property, function: Callable, seed: int, pulls: bool = True) -> Recorder:
-    """One call at a random case, with a call of the pullback if `pulls`."""
-    rng = np.random.default_rng(seed)
-    sizes = tuple((name, int(rng.choice(options))) for name, options in stated.sizes.items())
-    recorder, case = Recorder(function), Case(sizes, seed)
+def observe(function: Callable, operation: Operation, case: Case) -> Observation:
+    """What an implementation does in one case: in float64 and float32, again, and with views."""
+    seen: Observation = {}
+    arguments, another = operation.arguments(case), Case(case.sizes, case.seed + 1)
     try:
-        value, pullback = recorder(*stated.arguments(case).values())
-        if pulls:
-            pullback(drawn_upstream(case, value))
-    except Exception:  # it is recorded
-        pass
-    return recorder
+        with np.errstate(all="ignore"):
+            given = copies(arguments)
+            value, pullback = function(*given)
+            seen["value"] = np.copy(value)
+            seen["altered by the call"] = np.concatenate([np.ravel(a) for a in given])
+            dy = drawn_upstream(case, value)
+            _pull(seen, "", operation, pullback, upstream := copied(dy))
+            both = [np.ravel(a) for a in (*given, upstream)]
+            seen["altered by the pullback"] = np.concatenate(both)
+            function(*copies(operation.arguments(another)))
+            _pull(seen, "again, ", operation, pullback, copied(dy))
+            if not np.ndim(value):
+                _pull(seen, "by default, ", operation, pullback)
+            layout = list(LAYOUTS.values())[1 + case.seed % (len(LAYOUTS) - 1)]
+            views = [layout(a) if np.ndim(a) else a for a in arguments.values()]
+            value, pullback = function(*views)
+            seen["of views, value"] = np.copy(value)
+            _pull(seen, "of views, ", operation, pullback, copied(dy))
+            value, pullback = function(*map(in_float32, copies(arguments)))
+            seen["float32 value"] = np.copy(value)
+            dy = in_float32(copied(dy)) if np.ndim(dy) else float(dy)
+            _pull(seen, "float32 ", operation, pullback, dy)
+    except Exception as error:
+        seen["raised"] = np.array(type(error).__name__)
+    return seen
 
 
-def _arrays(returned, is_pullback: bool) -> tuple:
-    """The gradients that a pullback returned, or the value that a call returned."""
-    if is_pullback:
-        return tuple(returned) if isinstance(returned, tuple | list) else (returned,)
-    return (returned[0],) if isinstance(returned, tuple) and returned else (returned,)
+def _pull(seen: Observation, how: str, operation: Operation, pullback: Callable, *dy) -> None:
+    for name, gradient in differentiated(operation, pullback(*dy)).items():
+        seen[f"{how}gradient for {name}"] = np.copy(gradient)
 
 
-def _copies(arguments: tuple) -> tuple:
-    return tuple(a.copy(order="K") if isinstance(a, np.ndarray) else a for a in arguments)
+def _differing(one: Observation, other: Observation, starts: tuple[str, ...] = ("",)) -> set[str]:
+    """The keys of what differs between two observations."""
+    keys = {key for key in one.keys() | other.keys() if key.startswith(starts)}
+    return {key for key in keys if not _equal(one.get(key), other.get(key))}
 
 
-def _equal(ours: tuple, theirs: tuple) -> bool:
-    if len(ours) != len(theirs):
+def _equal(one: np.ndarray | None, other: np.ndarray | None) -> bool:
+    if one is None or other is None or one.shape != other.shape or one.dtype != other.dtype:
         return False
-    for one, other in zip(ours, theirs, strict=True):
-        if not isinstance(one, np.ndarray | np.generic | float | int):
-            return False
-        one, other = np.asarray(one), np.asarray(other)
-        if one.shape != other.shape or one.dtype != other.dtype:
-            return False
-        if not np.allclose(one, other, rtol=1e-9, atol=1e-13, equal_nan=True):
-            return False
-    return True
+    if one.dtype.kind not in "fc":
+        return np.array_equal(one, other)
+    close = 1e-4 if one.dtype == np.float32 else 1e-9
+    finite = np.abs(one[np.isfinite(one)])
+    scale = close * float(np.max(finite, initial=0.0))
+    return np.allclose(one, other, rtol=close, atol=scale * 0.01 + 1e-14, equal_nan=True)

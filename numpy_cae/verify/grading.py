@@ -73,6 +73,7 @@ def grade(
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
     lesson: str = "",
+    any_convention: bool = False,
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
@@ -93,6 +94,8 @@ def grade(
         The assignment, such as "03": all of its exercises are tested, and count, whether the file
         has them or not. By default that of a notebook's cells or of a name such as 03_mine.py; a
         file that belongs to no lesson is tested for the functions that it has.
+    any_convention : bool
+        Whether another documented convention than that of `numpy_cae.ops` may be followed.
 
     Returns
     -------
@@ -116,7 +119,7 @@ def grade(
         return graded
     request = {"path": str(path.resolve()), "catalogue": catalogue, "named": dict(named or {})}
     request |= {"seconds": seconds, "exercise_seconds": EXERCISE_SECONDS}
-    request |= {"megabytes": megabytes, "lesson": lesson}
+    request |= {"megabytes": megabytes, "lesson": lesson, "any_convention": any_convention}
     reply = run(request)
     graded.faults += [visible(fault) for fault in reply["faults"]]
     for result in reply["results"]:

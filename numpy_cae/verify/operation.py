@@ -1,122 +1,139 @@
-"""What the properties of an operation are stated with.
+"""What the properties of an operation are stated with, as a table: `OPERATIONS`.
 
 The sizes of its arguments, their names, which of them get a gradient, in which of them it is
-linear, and the definition of its value.
+linear, the definition of its value, and the definition of value and pullback together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
+from numpy_cae import ops
 from numpy_cae.verify import definitions
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.convention import PYTORCH, Convention
+from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn
+from numpy_cae.verify.tied import tied_layer
 
-Sizes = Mapping[str, tuple[int, ...]]
+Alike = Callable[[dict[str, object], np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation as its properties see it."""
+    """An operation as its properties see it.
+
+    Parameters
+    ----------
+    name : str
+    sizes : mapping of str to tuple
+        The sizes and classes to draw from, the simplest first.
+    arguments : callable
+        Makes the arguments of a case, by name, in the order of the call.
+    differentiated : tuple of str
+        The arguments that get a gradient.
+    definition : callable
+        Its value.
+    linear_in : tuple of str
+    reference : callable, optional
+        Its value and pullback. Without it gradients are compared with central differences.
+    saturates : bool
+        Whether a derivative may be far smaller than the numbers that it is computed from.
+    alike : callable, optional
+        Maps a gradient to one that is the same for all gradients that are right.
+    """
 
     name: str
-    sizes: Sizes  # the sizes to draw from, the simplest first
-    arguments: Callable[[Case], dict[str, object]]  # by name, in the order of the call
+    sizes: Sizes
+    arguments: Callable[[Case], dict[str, object]]
     differentiated: tuple[str, ...]
     definition: Callable[..., np.ndarray | float]
     linear_in: tuple[str, ...] = ()
-    convention: Convention = PYTORCH
-
-    def in_convention(self, convention: Convention) -> Operation:
-        """The same operation with its definition in another convention of the GRU."""
-        definition = partial(getattr(definitions, self.name), convention=convention)
-        return replace(self, definition=definition, convention=convention)
+    reference: Callable | None = None
+    saturates: bool = False
+    alike: Alike = lambda arguments, gradient: gradient
 
 
-WINDOW = {"batch": (1, 2, 3), "frames": (1, 2, 3, 4, 5, 6), "channels": (1, 2, 3)}
-FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3), "taps": (1, 3, 5, 7, 9)}
-LINEAR = {"features": (1, 2, 3), "axes": (0, 1, 2)}
-GRU = {"batch": (1, 2, 3), "channels": (1, 2, 3), "hidden": (1, 2, 3)}
-POINTS = {"points": (1, 2, 3, 4, 5, 6), "dimensions": (1, 2, 3), "directions": (1, 2, 3)}
+CLASSES = {"values": tuple(VALUES)}
+WINDOW = {"batch": (1, 2, 3, 4, 6), "frames": (1, 2, 3, 4, 5, 6, 9), "channels": (1, 2, 3)}
+FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3, 4), "taps": (1, 3, 5, 7, 9)}
+ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)} | CLASSES
+LINEAR = {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)}
+STATE = {"state": (ORDINARY, "zeros", "huge")}
+GRU = {"batch": (1, 2, 3, 6), "channels": (1, 2, 3), "hidden": (1, 2, 3)} | STATE | CLASSES
+POINTS = {"points": (1, 2, 3, 4, 5, 7, 8, 13), "dimensions": (1, 2, 3), "directions": (1, 2, 5)}
+BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9
-ARCTANH_REACH = 1.31  # no entry of the grid falls on a bound of 0.5 or 0.9
+ARCTANH_REACH = 1.31
 
 
-def _window(case: Case) -> tuple[int, int, int]:
-    return case["batch"], case["frames"], case["channels"]
-
-
-def _drawn(rng: np.random.Generator, reach: float = 2.0, **shapes: tuple[int, ...]) -> dict:
-    """Arrays by name."""
-    return {name: spread(rng, shape, reach) for name, shape in shapes.items()}
+def _window(case: Case) -> tuple[int, ...]:
+    """(batch, frames, channels), with fewer or more axes where the operation takes any shape."""
+    return (case["batch"], case["frames"], case["channels"], 2)[: case.get("axes", 3)]
 
 
 def _conv1d(case: Case) -> dict[str, object]:
     channels, filters = case["channels"], case["filters"]
-    w = (case["taps"], channels, filters)
-    return _drawn(case.rng(), x=_window(case), w=w, b=(filters,))
+    w, x = (case["taps"], channels, filters), (case["batch"], case["frames"], channels)
+    return drawn(case, case.rng(), x=x, w=w, b=(filters,))
 
 
 def _transpose_filters(case: Case) -> dict[str, object]:
-    return _drawn(case.rng(), w=(case["taps"], case["channels"], case["filters"]))
+    return drawn(case, case.rng(), w=(case["taps"], case["channels"], case["filters"]))
 
 
 def _pool(case: Case) -> dict[str, object]:
     batch, frames, channels = _window(case)
-    return _drawn(case.rng(), x=(batch, 2 * frames, channels))
+    return drawn(case, case.rng(), x=(batch, 2 * frames, channels))
 
 
 def _window_x(case: Case) -> dict[str, object]:
-    return _drawn(case.rng(), x=_window(case))
+    return drawn(case, case.rng(), x=_window(case))
 
 
 def _window_y(case: Case) -> dict[str, object]:
-    return _drawn(case.rng(), y=_window(case))
+    return drawn(case, case.rng(), y=_window(case))
 
 
 def _unpool_random(case: Case) -> dict[str, object]:
     rng = case.rng()
-    return {"y": spread(rng, _window(case)), "first": rng.random(_window(case)) < 0.5}
+    likely = rng.choice([0.5, 0.5, 0.0, 1.0])
+    return drawn(case, rng, y=_window(case)) | {"first": rng.random(_window(case)) < likely}
 
 
 def _arctanh(case: Case) -> dict[str, object]:
     rng = case.rng()
-    y = spread(rng, _window(case), ARCTANH_REACH)
-    return {"y": y, "bound": float(rng.choice([0.5, 0.9, 0.99]))}
+    bound = float(rng.choice(BOUNDS))
+    if case.get("values") == "bound":
+        near = [bound, np.nextafter(bound, 0), np.nextafter(bound, 1), bound + 1e-9, bound - 1e-9]
+        y = rng.choice([*near, 1.0, 1.5], _window(case)) * rng.choice([-1.0, 1.0], _window(case))
+        return {"y": y, "bound": bound}
+    return drawn(case, rng, ARCTANH_REACH, y=_window(case)) | {"bound": bound}
 
 
 def _linear(case: Case) -> dict[str, object]:
-    leading = (case["batch"], case["frames"])[: case["axes"]]
+    leading = (case["batch"], case["frames"], 2)[: case["axes"]]
     channels, features = case["channels"], case["features"]
-    return _drawn(case.rng(), x=(*leading, channels), w=(channels, features), b=(features,))
-
-
-def _gru_weights(case: Case, rng: np.random.Generator) -> dict[str, object]:
-    hidden, gates = case["hidden"], 3 * case["hidden"]
-    w, u = (case["channels"], gates), (hidden, gates)
-    return _drawn(rng, WEIGHT_REACH, w=w, u=u, b=(gates,), c=(gates,))
-
-
-def _gru_step(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    x = spread(rng, (case["batch"], case["channels"]))
-    h = spread(rng, (case["batch"], case["hidden"]), 1.0)
-    return {"x": x, "h": h, **_gru_weights(case, rng)}
+    return drawn(case, case.rng(), x=(*leading, channels), w=(channels, features), b=(features,))
 
 
 def _gru(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    x = spread(rng, _window(case))
-    h0 = spread(rng, (case["batch"], case["hidden"]), 1.0)
-    return {"x": x, "h0": h0, **_gru_weights(case, rng)}
+    """Those of `gru`, or of `gru_step` where the case has no frames."""
+    rng, batch, hidden, channels = case.rng(), case["batch"], case["hidden"], case["channels"]
+    gates, frames = 3 * hidden, case.get("frames", 0)
+    x, state = ((batch, frames, channels), "h0") if frames else ((batch, channels), "h")
+    weights = {"w": (channels, gates), "u": (hidden, gates), "b": (gates,), "c": (gates,)}
+    arrays = drawn(case, rng, WEIGHT_REACH, x=x, **{state: (batch, hidden)}, **weights)
+    if case.get("state") != ORDINARY:
+        arrays[state] = VALUES[case.get("state")](rng, (batch, hidden), 1.0)
+    return arrays
 
 
 def _mean_squared_error(case: Case) -> dict[str, object]:
-    return _drawn(case.rng(), x_hat=_window(case), x=_window(case))
+    arrays = drawn(case, case.rng(), x_hat=_window(case), x=_window(case))
+    if case.get("values") == "zeros":  # of the difference
+        arrays["x_hat"] = arrays["x"].copy()
+    return arrays
 
 
 def _sliced_wasserstein(case: Case) -> dict[str, object]:
@@ -124,30 +141,53 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
     shape = (case["points"], case["dimensions"])
     directions = rng.standard_normal((case["directions"], case["dimensions"]))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    return {"z": spread(rng, shape), "prior": spread(rng, shape), "directions": directions}
+    return drawn(case, rng, z=shape, prior=shape) | {"directions": directions}
 
 
-OPERATIONS: dict[str, Operation] = {}
+def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) -> np.ndarray:
+    """Any order of equal points is right, so each gets the mean gradient of its equals."""
+    z = arguments["z"] + 0.0
+    if np.shape(gradient) != z.shape:
+        return gradient
+    _, group = np.unique(z, axis=0, return_inverse=True)
+    member = (group.ravel()[:, None] == group.ravel()).astype(float)
+    return (member / member.sum(axis=1, keepdims=True)) @ gradient
 
 
-def _add(name: str, sizes: Sizes, arguments: Callable, differentiated: str, linear_in: str = ""):
-    names, linear = tuple(differentiated.split()), tuple(linear_in.split())
-    definition = getattr(definitions, name)
-    OPERATIONS[name] = Operation(name, sizes, arguments, names, definition, linear)
+def _operation(
+    name: str, sizes: Sizes, arguments: Callable, differentiated: str, linear_in: str = "", **others
+) -> Operation:
+    names, definition = tuple(differentiated.split()), getattr(definitions, name)
+    reference = getattr(ops, name, tied_layer)
+    linear = tuple(linear_in.split())
+    return Operation(name, sizes, arguments, names, definition, linear, reference, **others)
 
 
-_add("conv1d", WINDOW | FILTERS, _conv1d, "x w b", linear_in="x w")
-_add("transpose_filters", FILTERS, _transpose_filters, "w", linear_in="w")
-_add("max_pool", WINDOW, _pool, "x")
-_add("unpool_even", WINDOW, _window_y, "y", linear_in="y")
-_add("unpool_random", WINDOW, _unpool_random, "y", linear_in="y")
-_add("tanh", WINDOW, _window_x, "x")
-_add("sigmoid", WINDOW, _window_x, "x")
-_add("arctanh", WINDOW, _arctanh, "y")
-_add("linear", WINDOW | LINEAR, _linear, "x w b", linear_in="x w")
-_add("gru_step", GRU, _gru_step, "x h w u b c")
-_add("gru", GRU | {"frames": (1, 2, 3, 4)}, _gru, "x h0 w u b c")
-_add("mean_squared_error", WINDOW, _mean_squared_error, "x_hat")
-_add("mean_absolute", WINDOW, _window_y, "y")
-_add("tied_layer", WINDOW | FILTERS, _conv1d, "x w b")
-_add("sliced_wasserstein", POINTS, _sliced_wasserstein, "z")
+ARRAYS, FILTERED = WINDOW | CLASSES, WINDOW | FILTERS | CLASSES
+AT_BOUNDS = {"values": (*VALUES, "bound")}
+OPERATIONS: dict[str, Operation] = {
+    operation.name: operation
+    for operation in (
+        _operation("conv1d", FILTERED, _conv1d, "x w b", "x w"),
+        _operation("transpose_filters", FILTERS | CLASSES, _transpose_filters, "w", "w"),
+        _operation("max_pool", ARRAYS, _pool, "x"),
+        _operation("unpool_even", ARRAYS, _window_y, "y", "y"),
+        _operation("unpool_random", ARRAYS, _unpool_random, "y", "y"),
+        _operation("tanh", ANY_SHAPE, _window_x, "x", saturates=True),
+        _operation("sigmoid", ANY_SHAPE, _window_x, "x", saturates=True),
+        _operation("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y"),
+        _operation("linear", WINDOW | LINEAR | CLASSES, _linear, "x w b", "x w"),
+        _operation("gru_step", GRU, _gru, "x h w u b c", saturates=True),
+        _operation("gru", GRU | {"frames": (1, 2, 3, 4, 9)}, _gru, "x h0 w u b c", saturates=True),
+        _operation("mean_squared_error", ANY_SHAPE, _mean_squared_error, "x_hat"),
+        _operation("mean_absolute", ANY_SHAPE, _window_y, "y"),
+        _operation("tied_layer", FILTERED, _conv1d, "x w b", saturates=True),
+        _operation(
+            "sliced_wasserstein",
+            POINTS | CLASSES,
+            _sliced_wasserstein,
+            "z",
+            alike=_mean_of_equal_points,
+        ),
+    )
+}

@@ -1,4 +1,8 @@
-"""Properties of single operations: shifts, ties, empty slots, bounds, order, time."""
+"""Properties of single operations: shifts, ties, empty slots, bounds, order, time.
+
+Where a property says what the definition returns for one class of values, it is a row of
+`COMPARED`; the others are functions below.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +10,23 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from numpy_cae import ops
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.convention import gru_step_in
+from numpy_cae.verify.case import ORDINARY, Case, Sizes, spread
 from numpy_cae.verify.operation import Operation
-from numpy_cae.verify.property import Property, drawn_upstream, require_equal
+from numpy_cae.verify.property import (
+    UPSTREAM,
+    Property,
+    copied,
+    copies,
+    differentiated,
+    drawn_upstream,
+    require_equal,
+)
 
-LARGE = 1000.0
 WIDE_BOUND = 0.99
 
+Check = Callable[[Operation, Callable, Case], None]
 _STATED: dict[str, list[Callable[[Operation], Property]]] = {}
 """For each operation, what makes its properties."""
 
@@ -27,10 +37,10 @@ def operation_properties(operation: Operation) -> Iterator[Property]:
         yield stated(operation)
 
 
-def states(name: str, statement: str, *operations: str, **sizes: tuple[int, ...]) -> Callable:
+def states(name: str, statement: str, *operations: str, **sizes: tuple) -> Callable[[Check], Check]:
     """Make a check a property of operations, tried at `sizes` in place of the operation's own."""
 
-    def register(check: Callable[[Operation, Callable, Case], None]) -> Callable:
+    def register(check: Check) -> Check:
         def stated(operation: Operation) -> Property:
             return Property(
                 operation.name,
@@ -38,7 +48,8 @@ def states(name: str, statement: str, *operations: str, **sizes: tuple[int, ...]
                 statement,
                 partial(check, operation),
                 operation.arguments,
-                {**operation.sizes, **sizes},
+                {**operation.sizes, **UPSTREAM, **sizes},
+                of=operation,
             )
 
         for operation in operations:
@@ -50,6 +61,87 @@ def states(name: str, statement: str, *operations: str, **sizes: tuple[int, ...]
 
 def _only(pulled) -> np.ndarray:
     return pulled[0] if isinstance(pulled, tuple | list) else pulled
+
+
+def _compared(compare_value: bool, compare_gradient: bool, zeros_only: bool) -> Check:
+    """Compare with the definition; with `zeros_only`, where that returns 0 require exactly 0."""
+
+    def check(operation: Operation, implementation: Callable, case: Case) -> None:
+        arguments = operation.arguments(case)
+        value, pullback = implementation(*copies(arguments))
+        expected_value, reference = operation.reference(*copies(arguments))
+        dy = drawn_upstream(case, expected_value)
+        pairs = []
+        if compare_value:
+            pairs.append(("the value", value, expected_value))
+        if compare_gradient:
+            found = differentiated(operation, pullback(copied(dy)))
+            expected = differentiated(operation, reference(copied(dy)))
+            pairs += [(f"the gradient for {n}", found[n], expected[n]) for n in expected]
+        for what, found, expected in pairs:
+            if zeros_only and np.shape(found) == np.shape(expected):
+                empty = np.asarray(expected) == 0
+                require_equal(
+                    f"where it is to be 0, {what}", np.where(empty, found, 0), 0 * expected, 0
+                )
+            else:
+                require_equal(what, *(operation.alike(arguments, a) for a in (found, expected)))
+
+    return check
+
+
+VALUE, GRADIENT, BOTH = (True, False, False), (False, True, False), (True, True, False)
+ZEROS_OF_VALUE, ZEROS_OF_GRADIENT = (True, False, True), (False, True, True)
+LOSSES = ("mean_squared_error", "mean_absolute", "sliced_wasserstein")
+TIED = ("ties", "zeros", "signed zeros")
+
+COMPARED: tuple[tuple[str, str, tuple[str, ...], tuple, Sizes], ...] = (
+    (
+        "ties",
+        "a tie goes to the earlier frame, value and whole gradient",
+        ("max_pool",),
+        BOTH,
+        {"values": TIED},
+    ),
+    ("loser", "the smaller frame's gradient is exactly 0", ("max_pool",), ZEROS_OF_GRADIENT, {}),
+    (
+        "empty slot",
+        "the other frame of the pair is exactly 0",
+        ("unpool_random",),
+        ZEROS_OF_VALUE,
+        {},
+    ),
+    (
+        "large inputs",
+        "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan",
+        ("tanh", "sigmoid"),
+        BOTH,
+        {"values": ("huge",)},
+    ),
+    (
+        "beyond the bound",
+        "beyond the bound the value is arctanh(±bound) and the gradient exactly 0",
+        ("arctanh",),
+        BOTH,
+        {"values": ("bound", "large", "huge")},
+    ),
+    (
+        "repeated gru_step",
+        "value and gradients are those of gru_step, repeated",
+        ("gru",),
+        BOTH,
+        {},
+    ),
+    (
+        "zero at zero",
+        "at y = 0 the gradient is exactly 0",
+        ("mean_absolute",),
+        ZEROS_OF_GRADIENT,
+        {"values": ("zeros", "signed zeros")},
+    ),
+)
+for _name, _statement, _operations, _parts, _sizes in COMPARED:
+    states(_name, _statement, *_operations, **_sizes)(_compared(*_parts))
 
 
 @states(
@@ -74,65 +166,19 @@ def _own_inverse(operation: Operation, transpose_filters: Callable, case: Case) 
     require_equal("transposed twice, the bank", transpose_filters(transpose_filters(w)[0])[0], w)
 
 
-@states("ties", "a tie goes to the earlier frame, value and whole gradient", "max_pool")
-def _ties(operation: Operation, max_pool: Callable, case: Case) -> None:
-    (x,) = operation.arguments(case).values()
-    tied = np.repeat(x[:, ::2], 2, axis=1)
-    value, pullback = max_pool(tied)
-    require_equal("the larger of two equal frames", value, x[:, ::2])
-    dy = drawn_upstream(case, value)
-    dx = _only(pullback(dy))
-    require_equal("of a tie, the earlier frame's gradient", dx[:, 0::2], dy)
-    require_equal("of a tie, the later frame's gradient", dx[:, 1::2], np.zeros_like(dy), 0)
-
-
-@states("loser", "the smaller frame's gradient is exactly 0", "max_pool")
-def _loser_gets_nothing(operation: Operation, max_pool: Callable, case: Case) -> None:
-    (x,) = operation.arguments(case).values()
-    value, pullback = max_pool(x)
-    dx = _only(pullback(drawn_upstream(case, value)))
-    lost = x < np.repeat(value, 2, axis=1)
-    require_equal("the smaller frames' gradient", dx[lost], np.zeros(lost.sum()), 0)
-
-
 @states("pair sums", "both frames of a pair sum to y", "unpool_even", "unpool_random")
 def _pair_sums(operation: Operation, unpool: Callable, case: Case) -> None:
     arguments = operation.arguments(case)
-    x, _ = unpool(*arguments.values())
-    require_equal("the sum of a pair", x[:, 0::2] + x[:, 1::2], arguments["y"])
-
-
-@states("empty slot", "the other frame of the pair is exactly 0", "unpool_random")
-def _empty_slot(operation: Operation, unpool_random: Callable, case: Case) -> None:
-    y, first = operation.arguments(case).values()
-    x, _ = unpool_random(y, first)
-    other = np.where(first, x[:, 1::2], x[:, 0::2])
-    if np.any(other != 0):
-        raise AssertionError(
-            f"the other frame of the pair is {other[other != 0][0]}, not exactly 0"
-        )
-
-
-@states(
-    "large inputs",
-    "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan",
-    "tanh",
-    "sigmoid",
-)
-def _saturation(operation: Operation, activation: Callable, case: Case) -> None:
-    (x,) = operation.arguments(case).values()
-    lowest = 0.0 if operation.name == "sigmoid" else -1.0
-    with np.errstate(over="ignore"):
-        value, pullback = activation(LARGE * np.sign(x))
-        require_equal("at ±1000 the value", value, np.where(x > 0, 1.0, lowest))
-        dx = _only(pullback(drawn_upstream(case, value)))
-    require_equal("at ±1000 the gradient", dx, np.zeros_like(x))
+    (x, _), (expected, _) = unpool(*arguments.values()), operation.reference(*arguments.values())
+    of_pairs = expected[:, 0::2] + expected[:, 1::2]
+    require_equal("the sum of a pair", x[:, 0::2] + x[:, 1::2], of_pairs)
 
 
 @states(
     "inverse of tanh",
     "arctanh ∘ tanh is the identity inside the bound, its derivative too",
     "arctanh",
+    values=(ORDINARY,),
 )
 def _inverse_of_tanh(operation: Operation, arctanh: Callable, case: Case) -> None:
     x = spread(case.rng(), operation.arguments(case)["y"].shape, np.arctanh(WIDE_BOUND) * 0.999)
@@ -143,20 +189,6 @@ def _inverse_of_tanh(operation: Operation, arctanh: Callable, case: Case) -> Non
     require_equal("through arctanh and tanh, the gradient", tanh_pullback(_only(pullback(dx))), dx)
 
 
-@states(
-    "beyond the bound",
-    "beyond the bound the value is arctanh(±bound) and the gradient exactly 0",
-    "arctanh",
-)
-def _beyond_the_bound(operation: Operation, arctanh: Callable, case: Case) -> None:
-    y, bound = operation.arguments(case).values()
-    outside = np.sign(y) * (bound + np.abs(y))
-    value, pullback = arctanh(outside, bound)
-    require_equal("beyond the bound the value", value, np.sign(y) * np.arctanh(bound))
-    dy = _only(pullback(drawn_upstream(case, value)))
-    require_equal("beyond the bound the gradient", dy, np.zeros_like(y), 0)
-
-
 @states("rows alone", "each row is mapped as if it were alone", "linear")
 def _rows_alone(operation: Operation, linear: Callable, case: Case) -> None:
     x, w, b = operation.arguments(case).values()
@@ -165,35 +197,14 @@ def _rows_alone(operation: Operation, linear: Callable, case: Case) -> None:
     require_equal("of all rows at once the value", linear(x, w, b)[0], alone)
 
 
-@states("repeated gru_step", "value and gradients are those of gru_step, repeated", "gru")
-def _steps(operation: Operation, gru: Callable, case: Case) -> None:
-    x, h, *weights = operation.arguments(case).values()
-    step = gru_step_in(operation.convention)
-    value, pullback = gru(x, h, *weights)
-    dy = drawn_upstream(case, value)
-    pullbacks = []
-    for t in range(x.shape[1]):
-        h, step_pullback = step(x[:, t], h, *weights)
-        require_equal(f"the value of frame {t}", value[:, t], h)
-        pullbacks.append(step_pullback)
-    dh, dx, totals = np.zeros_like(h), np.zeros_like(x), [np.zeros_like(w) for w in weights]
-    for t in reversed(range(x.shape[1])):
-        dx[:, t], dh, *terms = pullbacks[t](dy[:, t] + dh)
-        totals = [total + term for total, term in zip(totals, terms, strict=True)]
-    for name, found, expected in zip(
-        operation.differentiated, pullback(dy), (dx, dh, *totals), strict=True
-    ):
-        require_equal(f"the gradient for {name}", found, expected)
-
-
-@states("causality", "no frame depends on a later one", "gru", frames=(2, 3, 4))
+@states("causality", "no frame depends on a later one", "gru", frames=(2, 3, 4, 9))
 def _causality(operation: Operation, gru: Callable, case: Case) -> None:
     x, *others = operation.arguments(case).values()
     earlier, _ = gru(x[:, :-1], *others)
     require_equal("of the earlier frames alone the value", earlier, gru(x, *others)[0][:, :-1])
 
 
-@states("kept state", "a sequence in two pieces is the whole one", "gru", frames=(2, 3, 4))
+@states("kept state", "a sequence in two pieces is the whole one", "gru", frames=(2, 3, 4, 9))
 def _kept_state(operation: Operation, gru: Callable, case: Case) -> None:
     x, h0, *weights = operation.arguments(case).values()
     whole, _ = gru(x, h0, *weights)
@@ -210,16 +221,9 @@ def _kept_state(operation: Operation, gru: Callable, case: Case) -> None:
 def _zero_at_the_target(operation: Operation, mean_squared_error: Callable, case: Case) -> None:
     _, x = operation.arguments(case).values()
     loss, pullback = mean_squared_error(x.copy(), x)
+    dx_hat = _only(pullback(drawn_upstream(case, loss)))
     require_equal("at the target the loss", loss, 0.0, 0)
-    require_equal("at the target the gradient", _only(pullback(1.0)), np.zeros_like(x), 0)
-
-
-@states("zero at zero", "at y = 0 the gradient is exactly 0", "mean_absolute")
-def _zero_at_zero(operation: Operation, mean_absolute: Callable, case: Case) -> None:
-    (y,) = operation.arguments(case).values()
-    _, pullback = mean_absolute(np.where(y > 0, y, 0.0))
-    dy = _only(pullback(1.0))
-    require_equal("at 0 the gradient", dy[y < 0], np.zeros(np.sum(y < 0)), 0)
+    require_equal("at the target the gradient", dx_hat, np.zeros_like(x), 0)
 
 
 @states("equal sets", "between equal sets distance and gradient are 0", "sliced_wasserstein")
@@ -232,14 +236,16 @@ def _equal_sets(operation: Operation, sliced_wasserstein: Callable, case: Case) 
 
 @states("order", "the order of the points does not matter", "sliced_wasserstein")
 def _order(operation: Operation, sliced_wasserstein: Callable, case: Case) -> None:
-    z, prior, directions = operation.arguments(case).values()
+    arguments = operation.arguments(case)
+    z, prior, directions = arguments.values()
     order = case.rng().permutation(len(z))
     loss, pullback = sliced_wasserstein(z, prior, directions)
     again, pullback_again = sliced_wasserstein(z[order], prior[order[::-1]], directions)
     require_equal("in another order the distance", again, loss)
-    require_equal(
-        "in another order the gradient", _only(pullback_again(1.0)), _only(pullback(1.0))[order]
-    )
+    dz = np.empty_like(z)
+    dz[order] = _only(pullback_again(1.0))
+    found, expected = (operation.alike(arguments, g) for g in (dz, _only(pullback(1.0))))
+    require_equal("in another order the gradient", found, expected)
 
 
 @states(
@@ -250,19 +256,60 @@ def _order(operation: Operation, sliced_wasserstein: Callable, case: Case) -> No
 )
 def _assignment(operation: Operation, sliced_wasserstein: Callable, case: Case) -> None:
     z, prior, _ = operation.arguments(case).values()
-    cost = (z - prior.T) ** 2
-    rows, columns = linear_sum_assignment(cost)
-    loss, _ = sliced_wasserstein(z, prior, np.ones((1, 1)))
-    require_equal("the distance", loss, cost[rows, columns].mean())
+    axis = np.ones((1, 1))
+    expected, _ = operation.reference(z, prior, axis)
+    require_equal("the distance", sliced_wasserstein(z, prior, axis)[0], expected)
 
 
 @states(
     "upstream default",
     "called without the upstream number, the pullback takes it to be 1",
-    "mean_squared_error",
-    "mean_absolute",
-    "sliced_wasserstein",
+    *LOSSES,
 )
 def _one_by_default(operation: Operation, loss: Callable, case: Case) -> None:
     _, pullback = loss(*operation.arguments(case).values())
     require_equal("by default the gradient", _only(pullback()), _only(pullback(1.0)), 0)
+
+
+def _share_alone(decoder: bool) -> Check:
+    """Test one share of dL/dW where the other is 0, so that neither can make up for the other."""
+
+    def check(operation: Operation, tied_layer: Callable, case: Case) -> None:
+        x, w, b = operation.arguments(case).values()
+        dx_hat = spread(case.rng(), x.shape)
+        if decoder:  # saturated units pass no gradient to the encoder
+            b = 60 * np.sign(b)
+        else:  # an upstream gradient that cancels in the decoder's share
+            y = np.tanh(ops.conv1d(x, w, b)[0]) - b
+            units = np.eye(w.size).reshape(-1, *w.shape)
+            moves = [
+                ops.conv1d(y, ops.transpose_filters(unit)[0], 0 * x[0, 0])[0] for unit in units
+            ]
+            moves = np.reshape(moves, (w.size, -1))
+            dx_hat -= (np.linalg.pinv(moves) @ (moves @ dx_hat.ravel())).reshape(x.shape)
+        (_, dw, _), (_, expected, _) = (
+            f(x.copy(), w.copy(), b.copy())[1](dx_hat.copy())
+            for f in (tied_layer, operation.reference)
+        )
+        who = "decoder's" if decoder else "encoder's"
+        require_equal(f"the {who} share of the gradient for w", dw, expected)
+
+    return check
+
+
+_SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "upstream": (ORDINARY,)}
+_UNSATURATED = {"values": (ORDINARY, "random"), "filters": (1, 2)}
+states(
+    "encoder's share",
+    "where the decoder's share of dL/dw is 0, the encoder's is right",
+    "tied_layer",
+    **_SMALL,
+    **_UNSATURATED,
+)(_share_alone(decoder=False))
+states(
+    "decoder's share",
+    "where the encoder's share of dL/dw is 0, the decoder's is right",
+    "tied_layer",
+    **_SMALL,
+    values=(ORDINARY, "random"),
+)(_share_alone(decoder=True))

@@ -64,6 +64,7 @@ class Grading:
 
     def __init__(self, request: dict, module: ModuleType) -> None:
         self.catalogue, self.named = module.CATALOGUE, request["named"]
+        self.any_convention = request["any_convention"]
         self.cpu_seconds, self.megabytes = request["exercise_seconds"], request["megabytes"]
         self.deadline = time.monotonic() + request["seconds"]
         self.submission, self.fault = Submission(Path(request["path"])), ""
@@ -105,7 +106,7 @@ class Grading:
 
     def _report(self, task: str, function: str) -> dict:
         functions, _ = load(self.submission, self.given)
-        report = report_on(self.catalogue[task], functions[function], function)
+        report = report_on(self.catalogue[task], functions[function], function, self.any_convention)
         return {"report": report.as_reply()}
 
     def _apart(self, work: Callable[[], dict], left: int) -> dict:
