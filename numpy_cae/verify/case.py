@@ -109,10 +109,8 @@ def drawn_cases(stated: Property, count: int) -> Iterator[Case]:
         order = np.concatenate([rng.permutation(len(options)) for _ in range(rounds)])
         columns.append([options[i] for i in order[:count]])
     for drawn_sizes in zip(*columns, strict=True):
-        yield Case(
-            tuple(zip(stated.sizes, drawn_sizes, strict=True)),
-            int(rng.integers(SEEDS_TRIED, SEEDS)),
-        )
+        sizes = tuple(zip(stated.sizes, drawn_sizes, strict=True))
+        yield Case(sizes, int(rng.integers(SEEDS_TRIED, SEEDS)))
 
 
 def smallest(case: Case, stated: Property, fails: Callable[[Case], bool]) -> Case:

@@ -383,7 +383,10 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         for array, new in zip(given, others.values(), strict=True):
             if isinstance(array, np.ndarray):
                 array[...] = new
-        again = [a if isinstance(a, np.ndarray) else b for a, b in zip(given, others.values())]
+        again = [
+            a if isinstance(a, np.ndarray) else b
+            for a, b in zip(given, others.values(), strict=True)
+        ]
         again, _ = implementation(*again)
         _require_repeated("of the same arrays with other numbers, the value", again, other_value)
 

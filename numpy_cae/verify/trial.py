@@ -193,7 +193,9 @@ def _results(operation: Operation, call: Call) -> Iterator[tuple[str, object, ob
         if call.upstream and call.pulled is not None:
             expected = pullback(copied(call.upstream[0]))
             expected = expected if isinstance(expected, tuple) else (expected,)
-            for name, one, other in zip(operation.differentiated, call.pulled, expected):
+            for name, one, other in zip(
+                operation.differentiated, call.pulled, expected, strict=False
+            ):
                 if isinstance(one, np.ndarray | np.generic):
                     yield f"gradient for {name}", one, other
 
