@@ -152,7 +152,6 @@ def _accused(number: int) -> Claim:
         if named not in stated:
             names = ", ".join(stated)
             raise AssertionError(f"{suspect.operation} has no property {named!r}; it has {names}")
-        sizes = tuple((name, max(options)) for name, options in stated[named].sizes.items())
         if try_property(stated[named], suspect.function(), shrink=False).held:
             raise AssertionError(f"suspect {number} has the property {named!r}")
 
