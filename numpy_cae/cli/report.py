@@ -1,9 +1,12 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim, whether it held, tables and pictures) and
-report.txt. With --ablation, measure what each choice of the paper contributes instead.
+report.txt. `--only cmu35` needs no model: it trains on CMU subject 35 and compares with published
+figures (get the files by `numpy-cae download cmu --subjects 35`). With --ablation, measure what
+each choice of the paper contributes instead.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
+  numpy-cae report --only cmu35 --data cmu35/ -o report
   numpy-cae report --ablation
 """
 
@@ -16,9 +19,9 @@ import numpy as np
 from numpy_cae.cli import ablation, one_motion
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, print_json, write_texts
-from numpy_cae.experiments.material import read_material
+from numpy_cae.experiments.material import Material, read_material
 from numpy_cae.experiments.page import page, plain_text
-from numpy_cae.experiments.section import EXPERIMENTS, run_section
+from numpy_cae.experiments.section import EXPERIMENTS, PUBLISHED, Section, run_section
 from numpy_cae.manifold import MotionManifold
 
 
@@ -31,8 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", **kinds.FOLDER, help=output)
     test = "names of the test files, where the model does not record them"
     add("--test", **kinds.PATTERNS, help=test)
-    only = f"run only these experiments, of {', '.join(names)}"
-    add("--only", nargs="+", choices=names, default=names, metavar="NAME", help=only)
+    only = f"run only these experiments, of {', '.join(names)} (the default) and " + ", ".join(
+        PUBLISHED
+    )
+    choices = (*names, *PUBLISHED)
+    add("--only", nargs="+", choices=choices, default=names, metavar="NAME", help=only)
     kinds.add_shared(parser, "seed json mapping unit")
     ablation.add_arguments(parser)
 
@@ -41,29 +47,25 @@ def run(args: argparse.Namespace) -> int:
     """Read, measure, write."""
     if args.ablation:
         return ablation.run(args)
-    missing = [name for name in ("data", "model", "output") if getattr(args, name) is None]
+    own = [name for name in EXPERIMENTS if name in args.only]
+    needed = ("data", "model", "output") if own else ("data", "output")
+    missing = [name for name in needed if getattr(args, name) is None]
     if missing:
         raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
     started = time.monotonic()
-    manifold = one_motion.load_model(args, bvh=False)
-    patterns = _test_patterns(manifold, args)
-    note(f"reading {', '.join(map(str, args.data))}")
-    material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
-    if not (material.testing and material.training):
-        which = "learn from" if material.testing else "test"
-        raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
+    data = ", ".join(folder.name for folder in args.data)
+    given: dict[str, tuple] = {name: (args.data,) for name in PUBLISHED if name in args.only}
+    how = {"data": data}
+    if own:
+        manifold, material, how = _read(args, data)
+        given = {name: (manifold, material) for name in own} | given
     args.output.mkdir(parents=True, exist_ok=True)
-    counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
-    note(counts)
-    names, sections = [name for name in EXPERIMENTS if name in args.only], []
-    for name in names:
-        sections.append(run_section(name, manifold, material, args.seed))
-        note(f"[{len(sections)}/{len(names)}] {sections[-1].summary()}")
-    how = _provenance(args.model.name, manifold) | {
-        "data": f"{', '.join(folder.name for folder in args.data)}: {counts}",
-        "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
-        "made by": f"NumPy {np.__version__}, seed {args.seed}, {time.monotonic() - started:.0f} s",
-    }
+    sections: list[Section] = []
+    for name, arguments in given.items():
+        sections.append(run_section(name, *arguments, seed=args.seed))
+        note(f"[{len(sections)}/{len(given)}] {sections[-1].summary()}")
+    seconds = time.monotonic() - started
+    how |= {"made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"}
     html, text = page(sections, how), plain_text(sections, how)
     write_texts(args.output, {"report.html": html, "report.txt": text})
     claims = sum(len(section.claims) for section in sections)
@@ -74,6 +76,24 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"{args.output / 'report.html'}: {held} of {claims} claims held")
     return 0
+
+
+def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material, dict[str, str]]:
+    """The model, the takes, and what a reader of the report must know of both."""
+    manifold = one_motion.load_model(args, bvh=False)
+    patterns = _test_patterns(manifold, args)
+    note(f"reading {', '.join(map(str, args.data))}")
+    material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
+    if not (material.testing and material.training):
+        which = "learn from" if material.testing else "test"
+        raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
+    counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
+    note(counts)
+    how = _provenance(args.model.name, manifold) | {
+        "data": f"{data}: {counts}",
+        "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
+    }
+    return manifold, material, how
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:

@@ -9,9 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from numpy_cae.experiments.material import Material
     from numpy_cae.experiments.result import Claim, Result
-    from numpy_cae.manifold import MotionManifold
 
 EXPERIMENTS = {
     "repair_sweep": "repair.repair_sweep",
@@ -31,6 +29,11 @@ EXPERIMENTS = {
 """Name of each experiment to its module here, in the order of the report. A module has a function
 `run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
 experiment needs."""
+
+
+PUBLISHED = {"cmu35": "published.cmu35"}
+"""Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only where
+they are asked for."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +82,13 @@ def drawn(name: str, result: Result, seconds: float = 0.0) -> Section:
     return Section(name, result, result.png(), result.viewer(), seconds)
 
 
-def run_section(name: str, manifold: MotionManifold, material: Material, seed: int = 0) -> Section:
-    """Run one of `EXPERIMENTS` and draw its result; where it cannot be run the section says why."""
+def run_section(name: str, *given: object, seed: int = 0) -> Section:
+    """Run one of `EXPERIMENTS`, given a manifold and material, or of `PUBLISHED`, given folders, and
+    draw its result; where it cannot be run the section says why."""
     started = time.monotonic()
-    run = import_module(f"numpy_cae.experiments.{EXPERIMENTS[name]}").run
+    run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | PUBLISHED)[name]}").run
     try:
-        section = drawn(name, run(manifold, material, seed))
+        section = drawn(name, run(*given, seed))
     except (ValueError, ArithmeticError) as error:
         section = Section(name, failure=str(error))
     return replace(section, seconds=time.monotonic() - started)

@@ -1,0 +1,1 @@
+"""Public protocols with published results."""

@@ -1,0 +1,144 @@
+"""Simple methods of filling in hidden columns; `Method` of protocol.py describes their form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from numpy_cae.baselines import PCA, LinearDenoiser, Moments, interpolate_linearly
+from numpy_cae.experiments.published.protocol import Fill, Method
+from numpy_cae.motion.windows import cut_windows
+
+PRIOR_ROWS = 20
+"""`centred` shrinks a take's offset as if so many rows without one had been seen as well."""
+
+
+def centred(method: Method) -> Method:
+    """The method plus the mean error that it makes on the take's rows before the hole."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        return add_offset(method(takes, columns), columns)
+
+    return learn
+
+
+def add_offset(fill: Fill, columns: list[int]) -> Fill:
+    """What `centred` makes of a fill."""
+
+    def filled(take: np.ndarray, first: int) -> np.ndarray:
+        values = fill(take, first)
+        gap = take[:first, columns] - values[:first]
+        return values + gap.sum(axis=0) / (first + PRIOR_ROWS)
+
+    return filled
+
+
+def nearest(spread: np.ndarray) -> Method:
+    """The row whose visible columns are nearest, each multiplied by its `spread`."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        rows, visible = np.concatenate(takes), others(columns)
+        weighted = rows[:, visible] * spread[visible]
+
+        def fill(take: np.ndarray, first: int) -> np.ndarray:
+            own = take[:, visible] * spread[visible]
+            return rows[[np.square(weighted - row).sum(axis=1).argmin() for row in own]][:, columns]
+
+        return fill
+
+    return learn
+
+
+def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+    """The last known value, which is interpolation where no later value is known."""
+    return lambda take, first: interpolate_linearly(take, ~np.isnan(take))[:, columns]
+
+
+def ridge(taps: int, penalty: float) -> Method:
+    """Ridge regression on the visible columns of `taps` rows."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        seen, hidden = _examples(takes, columns, taps)
+        mean = hidden.mean(axis=0)
+        normal = seen.T @ seen + penalty * np.eye(seen.shape[1])
+        weights = np.linalg.solve(normal, seen.T @ (hidden - mean))
+        return lambda take, first: around(take[:, others(columns)], taps) @ weights + mean
+
+    return learn
+
+
+def kernel_ridge(taps: int, width: float, penalty: float) -> Method:
+    """Ridge regression with the kernel exp(-d² / (width · number of values)), d the distance of the
+    visible columns of `taps` rows. It is the mean of a Gaussian process."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        seen, hidden = _examples(takes, columns, taps)
+        mean = hidden.mean(axis=0)
+
+        def kernel(rows: np.ndarray) -> np.ndarray:
+            lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
+            return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
+
+        weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
+        return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
+
+    return learn
+
+
+def linear_denoiser(taps: int, penalty: float) -> Method:
+    """`LinearDenoiser` where the hidden columns are kept with probability 0."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        length = max(map(len, takes))
+        cut = [cut_windows(take, length, 0) for take in takes]
+        windows, real = (np.concatenate(part) for part in zip(*cut, strict=True))
+        kept = np.ones(windows.shape[-1])
+        kept[columns] = 0
+        denoiser: LinearDenoiser = Moments.of(windows, real, taps).solve(kept, penalty)
+        return lambda take, first: denoiser.repair(_zeroed(take, columns)[None])[0][:, columns]
+
+    return learn
+
+
+def pca(taps: int, size: int) -> Method:
+    """PCA of `taps` rows together; each row is filled in from those around it, as far as known."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        model = PCA.fit(np.concatenate([around(take, taps) for take in takes]))
+
+        def fill(take: np.ndarray, first: int) -> np.ndarray:
+            rows = around(take, taps)
+            known = ~np.isnan(rows)
+            filled = model.fill(np.where(known, rows, 0), known, size)
+            middle = taps // 2 * take.shape[1]
+            return filled[:, np.array(columns) + middle]
+
+        return fill
+
+    return learn
+
+
+def around(take: np.ndarray, taps: int) -> np.ndarray:
+    """The `taps` rows around each row side by side, end rows repeated: (F, C) to (F, taps · C)."""
+    padded = np.pad(take, ((taps // 2, taps // 2), (0, 0)), mode="edge")
+    return np.concatenate([padded[k : k + len(take)] for k in range(taps)], axis=1)
+
+
+def others(columns: list[int]) -> list[int]:
+    """The visible columns."""
+    return [column for column in range(59) if column not in columns]
+
+
+def _zeroed(take: np.ndarray, columns: list[int]) -> np.ndarray:
+    take = take.copy()
+    take[:, columns] = 0
+    return take
+
+
+def _examples(
+    takes: Sequence[np.ndarray], columns: list[int], taps: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The visible columns around each row of the takes, and the row's hidden columns."""
+    seen = [around(take[:, others(columns)], taps) for take in takes]
+    return np.concatenate(seen), np.concatenate([take[:, columns] for take in takes])

@@ -1,0 +1,179 @@
+"""Missing data in the walks and jogs of CMU subject 35: a public protocol with published results.
+
+Taylor, Hinton and Roweis, "Modeling human motion using binary latent variables" (NIPS 2006), chose
+the takes and the error SC; Lawrence, "Learning for larger datasets with the Gaussian process latent
+variable model" (AISTATS 2007), the columns and the angular error. From row 63 of take 35_29 on the
+right leg or the upper body is hidden; all other columns and all rows before are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.motion import MotionFileError, read_asf
+from numpy_cae.motion.io.amc import find_skeleton
+from numpy_cae.motion.io.asf import statements
+from numpy_cae.motion.io.text_file import TextFile
+
+GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
+"""Columns of the 59 that are hidden, from 0: the right leg, the upper body."""
+FIRST_HIDDEN = 62
+TRAINING = [n for n in range(1, 35) if n not in (18, 27, 29)]
+"""Numbers of the takes to train on. 18 is a second test take that the published table lacks; 27 is
+not in the data set."""
+TEST = 29
+STEP = 4
+"""Every fourth of 120 frames a second."""
+FOLDS = 5
+ANGLES = np.r_[6:38, 40:47, 48:50, 52:59, 60:62]
+"""Columns of the Acclaim file, from 0, whose angles the protocol keeps."""
+
+Fill = Callable[[np.ndarray, int], np.ndarray]
+"""A take (F, 59), standardised, with NaN where it is hidden, and the first hidden row to the values
+(F, H) of the hidden columns."""
+Method = Callable[[Sequence[np.ndarray], list[int]], Fill]
+"""Learns from takes (F, 59), standardised, to fill in the given columns."""
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """The takes as the protocol's rows, in radians and the file's unit of length.
+
+    Parameters
+    ----------
+    takes : list of (F, 59) arrays
+        For training.
+    test : (F, 59) array
+    scale : (50,) array
+        Weight of each angle in the error SC: one over its deviation in the training files, degrees.
+    """
+
+    takes: list[np.ndarray]
+    test: np.ndarray
+    scale: np.ndarray
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """Of all training rows."""
+        return np.concatenate(self.takes).mean(axis=0)
+
+    @cached_property
+    def deviation(self) -> np.ndarray:
+        """Of all training rows, with n - 1."""
+        return np.concatenate(self.takes).std(axis=0, ddof=1)
+
+    @cached_property
+    def standardised(self) -> list[np.ndarray]:
+        """The training takes."""
+        return [(take - self.mean) / self.deviation for take in self.takes]
+
+    def errors(
+        self, parts: Sequence[tuple[np.ndarray, np.ndarray]], columns: list[int]
+    ) -> np.ndarray:
+        """SC and the root mean square error in degrees of hidden values, (F, H), standardised.
+
+        SC = Σ (degrees · scale of the column)² / H is a sum over rows. It is scaled to the 62 rows
+        of the test take, so that errors of other takes can be compared.
+        """
+        gap = np.concatenate([filled - truth for filled, truth in parts])
+        degrees = np.rad2deg(gap * self.deviation[columns])
+        weighted = np.square(degrees * self.scale[columns])
+        rows = len(self.test) - FIRST_HIDDEN
+        return np.array([rows * weighted.mean(), np.sqrt(np.square(degrees).mean())])
+
+    def test_values(self, fill: Fill, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
+        """The hidden values of the test take as filled in and in truth, (62, H), standardised."""
+        return _filled(fill, (self.test - self.mean) / self.deviation, columns, FIRST_HIDDEN)
+
+    def left_out(self, method: Method, columns: list[int]) -> np.ndarray:
+        """The errors on training takes that the method has not learned from, five folds of takes.
+
+        Of each take the second half is hidden. All settings are chosen by these errors.
+        """
+        parts = []
+        for fold in range(FOLDS):
+            takes = list(enumerate(self.standardised))
+            fill = method([take for n, take in takes if n % FOLDS != fold], columns)
+            left_out = [take for n, take in takes if n % FOLDS == fold]
+            parts += [_filled(fill, take, columns, len(take) // 2) for take in left_out]
+        return self.errors(parts, columns)
+
+
+def _filled(
+    fill: Fill, take: np.ndarray, columns: list[int], first: int
+) -> tuple[np.ndarray, np.ndarray]:
+    damaged = take.copy()
+    damaged[first:, columns] = np.nan
+    return fill(damaged, first)[first:], take[first:, columns]
+
+
+def rows_of(frames: np.ndarray) -> np.ndarray:
+    """The protocol's rows (F - 1, 59) of the frames (F, 62) of an Acclaim file.
+
+    Angles in degrees, wrapped as asin(sin θ); of the root its steps over the floor and its height,
+    sine and cosine of two angles, and the steps of those of the third.
+    """
+    before, after = frames[:-1], frames[1:]
+    angles = np.arcsin(np.sin(np.deg2rad(after[:, ANGLES])))
+    steps = before[:, [0, 2]] - after[:, [0, 2]]
+    parts = [angles, steps, after[:, 1:2]]
+    for function in (np.sin, np.cos):
+        turned, turned_after = (function(np.deg2rad(x[:, 3:6])) for x in (before, after))
+        parts += [turned_after[:, [0, 2]], turned[:, 1:2] - turned_after[:, 1:2]]
+    return np.concatenate(parts, axis=1)
+
+
+def read_protocol(folders: Sequence[str | Path]) -> Protocol:
+    """Read `walk_jog_30hz.npz` below one of the folders, or the Acclaim files of subject 35.
+
+    Raises
+    ------
+    ValueError
+        If neither is there, or takes are missing.
+    MotionFileError
+        If an Acclaim file is damaged.
+    """
+    tables = _find(folders, "walk_jog_30hz.npz")
+    if tables:
+        with np.load(tables[0]) as file:
+            frames = {int(key[-2:]): file[key] for key in file.files if "_35_" in key}
+    else:
+        files = {path.stem: path for path in _find(folders, "35_*.amc")}
+        names = {n: f"35_{n:02d}" for n in (*TRAINING, TEST)}
+        missing = [name for name in names.values() if name not in files]
+        if missing:
+            raise ValueError(
+                "the data folders lack the takes " + ", ".join(missing) + " of CMU subject 35: get "
+                "them by `numpy-cae download cmu --subjects 35`"
+            )
+        frames = {n: read_columns(files[name])[::STEP] for n, name in names.items()}
+    angles = np.concatenate([frames[n][:, ANGLES] for n in TRAINING])
+    takes = [rows_of(frames[n]) for n in TRAINING]
+    return Protocol(takes, rows_of(frames[TEST]), 1 / angles.std(axis=0))
+
+
+def _find(folders: Sequence[str | Path], pattern: str) -> list[Path]:
+    return [path for folder in folders for path in sorted(Path(folder).rglob(pattern))]
+
+
+def read_columns(path: str | Path) -> np.ndarray:
+    """The values (F, 62) of an Acclaim motion as they are in the file, bones in the skeleton's
+    order."""
+    acclaim, file = read_asf(find_skeleton(path)), TextFile.read(path)
+    known = zip(acclaim.skeleton.names, acclaim.channels, strict=True)
+    channels = {name: len(own) for name, own in known if own}
+    frames: list[dict[str, list[float]]] = []
+    for line, (name, *values) in statements(file):
+        if name.isdigit():
+            frames.append({})
+        elif name in channels and frames:
+            frames[-1][name] = file.numbers(line, values)
+    try:
+        return np.array([[x for name in channels for x in frame[name]] for frame in frames])
+    except (KeyError, ValueError):
+        raise MotionFileError(Path(path), None, "a frame lacks values of a bone") from None
