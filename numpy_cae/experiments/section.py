@@ -32,8 +32,8 @@ experiment needs."""
 
 
 PUBLISHED = {"cmu35": "published.cmu35"}
-"""Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only where
-they are asked for."""
+"""Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
+they are named."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ def drawn(name: str, result: Result, seconds: float = 0.0) -> Section:
 
 
 def run_section(name: str, *given: object, seed: int = 0) -> Section:
-    """Run one of `EXPERIMENTS`, given a manifold and material, or of `PUBLISHED`, given folders, and
-    draw its result; where it cannot be run the section says why."""
+    """Run one of `EXPERIMENTS` (`given` a manifold and material) or of `PUBLISHED` (given folders)
+    and draw its result; where it cannot be run the section says why."""
     started = time.monotonic()
     run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | PUBLISHED)[name]}").run
     try:

@@ -10,26 +10,29 @@ from numpy_cae.baselines import PCA, LinearDenoiser, Moments, interpolate_linear
 from numpy_cae.experiments.published.protocol import Fill, Method
 from numpy_cae.motion.windows import cut_windows
 
-PRIOR_ROWS = 20
-"""`centred` shrinks a take's offset as if so many rows without one had been seen as well."""
+OFFSET, MEMORY = 0.5, 10
+"""Variance of a take's constant error relative to that of its varying error, whose correlation
+falls by e in so many rows."""
 
 
-def centred(method: Method) -> Method:
-    """The method plus the mean error that it makes on the take's rows before the hole."""
-
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        return add_offset(method(takes, columns), columns)
-
-    return learn
+def corrected(method: Method) -> Method:
+    """The method plus what `add_residual` adds to it."""
+    return lambda takes, columns: add_residual(method(takes, columns), columns)
 
 
-def add_offset(fill: Fill, columns: list[int]) -> Fill:
-    """What `centred` makes of a fill."""
+def add_residual(fill: Fill, columns: list[int]) -> Fill:
+    """Carry the error of a fill on the take's rows before the hole into the hole.
+
+    The error is taken as a Gaussian process over time: a constant of the take (posture), what
+    fades within `MEMORY` rows (so that the hole begins without a jump), and noise.
+    """
 
     def filled(take: np.ndarray, first: int) -> np.ndarray:
         values = fill(take, first)
-        gap = take[:first, columns] - values[:first]
-        return values + gap.sum(axis=0) / (first + PRIOR_ROWS)
+        error = take[:first, columns] - values[:first]
+        rows = np.arange(len(take))
+        covariance = OFFSET + np.exp(-np.abs(rows[:, None] - rows[:first]) / MEMORY)
+        return values + covariance @ np.linalg.solve(covariance[:first] + np.eye(first), error)
 
     return filled
 

@@ -38,6 +38,8 @@ Fill = Callable[[np.ndarray, int], np.ndarray]
 (F, H) of the hidden columns."""
 Method = Callable[[Sequence[np.ndarray], list[int]], Fill]
 """Learns from takes (F, 59), standardised, to fill in the given columns."""
+Learn = Callable[[Sequence[np.ndarray], list[int]], list[Fill]]
+"""Several methods at once."""
 
 
 @dataclass(frozen=True)
@@ -86,22 +88,29 @@ class Protocol:
         rows = len(self.test) - FIRST_HIDDEN
         return np.array([rows * weighted.mean(), np.sqrt(np.square(degrees).mean())])
 
+    def degrees(self, values: np.ndarray, columns: list[int]) -> np.ndarray:
+        """Standardised angles (F, H) in degrees."""
+        return np.rad2deg(values * self.deviation[columns] + self.mean[columns])
+
     def test_values(self, fill: Fill, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
         """The hidden values of the test take as filled in and in truth, (62, H), standardised."""
         return _filled(fill, (self.test - self.mean) / self.deviation, columns, FIRST_HIDDEN)
 
-    def left_out(self, method: Method, columns: list[int]) -> np.ndarray:
-        """The errors on training takes that the method has not learned from, five folds of takes.
+    def left_out(self, learn: Learn, columns: list[int]) -> list[np.ndarray]:
+        """The errors of each method on training takes that it has not learned from.
 
-        Of each take the second half is hidden. All settings are chosen by these errors.
+        The takes are left out in `FOLDS` parts, and the second half of each is hidden. All settings
+        were chosen by these errors.
         """
-        parts = []
+        takes, parts = list(enumerate(self.standardised)), []
         for fold in range(FOLDS):
-            takes = list(enumerate(self.standardised))
-            fill = method([take for n, take in takes if n % FOLDS != fold], columns)
+            fills = learn([take for n, take in takes if n % FOLDS != fold], columns)
             left_out = [take for n, take in takes if n % FOLDS == fold]
-            parts += [_filled(fill, take, columns, len(take) // 2) for take in left_out]
-        return self.errors(parts, columns)
+            parts += [
+                [_filled(fill, take, columns, len(take) // 2) for fill in fills]
+                for take in left_out
+            ]
+        return [self.errors(own, columns) for own in zip(*parts, strict=True)]
 
 
 def _filled(

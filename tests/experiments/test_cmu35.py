@@ -1,0 +1,93 @@
+"""The published protocol on CMU subject 35."""
+
+import json
+
+import numpy as np
+import pytest
+
+from numpy_cae.cli import main
+from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
+from numpy_cae.experiments.published.protocol import GROUPS, read_columns, read_protocol
+
+PUBLISHED = {
+    ("leg", "standardised"): (13.5, 4.44),
+    ("body", "standardised"): (20.9, 2.62),
+    ("leg", "radians"): (14.0, 4.11),
+    ("body", "radians"): (30.9, 3.20),
+}
+
+
+@pytest.fixture(scope="module")
+def table(data_folder):
+    if not (data_folder / "cmu35").is_dir():
+        pytest.skip(f"no cmu35 in {data_folder}")
+    return data_folder / "cmu35"
+
+
+@pytest.fixture(scope="module")
+def read(table):
+    return read_protocol([table])
+
+
+@pytest.mark.parametrize(("group", "spread"), PUBLISHED)
+def test_the_nearest_neighbour_has_the_published_errors(read, group, spread):
+    weights = np.ones(59) if spread == "standardised" else read.deviation
+    columns = GROUPS[group]
+    fill = baselines.nearest(weights)(read.standardised, columns)
+    sc, degrees = read.errors([read.test_values(fill, columns)], columns)
+    assert (round(sc, 1), round(degrees, 2)) == PUBLISHED[group, spread]
+
+
+def test_the_sizes_and_the_weights_are_those_of_the_data_set(read, table):
+    assert sum(map(len, read.takes)) == 2613 and read.test.shape == (124, 59)
+    with np.load(table / "walk_jog_30hz.npz") as file:
+        np.testing.assert_allclose(read.scale, file["taylor_scale"][9:], rtol=3e-4)
+
+
+@pytest.mark.parametrize("number", [1, 22, 29])
+def test_acclaim_files_give_the_same_columns(data_folder, table, number):
+    path = data_folder / "cmu" / "asfamc" / "35" / f"35_{number:02d}.amc"
+    with np.load(table / "walk_jog_30hz.npz") as file:
+        known = file[f"{'test' if number == 29 else 'train'}_35_{number:02d}"]
+    np.testing.assert_array_equal(read_columns(path)[::4], known)
+
+
+def test_a_method_never_receives_hidden_values(read):
+    def fill(take, first):
+        hidden = np.isnan(take)
+        assert hidden[first:, GROUPS["leg"]].all() and hidden.sum() == 7 * (len(take) - first)
+        return np.zeros((len(take), 7))
+
+    read.test_values(fill, GROUPS["leg"])
+    read.left_out(lambda takes, columns: [fill], GROUPS["leg"])
+
+
+def test_the_residual_before_the_hole_is_carried_into_it():
+    take = np.full((40, 59), 3.0)
+    fill = baselines.add_residual(lambda take, first: np.zeros((len(take), 7)), GROUPS["leg"])
+    filled = fill(take, 30)
+    assert (filled[30] > 2.5).all() and (filled[30:] > 1).all()
+    assert (np.diff(filled[30:], axis=0) < 0).all()
+
+
+def test_missing_takes_are_named(tmp_path):
+    with pytest.raises(ValueError, match=r"35_01, .*download cmu --subjects 35"):
+        read_protocol([tmp_path])
+
+
+def test_the_command_trains_and_writes_the_tables(table, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(protocol, "TRAINING", [17, 19, 20, 21, 22])
+    monkeypatch.setattr(networks, "STEPS", 2)
+    monkeypatch.setattr(networks, "SEQUENCE_STEPS", 2)
+    monkeypatch.setattr(cmu35, "SEEDS", 2)
+    words = ["report", "--only", "cmu35", "--data", table, "-o", tmp_path, "--json"]
+    assert main([str(word) for word in words]) == 0
+    (experiment,) = json.loads(capsys.readouterr().out)["experiments"]
+    assert experiment["failure"] is None and len(experiment["claims"]) == 5
+    published, test, left_out = experiment["tables"]
+    assert len(published["rows"]) == 6
+    names = [row[0] for row in test["rows"]]
+    assert names[-4:] == [name + end for name in cmu35.NETWORKS for end in ("", cmu35.TOGETHER)]
+    assert all("±" in cell for cell in test["rows"][-4][2:])
+    assert len(left_out["rows"]) == len(names) - 2
+    assert "data:image/png;base64," in (tmp_path / "report.html").read_text()
