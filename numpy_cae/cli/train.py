@@ -1,6 +1,7 @@
 """Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
 folders. A recipe is a set of training options: paper is that of holden2015, best repairs best, fast
-trains all layers at once with Adam. Options given beside it replace its own.
+trains all layers at once with Adam, starter is that of the model in the package. Options given
+beside it replace its own.
 
 example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
@@ -64,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
         how = {"show_progress": not args.quiet, "checkpoint": checkpoint, "engine": args.engine}
         manifold, summary, measure = learn(args, options.network_of(args, sequential) | how)
         manifold.settings["test"] = args.test
-        save_manifold(manifold, args.output)
+        save_manifold(manifold, args.output, half=args.recipe == "starter")
         checkpoint.remove()
     table, figure = measure() if args.test else (None, None)
     if figure:
@@ -98,7 +99,8 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     if cache is None and not args.no_cache and is_worthwhile(paths):
         cache = default_cache()
     training, testing = read_takes(paths, mapping, args.unit, args.test, args.strict, cache)
-    manifold = learn_manifold(training, schedule, args.seed, **how)
+    speeds = options.SPEEDS.get(args.recipe, ())
+    manifold = learn_manifold(training, schedule, args.seed, speeds=speeds, **how)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(files)}
         | {"test": sum(is_test(path, args.test) for path in files)}

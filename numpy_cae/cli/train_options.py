@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.manifold.augmentation import damaged_chains
 from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
 from numpy_cae.motion import CLIP
 from numpy_cae.motion.windows import LENGTH, OVERLAP
@@ -19,10 +20,25 @@ from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
 _BEST = Stage(60, 0.5, 0.95, 0.0, 8, (0.1, 0.8), rescaled=True, momentum=0.9)
 _FAST = Stage(40, 0.001, 1.0, 0.0, 8, (0.1, 0.8), True, 0.0, 0.05, None, "adam", "one-cycle")
+_STARTER = Stage(
+    epochs=40,
+    rate=3e-4,
+    alpha=0.0,
+    batch=16,
+    zeroed=(0.0, 0.3),
+    optimiser="adam",
+    rate_schedule="one-cycle",
+    chains=damaged_chains(),
+    displacement=0.3,
+    noise=0.02,
+)
+SPEEDS = {"starter": (1.0,)}
+"""Speeds at which a recipe uses the takes and their mirrored copies; others use the takes alone."""
 RECIPES = {
     "paper": Schedule(),
     "best": Schedule(fine_tuning=_BEST),
     "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
+    "starter": Schedule(layer=Stage(epochs=0), fine_tuning=_STARTER),
 }
 """docs/lab_book.md has what each measures. The settings of fast were chosen on Bandai's takes *_004
 after training on *_001 to *_003, not on the test takes *_005."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, binary_propagation, median_filter
 
@@ -11,25 +13,35 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import POSITIONS
 from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.to_body import RATE
 
 RATIO, LEAST = 4.0, 0.05
 """A joint is damaged where it is further from the manifold than `RATIO` times its median in the
 clip and than `LEAST` metres; its damage reaches as far as half of that is exceeded."""
-FROZEN_SHARE = 0.4
-"""A joint that does not move is damaged from this share of these distances on."""
+SUSPICION = 0.4
+"""Where a joint stands still or was displaced, it is damaged from this share of these distances."""
+MOST_JOINTS = 8
+"""Where more joints are far from the manifold, the motion is unknown and not damaged."""
 ROUNDS = 3
 """Times that what was found is filled in and the rest is tested again."""
 MARGIN = 2
 """Frames on both sides of damage that are taken for damaged."""
-SPIKE = 0.05
-"""Metres by which a spike is off the median of its neighbours."""
+JUMP, JUMP_RATIO = 0.05, 3.0
+"""Metres from one frame to the next, and times the median of seven frames, that are a jump."""
+SPIKE_FRAMES = 3
+"""Frames of the longest stretch between two jumps that is a spike."""
 STRETCHED = 0.15
 """Share of its length by which a bone of wrong length differs from the usual one."""
 STILL, STILL_FRAMES = 3e-4, 6
 """Metres a frame below which a joint does not move, and for how many frames that is suspicious."""
+SAME_ROTATION = 1e-6
+"""Difference of quaternions below which a file repeats a rotation."""
+REPEATED, CAUGHT_UP = 1e-6, 2.5
+"""Metres a frame below which a pose is repeated, and times the usual step of the step after it."""
 
 _ALONG_TIME = np.ones((3, 1), bool)
-_GRANDPARENTS = [PARENTS[max(parent, 0)] for parent in PARENTS]
+_ENDS = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("wrist", "ankle")]
 
 
 def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
@@ -37,21 +49,26 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
 
     A joint is damaged where `direct_damage` says so or where it is far from its projection. What is
     found is filled in, since damage also moves the projection of other joints, and the rest is
-    tested again.
+    tested again. In the end a stretch counts only if filling it in moves the joint by `LEAST`.
     """
-    found = at_thirty(body.motion, direct_damage(body))
-    still = find_still(body.positions, body.features)
+    direct = at_thirty(body.motion, direct_damage(body))
+    found = direct.copy()
+    suspicious = find_still(body)
+    suspicious |= between_jumps(_local(body.features), len(found))
+    features, _ = whole_features(body, found)
     for _ in range(ROUNDS):
-        features, _ = whole_features(body, found)
         distance = residual(manifold, features, found)
         level = distance / np.maximum(LEAST, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
-        far |= binary_propagation(still & (level > FROZEN_SHARE), _ALONG_TIME, mask=still)
+        far |= binary_propagation(suspicious & (level > SUSPICION), _ALONG_TIME, mask=suspicious)
         far &= ~found
         if not far.any():
             break
         found |= binary_dilation(far, np.ones((2 * MARGIN + 1, 1), bool))
-    return found
+        features, _ = whole_features(body, found)
+    found &= direct | (found.sum(axis=1, keepdims=True) <= MOST_JOINTS)
+    change = np.linalg.norm(_local(fill(manifold, features, found) - body.features), axis=-1)
+    return binary_propagation(found & (change > LEAST), _ALONG_TIME, mask=found)
 
 
 def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -62,7 +79,7 @@ def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray
     body differently.
     """
     projected = manifold.project(fill(manifold, features, missing), manifold.shifts)
-    difference = (features - projected)[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    difference = _local(features - projected)
     return np.linalg.norm(difference - typical(difference, missing), axis=-1)
 
 
@@ -76,19 +93,41 @@ def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
 def direct_damage(body: Body) -> np.ndarray:
     """Damage that shows without a manifold: (frames, 20) bool in the frames of the file."""
     positions = body.positions_in_file
-    return find_spikes(positions) | find_stretched(positions)
+    spikes = between_jumps(positions - positions[:, :1], SPIKE_FRAMES)
+    return spikes | find_stretched(positions) | find_repeated(positions)[:, None]
 
 
-def find_spikes(positions: np.ndarray) -> np.ndarray:
-    """Joints that are elsewhere for one to three frames: positions (F, 20, 3) to (F, 20) bool.
+def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
+    """Joints between two jumps, where they may be displaced: (F, 20, 3) to (F, 20) bool.
 
-    A spike is further from the median of seven frames than `SPIKE` and than four times the distance
-    that is usual where the joint moves fast. Joints below it in the body, which it moves as well,
-    are found too.
+    Of the stretches between jumps, the longest is taken for right, those at the ends of the clip
+    too, and those of more than `longest` frames.
     """
-    from_hips = positions - positions[:, :1]
-    off = np.linalg.norm(from_hips - median_filter(from_hips, (7, 1, 1), mode="nearest"), axis=-1)
-    return (off > SPIKE) & (off > 4 * np.percentile(off, 90, axis=0))
+    displaced = np.zeros(points.shape[:2], bool)
+    step = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    usual = median_filter(step, (7, 1), mode="nearest")
+    jumps = (step > JUMP) & (step > JUMP_RATIO * usual)
+    for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
+        ends = [0, *(np.flatnonzero(jumps[:, joint]) + 1), len(points)]
+        right = np.argmax(np.diff(ends))
+        for number, (first, last) in enumerate(pairwise(ends)):
+            inner = 0 < number < len(ends) - 2 and number != right
+            displaced[first:last, joint] = inner and last - first <= longest
+    return displaced
+
+
+def find_repeated(positions: np.ndarray) -> np.ndarray:
+    """Frames of positions (F, 20, 3) that repeat the pose before, until the body catches up in one
+    step: (F,) bool. Dropped frames and held keys look so, and no one who stands still."""
+    step = np.linalg.norm(np.diff(positions, axis=0), axis=-1).mean(axis=1)
+    repeated = np.append(False, step < REPEATED)
+    found = np.zeros(len(positions), bool)
+    ends = np.flatnonzero(repeated[:-1] & ~repeated[1:])
+    for end in ends:
+        first = end - np.argmin(repeated[end::-1]) + 1
+        usual = np.median(np.append(step[end + 1 : end + 4], step[max(first - 4, 0) : first - 1]))
+        found[first : end + 1] = step[end] > CAUGHT_UP * usual
+    return found
 
 
 def find_stretched(positions: np.ndarray) -> np.ndarray:
@@ -100,18 +139,41 @@ def find_stretched(positions: np.ndarray) -> np.ndarray:
     return wrong
 
 
-def find_still(positions: np.ndarray, features: np.ndarray) -> np.ndarray:
-    """Joints that stop moving although they move in most of the clip: (F, 20) bool.
+def find_still(body: Body) -> np.ndarray:
+    """Joints that stop moving although they move in most of the clip: (F, 20) bool at 30 Hz.
 
-    A joint is still in the world, in the body's frame, or at a constant distance from the parent of
-    its parent, as where the file repeats a rotation. Feet that stand and hands that rest are among
-    them: this alone is no damage.
+    A joint is still in the world or in the body's frame, a wrist or an ankle also at a constant
+    distance from its shoulder or hip, and any joint while the file repeats the rotation that moves
+    it. Feet that stand and hands that rest are among them: this alone is no damage.
     """
-    local = features[:, POSITIONS].reshape(positions.shape)
-    reach = np.linalg.norm(positions - positions[:, _GRANDPARENTS], axis=-1, keepdims=True)
+    positions = body.positions
+    reach = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
+    local = _local(body.features)
+    speeds = [np.linalg.norm(_steps(place), axis=-1) for place in (positions, local)]
+    bends = np.full(positions.shape[:2], np.inf)
+    bends[:, _ENDS] = np.abs(_steps(reach))
+    speeds += [bends, _turns(body)]
     still = np.zeros(positions.shape[:2], bool)
-    for place in (positions, local, reach):
-        speed = np.linalg.norm(np.diff(place, axis=0, append=place[-1:]), axis=-1)
+    for speed in speeds:
         rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
         still |= rests & (rests.mean(axis=0) < 0.5)
     return still
+
+
+def _turns(body: Body) -> np.ndarray:
+    """How much the rotation that moves each joint changes until the next frame: (F, 20), the
+    difference of quaternions in units of which `SAME_ROTATION` is as still as `STILL`."""
+    rig = find_joints(body.motion.skeleton, body.mapping)
+    rotations = body.motion.resampled(RATE).rotations
+    parents = [body.motion.skeleton.parents[joint] for joint in rig]
+    return np.abs(_steps(rotations[:, parents])).max(axis=-1) * (STILL / SAME_ROTATION)
+
+
+def _steps(values: np.ndarray) -> np.ndarray:
+    """The difference from the next frame, 0 for the last."""
+    return np.diff(values, axis=0, append=values[-1:])
+
+
+def _local(features: np.ndarray) -> np.ndarray:
+    """The positions in features (F, 63) as (F, 20, 3)."""
+    return features[:, POSITIONS].reshape(-1, len(JOINTS), 3)

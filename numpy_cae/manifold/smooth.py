@@ -57,9 +57,9 @@ def smooth_curves(values: np.ndarray, rate: float) -> np.ndarray:
         response = sosfiltfilt(lowpass, impulse)
         at_zero.append(response[500])
         kept.append(np.sum((impulse - response) ** 2))  # of white noise in the residual
-    first = min(np.searchsorted(cut_offs, NOISE_FROM), len(cut_offs) - 1)
+    first = min(int(np.searchsorted(cut_offs, NOISE_FROM)), len(cut_offs) - 1)
     noise = missed[first] / kept[first]
     risk = np.array(missed) + 2 * noise * np.array(at_zero)[:, None]
-    for curve, best in zip(moving, np.argmin(risk, axis=0), strict=True):
-        smooth[:, curve] = found[best][:, np.searchsorted(moving, curve)]
+    best = np.stack(found)[np.argmin(risk, axis=0), :, np.arange(len(moving))]
+    smooth[:, moving] = best.transpose(1, 0, 2)
     return smooth
