@@ -53,7 +53,9 @@ def run(args: argparse.Namespace) -> int:
     if args.data and not args.test:
         raise ValueError("--ablation with --data needs the takes to hold out: --test PATTERN")
     if args.data:
-        material = read_material(args.data, args.test, kinds.chosen_mapping(args), args.unit)
+        material = read_material(
+            args.data, args.test, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+        )
     else:
         material = _synthetic()
     output = args.output or OUTPUT

@@ -4,7 +4,10 @@ import argparse
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy_cae.motion import Coordinates, Mappings
 
 
 def _number(kind: Callable[[str], float], allowed: Callable[[float], bool], expected: str) -> Any:
@@ -24,6 +27,7 @@ whole_number = _number(int, lambda n: n >= 0, "0 or more")
 positive_number = _number(int, lambda n: n >= 1, "1 or more")
 odd_number = _number(int, lambda n: n >= 1 and n % 2 == 1, "an odd number above 0")
 rate = _number(float, lambda x: 0 <= x < inf, "a finite number of 0 or more")
+finite = _number(float, lambda x: -inf < x < inf, "a finite number")
 positive = _number(float, lambda x: 0 < x < inf, "a finite number above 0")
 fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
 momentum = _number(float, lambda x: 0 <= x < 1, "from 0 to below 1")
@@ -37,6 +41,8 @@ FOLDER: dict[str, Any] = {"type": Path, "metavar": "FOLDER"}
 FOLDERS: dict[str, Any] = FOLDER | {"nargs": "+"}
 PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
 
+UP = ("x", "y", "z", "-x", "-y", "-z")
+
 _SEED: dict[str, Any] = {"type": whole_number, "default": 0}
 _JSON: dict[str, Any] = {"type": Path, "metavar": "JSON"}
 _METRES: dict[str, Any] = {"type": positive, "metavar": "METRES"}
@@ -45,8 +51,16 @@ SHARED: dict[str, dict[str, Any]] = {
     "seed": _SEED | {"help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
     "json": FLAG | {"help": "print JSON instead of text"},
-    "mapping": _JSON | {"help": "file that maps our joint names to those of an unknown rig"},
+    "mapping": _JSON
+    | {"action": "append", "default": []}
+    | {
+        "help": "file that maps our joint names to those of an unknown rig (from `numpy-cae rig`); "
+        "of several --mapping options each motion takes the first that fits"
+    },
     "unit": _METRES | {"help": "length unit of the files in metres, as 0.01 (default: guessed)"},
+    "up": {"choices": UP, "help": "axis that is up in the files; --up=-z for -z (default: found)"},
+    "floor": {"type": finite, "metavar": "METRES"}
+    | {"help": "height of the floor in the files along that axis (default: found, if not near 0)"},
 }
 
 
@@ -56,8 +70,16 @@ def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
         parser.add_argument(f"--{name}", **SHARED[name])
 
 
-def chosen_mapping(args: argparse.Namespace) -> dict[str, str] | None:
-    """Read the mapping that `--mapping` names; None without one."""
+def chosen_mapping(args: argparse.Namespace) -> "Mappings":
+    """Read the mappings that `--mapping` names: None, one or several."""
     from numpy_cae.motion import read_mapping
 
-    return None if args.mapping is None else read_mapping(args.mapping)
+    mappings = [read_mapping(path) for path in args.mapping]
+    return mappings if len(mappings) > 1 else next(iter(mappings), None)
+
+
+def chosen_coordinates(args: argparse.Namespace) -> "Coordinates":
+    """What `--unit`, `--up` and `--floor` say."""
+    from numpy_cae.motion import Coordinates
+
+    return Coordinates(args.unit, args.up, args.floor)

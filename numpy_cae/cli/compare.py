@@ -38,7 +38,9 @@ def run(args: argparse.Namespace) -> int:
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
     mapping, names = kinds.chosen_mapping(args), list(files)
-    bodies = [load_body(path, mapping, args.unit)[0] for path in files.values()]
+    bodies = [
+        load_body(path, mapping, kinds.chosen_coordinates(args))[0] for path in files.values()
+    ]
     units = [hidden_units(manifold, manifold.features(body)[0]) for body in bodies]
     distances = distance_matrix([signature(each) for each in units])
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)

@@ -36,7 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
     manifold, mapping = one_motion.load_model(args), kinds.chosen_mapping(args)
-    motions = [load_body(path, mapping, args.unit)[1] for path in (args.first, args.second)]
+    motions = [
+        load_body(path, mapping, kinds.chosen_coordinates(args))[1]
+        for path in (args.first, args.second)
+    ]
     first, second = (manifold.body(motion, mapping) for motion in motions)
     between = interpolate(manifold, first.features, second.features, args.share)
     frames = len(between)

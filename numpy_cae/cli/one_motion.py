@@ -30,7 +30,7 @@ def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
     if gif:
         add("-o", "--output", type=Path, required=True, help="path of the .bvh file to write")
         add("--gif", type=Path, help=gif)
-    kinds.add_shared(parser, "mapping unit")
+    kinds.add_shared(parser, "mapping unit up floor")
 
 
 def add_file_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,7 +54,10 @@ def load_features(args: argparse.Namespace, manifold: Manifold) -> list[np.ndarr
     """The features of every motion in the folders of `--data`."""
     mapping = kinds.chosen_mapping(args)
     files = [path for folder in args.data or [] for path in find_motion_files(folder)]
-    return [manifold.features(load_body(path, mapping, args.unit)[0])[0] for path in files]
+    return [
+        manifold.features(load_body(path, mapping, kinds.chosen_coordinates(args))[0])[0]
+        for path in files
+    ]
 
 
 def write(motion: Motion, path: Path) -> None:
@@ -78,7 +81,8 @@ def change(
 ) -> int:
     """Read a motion, write `changed(motion, mapping=…)` and draw it beside `before(motion)`."""
     mapping = kinds.chosen_mapping(args)
-    motion = load_motion(args.file, unit=args.unit)
+    known = vars(kinds.chosen_coordinates(args))
+    motion = load_motion(args.file, mapping=mapping, **known)
     note(f"{args.file}: {len(motion)} frames, {motion.unit_note}")
     try:
         result = changed(motion, mapping=mapping)

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     choices = (*names, *PUBLISHED)
     add("--only", nargs="+", choices=choices, default=names, metavar="NAME", help=only)
-    kinds.add_shared(parser, "seed json mapping unit")
+    kinds.add_shared(parser, "seed json mapping unit up floor")
     ablation.add_arguments(parser)
 
 
@@ -83,7 +83,9 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     manifold = one_motion.load_model(args, bvh=False)
     patterns = _test_patterns(manifold, args)
     note(f"reading {', '.join(map(str, args.data))}")
-    material = read_material(args.data, patterns, kinds.chosen_mapping(args), args.unit)
+    material = read_material(
+        args.data, patterns, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    )
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")

@@ -49,7 +49,9 @@ def run(args: argparse.Namespace) -> int:
     else:
         prior, made = _prior(args, manifold), []
         if args.like:
-            rig = hold_first_pose(load_body(args.like, mapping, args.unit)[1], frames)
+            rig = hold_first_pose(
+                load_body(args.like, mapping, kinds.chosen_coordinates(args))[1], frames
+            )
             body = manifold.body(rig, mapping)
         for _ in range(args.number):
             features = sample(manifold, frames, rng, prior)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.motion import Coordinates
 from numpy_cae.viz.actor import Actor, motion_actor
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 
@@ -31,13 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--html", **kinds.FLAG, help=page)
     add("--poses", **kinds.COUNT, default=9, help="number of poses in the strip (default: 9)")
-    kinds.add_shared(parser, "unit")
+    kinds.add_shared(parser, "unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
     args.output.mkdir(parents=True, exist_ok=True)
-    drawn = [_read(path, args.unit) for path in args.files]
+    drawn = [_read(path, kinds.chosen_coordinates(args)) for path in args.files]
     if args.html:
         return _write_page(args, drawn)
     for actor, rate in drawn:
@@ -45,11 +46,11 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _read(path: Path, unit: float | None) -> tuple[Actor, float]:
+def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
     """A file's motion, labelled with its name, and the rate at which it is drawn."""
     from numpy_cae.motion import load_motion
 
-    motion = load_motion(path, unit=unit)
+    motion = load_motion(path, **vars(coordinates))
     print(
         f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
         f"({motion.seconds:.1f} s), {len(motion.skeleton.names)} joints, {motion.unit_note}"

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions)
     minutes = "minutes of each synthetic action to train on, and to test on (default: 180)"
     add("--minutes", type=kinds.positive, default=180.0, help=minutes)
-    kinds.add_shared(parser, "seed quiet json mapping unit")
+    kinds.add_shared(parser, "seed quiet json mapping unit up floor")
     train_options.add_sequence_options(parser)
 
 
@@ -70,7 +70,9 @@ def _actions(args: argparse.Namespace) -> list[Action]:
         return [synthetic_action(name, *lengths, args.seed) for name in args.actions]
     mapping = kinds.chosen_mapping(args)
     actions = [
-        read_action(folder.resolve().name, [folder], args.test, mapping, args.unit)
+        read_action(
+            folder.resolve().name, [folder], args.test, mapping, kinds.chosen_coordinates(args)
+        )
         for folder in args.data
     ]
     for action in actions:

@@ -9,13 +9,14 @@ import numpy as np
 
 from numpy_cae.cli.output import note
 from numpy_cae.experiments.material import is_test
+from numpy_cae.motion import Coordinates, Mappings
 from numpy_cae.motion.io.cache import Body, read_bodies
 
 
 def read_takes(
     paths: Sequence[Path],
-    mapping: dict[str, str] | None = None,
-    unit: float | None = None,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
     test: Sequence[str] = (),
     strict: bool = False,
     cache: Path | None = None,
@@ -36,8 +37,8 @@ def read_takes(
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
     notes: Counter[str] = Counter()
-    left_out = 0
-    for body in _with_progress(read_bodies(paths, mapping, unit, cache), len(paths)):
+    left_out = changed = 0
+    for body in _with_progress(read_bodies(paths, mapping, coordinates, cache), len(paths)):
         if body.problem is not None:
             if strict or len(paths) == 1:
                 raise body.problem
@@ -46,6 +47,7 @@ def read_takes(
             continue
         (testing if is_test(body.path, test) else training).append(body.positions)
         notes[body.note.split(" (")[0]] += 1
+        changed += "; " in body.note
     if left_out == len(paths):
         raise ValueError(f"none of {left_out} files can be used, see above")
     if test and not testing:
@@ -59,6 +61,8 @@ def read_takes(
         f"({seconds / 60:.1f} min), {len(testing)} to test; lengths in "
         + ", ".join(f"{each} ({count})" for each, count in notes.most_common())
     )
+    if changed:
+        note(f"{changed} files turned to Y up or moved to a floor at 0; see `numpy-cae rig FILE`")
     return training, testing
 
 

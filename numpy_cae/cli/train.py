@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     resume = "continue from MODEL.checkpoint.npz, which an interrupted run leaves; to the same bits"
     add("--resume", **kinds.FLAG, help=resume)
-    kinds.add_shared(parser, "seed quiet json mapping unit")
+    kinds.add_shared(parser, "seed quiet json mapping unit up floor")
     options.add_training_options(parser)
     group = parser.add_argument_group("advanced, files")
     add = group.add_argument
@@ -98,7 +98,9 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     cache = args.cache
     if cache is None and not args.no_cache and is_worthwhile(paths):
         cache = default_cache()
-    training, testing = read_takes(paths, mapping, args.unit, args.test, args.strict, cache)
+    training, testing = read_takes(
+        paths, mapping, kinds.chosen_coordinates(args), args.test, args.strict, cache
+    )
     speeds = options.SPEEDS.get(args.recipe, ())
     manifold = learn_manifold(training, schedule, args.seed, speeds=speeds, **how)
     manifold.settings["folders"] = [
@@ -121,7 +123,9 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.actions import read_action
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
-    action = read_action(name, args.folders, args.test, kinds.chosen_mapping(args), args.unit)
+    action = read_action(
+        name, args.folders, args.test, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    )
     if args.test and not action.testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from numpy_cae.motion import MotionFileError, find_motion_files, load_body
+from numpy_cae.motion import Coordinates, Mappings, MotionFileError, find_motion_files, load_body
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold
@@ -101,17 +101,17 @@ def is_test(path: Path, patterns: Sequence[str]) -> bool:
 def read_material(
     folders: Sequence[str | Path],
     patterns: Sequence[str],
-    mapping: dict[str, str] | None = None,
-    unit: float | None = None,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
 ) -> Material:
     """Every motion file below the folders, labelled and split.
 
-    Files whose name matches one of the patterns are for testing; `mapping`, `unit` and the errors
-    are those of `numpy_cae.motion.load_body`.
+    Files whose name matches one of the patterns are for testing; `mapping`, `coordinates` and the
+    errors are those of `numpy_cae.motion.load_body`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     for path in (path for folder in folders for path in find_motion_files(folder)):
-        positions, _ = load_body(path, mapping, unit)
+        positions, _ = load_body(path, mapping, coordinates)
         halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
     return Material(*halves)
 

@@ -27,6 +27,7 @@ from numpy_cae.motion.io.amc import read_amc
 from numpy_cae.motion.io.asf import read_asf
 from numpy_cae.motion.io.bvh import read_bvh
 from numpy_cae.motion.io.bvh_writer import write_bvh
+from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.expmap import read_expmap
 from numpy_cae.motion.io.load import find_motion_files, load_motion
@@ -39,9 +40,11 @@ from numpy_cae.motion.load_windows import load_windows
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.motion.retarget.rigs import (
+    Mappings,
     UnknownRigError,
     body_positions,
     find_joints,
+    joint_index,
     read_mapping,
 )
 from numpy_cae.motion.retarget.to_body import at_rate_of, body_of, load_body
@@ -51,11 +54,11 @@ from numpy_cae.motion.windows import cut_windows
 
 __all__ = [
     "ANGLES", "ANGLE_RATE", "CLIP", "FEATURES", "JOINTS", "PARENTS", "POSITIONS", "TURN",
-    "VELOCITY", "AngleSequence", "Motion", "MotionFileError", "RootTransform", "Skeleton",
-    "UnknownRigError", "angles_of", "at_rate_of", "body_of", "body_positions", "bone_lengths",
-    "change_lengths", "cut_clips", "cut_windows", "draw_clips", "features_to_positions",
-    "find_joints", "find_motion_files", "fit_motion", "joint_slice", "load_angles", "load_body",
-    "load_motion", "load_windows", "motion_of", "on_floor", "positions_to_features", "read_amc",
-    "read_asf", "read_bvh", "read_expmap", "read_mapping", "retarget", "without_t_pose",
-    "write_bvh", "write_like", "write_motion",
+    "VELOCITY", "AngleSequence", "Coordinates", "Mappings", "Motion", "MotionFileError",
+    "RootTransform", "Skeleton", "UnknownRigError", "angles_of", "at_rate_of", "body_of",
+    "body_positions", "bone_lengths", "change_lengths", "cut_clips", "cut_windows", "draw_clips",
+    "features_to_positions", "find_joints", "find_motion_files", "fit_motion", "joint_index",
+    "joint_slice", "load_angles", "load_body", "load_motion", "load_windows", "motion_of",
+    "on_floor", "positions_to_features", "read_amc", "read_asf", "read_bvh", "read_expmap",
+    "read_mapping", "retarget", "without_t_pose", "write_bvh", "write_like", "write_motion",
 ]  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 
 from numpy_cae.motion.io.expmap_rigs import HUMAN36M
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.rigs import Mappings, find_joints
 from numpy_cae.motion.skeleton import Skeleton
 
 TRANSLATION = slice(0, 3)
@@ -77,7 +77,7 @@ class AngleTable:
             nearest.append(parent)
         return tuple(nearest)
 
-    def find(self, skeleton: Skeleton, mapping: dict[str, str] | None = None) -> list[int]:
+    def find(self, skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
         """The indices of the joints in a skeleton; UnknownRigError if any is missing."""
         if self is HUMAN36M_TABLE:
             return [skeleton.index(joint) for joint in self.joints]

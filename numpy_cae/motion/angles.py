@@ -16,10 +16,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.angle_table import TRANSLATION, AngleTable, table_for
+from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import UnknownRigError
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.unwrap import unwrapped
 
@@ -49,7 +50,7 @@ class AngleSequence:
         return len(self.numbers)
 
 
-def angles_of(motion: Motion, mapping: dict[str, str] | None = None) -> AngleSequence:
+def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
     """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
 
     Parameters
@@ -83,15 +84,16 @@ def angles_of(motion: Motion, mapping: dict[str, str] | None = None) -> AngleSeq
 
 
 def load_angles(
-    path: str | Path, mapping: dict[str, str] | None = None, unit: float | None = None
+    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
 ) -> AngleSequence:
-    """`angles_of` any motion file.
+    """`angles_of` any motion file. A floor is not looked for: clips are relative to their start.
 
     Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
     if joints are missing.
     """
     try:
-        return angles_of(load_motion(path, unit=unit), mapping)
+        known = vars(coordinates or Coordinates())
+        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}), mapping)
     except UnknownRigError as error:
         raise UnknownRigError(f"{path}: {error}") from None
 

@@ -36,7 +36,12 @@ class Motion:
     unit : float
         Metres in one unit of length of the file that the motion came from.
     unit_note : str
-        What the reader took the unit to be and why, for a person.
+        What the reader took the unit to be and why, for a person; also the up axis and the floor
+        if the file has others than Y and 0.
+    up : str
+        The axis that is up in the file, such as "z"; here Y always is.
+    floor : float
+        Height of the floor in the file in metres along that axis; here it is at 0.
     """
 
     skeleton: Skeleton
@@ -45,6 +50,8 @@ class Motion:
     translations: np.ndarray
     unit: float = 1.0
     unit_note: str = "metres"
+    up: str = "y"
+    floor: float = 0.0
 
     def __post_init__(self) -> None:
         frames, joints = len(self.rotations), len(self.skeleton.names)

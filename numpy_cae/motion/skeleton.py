@@ -21,6 +21,8 @@ class Skeleton:
     end_sites : dict of int to (3,) array
         The tip of a bone that ends at no joint (toes, fingers, the top of the head), as an offset
         in metres from the joint at its base.
+    added : int
+        The number of joints at the end that the file does not have; no writer writes them.
 
     Raises
     ------
@@ -32,6 +34,7 @@ class Skeleton:
     parents: tuple[int, ...]
     offsets: np.ndarray
     end_sites: dict[int, np.ndarray] = field(default_factory=dict)
+    added: int = 0
 
     def __post_init__(self) -> None:
         joints = len(self.names)
@@ -60,3 +63,10 @@ class Skeleton:
     def children(self, joint: int) -> list[int]:
         """The joints whose parent is `joint`."""
         return [child for child, parent in enumerate(self.parents) if parent == joint]
+
+    def path(self, joint: int) -> list[int]:
+        """The joint, its parent and so on up to the root."""
+        path = [joint]
+        while self.parents[path[-1]] >= 0:
+            path.append(self.parents[path[-1]])
+        return path

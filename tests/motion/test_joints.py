@@ -7,46 +7,77 @@ import pytest
 
 from numpy_cae.motion import (
     JOINTS,
+    PARENTS,
     Motion,
     Skeleton,
     UnknownRigError,
     bone_lengths,
     find_joints,
+    joint_index,
     load_body,
     read_mapping,
 )
-from numpy_cae.motion.retarget.rigs import RIGS
+from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.retarget.rig_names import RIGS
 
 
 def skeleton_of(names):
-    parents = tuple(index - 1 for index in range(len(names)))
-    return Skeleton(tuple(names), parents, np.zeros((len(names), 3)))
+    """A person whose joints have these names, in the order of `JOINTS`, below a joint "world"."""
+    rest = body_skeleton(np.full(20, 0.3))
+    parents = (-1, *(parent + 1 for parent in PARENTS))
+    return Skeleton(("world", *names), parents, np.concatenate([np.zeros((1, 3)), rest.offsets]))
 
 
+def names_in(rig, which=0):
+    """The names of the twenty joints in a rig; a rig may leave its spine's open."""
+    return [RIGS[rig].get(joint, (f"{joint} bone",))[which] for joint in JOINTS]
+
+
+@pytest.mark.parametrize("which", [0, -1])
+@pytest.mark.parametrize("dress", [str, str.upper, lambda name: f"ann:{name.replace('_', ' ')}"])
 @pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("dress", [str, str.upper, lambda name: f"mixamorig:{name}"])
-def test_each_rig_is_found_among_other_joints(rig, dress):
-    names = [dress(RIGS[rig][joint]) for joint in JOINTS]
-    skeleton = skeleton_of(["world", *names, "a tail"])
-    found = find_joints(skeleton)
-    assert [skeleton.names[index] for index in found] == names
+def test_each_rig_is_found(rig, dress, which):
+    names = [dress(name) for name in names_in(rig, which)]
+    skeleton = skeleton_of(names)
+    assert [skeleton.names[index] for index in find_joints(skeleton)] == names
 
 
-def test_a_missing_joint_lists_what_the_rig_has():
-    names = [name for name in RIGS["Bandai"].values() if name != "Hand_L"]
+def test_a_missing_joint_lists_what_the_rig_has_and_what_its_hierarchy_suggests():
+    names = [name if name != "Hand_L" else "paw" for name in names_in("Bandai")]
     with pytest.raises(UnknownRigError) as error:
         find_joints(skeleton_of(names))
-    assert "left_wrist (as 'Hand_L')" in str(error.value)
-    assert "UpperArm_R" in str(error.value)
+    assert "no left_wrist (as 'Hand_L')" in str(error.value)
+    assert '"left_wrist": "paw"' in str(error.value) and "UpperArm_R" in str(error.value)
 
 
-def test_a_users_mapping_goes_before_the_table(tmp_path):
-    names = [name if name != "Hand_L" else "paw" for name in RIGS["Bandai"].values()]
+def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
+    names = [name if name != "Hand_L" else "paw" for name in names_in("Bandai")]
     file = tmp_path / "rig.json"
     file.write_text(json.dumps({"left_wrist": "paw"}))
     skeleton = skeleton_of(names)
-    found = find_joints(skeleton, read_mapping(file))
-    assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
+    for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
+        found = find_joints(skeleton, mapping)
+        assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
+    with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
+        find_joints(skeleton, {"left_wrist": "claw"})
+    known = skeleton_of(names_in("Mixamo"))
+    assert find_joints(known, [{"head": "x"}, {"head": "y"}]) == find_joints(known)
+
+
+def test_a_joint_is_named_as_ours_or_as_the_rigs():
+    skeleton = skeleton_of([f"mixamorig:{name}" for name in names_in("Mixamo")])
+    named = {
+        "left_shoulder": "left_shoulder",
+        "LeftShoulder": "left_collar",  # the rig's own, which is not ours of nearly that name
+        "mixamorig:LeftLeg": "left_knee",
+        "rightleg": "right_knee",
+    }
+    for name, joint in named.items():
+        assert JOINTS[joint_index(name, skeleton)] == joint
+    with pytest.raises(
+        UnknownRigError, match=r"'tail' is no joint.*left_knee \(mixamorig:LeftLeg\)"
+    ):
+        joint_index("tail", skeleton)
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '{"hips": 3}', '{"tail": "x"}'])
@@ -81,8 +112,13 @@ def test_real_rigs_stand_upright_with_their_left_on_the_left(data_folder, file, 
     assert np.median(np.sum(toes * forward, axis=1)) > 0
 
 
+def chain_of(*names):
+    parents = tuple(index - 1 for index in range(len(names)))
+    return Skeleton(names, parents, np.zeros((len(names), 3)))
+
+
 def test_resampling_sub_samples_and_interpolates():
-    skeleton = skeleton_of(["a", "b"])
+    skeleton = chain_of("a", "b")
     frames = 13
     turn = np.zeros((frames, 2, 4))
     angles = np.linspace(0, 1.2, frames)
@@ -100,7 +136,7 @@ def test_resampling_sub_samples_and_interpolates():
 
 
 def test_a_rounded_frame_time_is_the_same_rate():
-    skeleton = skeleton_of(["a"])
+    skeleton = chain_of("a")
     turn = np.tile([0.0, 0, 0, 1], (9, 1, 1))
     motion = Motion(skeleton, 1 / 0.0083333, turn, np.zeros((9, 1, 3)))
     assert len(motion.resampled(30)) == 3

@@ -23,7 +23,7 @@ def test_each_joint_turns_by_its_own_three_numbers(tmp_path, rig):
     rng = np.random.default_rng(1)
     rows = rng.uniform(-0.5, 0.5, (4, rig.width))
     rows[:, 3:6] = 0  # the root of CMU's text has a test of its own
-    motion = load_motion(write(tmp_path / "take.txt", rows))
+    motion = load_motion(write(tmp_path / "take.txt", rows), up="y", floor=0)
     assert motion.rate == rig.rate
     assert np.allclose(motion.translations[:, 0], rows[:, :3] * rig.unit)
     for row, name in zip(rig.joints[1:], rig.skeleton.names[1:], strict=True):

@@ -7,7 +7,7 @@ import pytest
 from acclaim_files import write_acclaim
 
 from data_synth import make_take
-from numpy_cae.motion import load_body, load_motion, write_bvh
+from numpy_cae.motion import Coordinates, load_body, load_motion, write_bvh
 from numpy_cae.motion.io.cache import read_bodies
 
 
@@ -63,7 +63,7 @@ def test_the_cache_knows_content_and_settings(paths, tmp_path):
     (second,) = read_bodies([moved], cache=cache)
     np.testing.assert_array_equal(first.positions, second.positions)
     assert len(list(cache.iterdir())) == 1
-    (other,) = read_bodies([moved], unit=0.02, cache=cache)
+    (other,) = read_bodies([moved], coordinates=Coordinates(unit=0.02), cache=cache)
     np.testing.assert_allclose(other.positions, 2 * first.positions)
     moved.write_bytes(moved.read_bytes() + b"\n")
     list(read_bodies([moved], cache=cache))

@@ -8,7 +8,15 @@ from pathlib import Path
 
 from data_synth import JANG2018_KINDS, plan_takes
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion import ANGLE_RATE, AngleSequence, angles_of, find_motion_files, load_angles
+from numpy_cae.motion import (
+    ANGLE_RATE,
+    AngleSequence,
+    Coordinates,
+    Mappings,
+    angles_of,
+    find_motion_files,
+    load_angles,
+)
 
 PERIODIC = ("walking", "walking_extra")
 """Actions of which jang2018 says that all samples look alike."""
@@ -56,14 +64,14 @@ def read_action(
     name: str,
     folders: Sequence[str | Path],
     patterns: Sequence[str],
-    mapping: dict[str, str] | None = None,
-    unit: float | None = None,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
 ) -> Action:
     """Read every motion file below the folders; those whose name matches a pattern are for testing.
 
-    `mapping`, `unit` and the errors are those of `load_angles`.
+    `mapping`, `coordinates` and the errors are those of `load_angles`.
     """
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
     for path in (path for folder in folders for path in find_motion_files(folder)):
-        halves[is_test(path, patterns)].append(load_angles(path, mapping, unit))
+        halves[is_test(path, patterns)].append(load_angles(path, mapping, coordinates))
     return Action(name, *halves, periodic=name in PERIODIC)

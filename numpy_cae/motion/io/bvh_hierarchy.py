@@ -97,6 +97,7 @@ class _Blocks:
         self.file = file
         self.joints: list[BvhJoint] = []
         self.indices: dict[str, int] = {}
+        self.plain: dict[str, int] = {}
         self.open: list[BvhJoint | _EndSite] = []
         self.announced: BvhJoint | _EndSite | None = None
 
@@ -152,15 +153,15 @@ class _Blocks:
             problem = f"JOINT {name!r} is outside ROOT: are there too many '}}' before it?"
         elif isinstance(parent, _EndSite):
             problem = f"{keyword} {name!r} cannot stand inside {parent}"
-        elif name in self.indices:
-            first = self.joints[self.indices[name]].line
+        elif name.rsplit(":", 1)[-1] in self.plain:
+            first = self.joints[self.plain[name.rsplit(":", 1)[-1]]]
             problem = (
-                f"joint name {name!r} appears a second time, first on line {first}: expected every "
-                "joint to have a name of its own"
+                f"joint name {name!r} appears a second time, first as {first.name!r} on line "
+                f"{first.line}: expected every joint to have a name of its own behind any colon"
             )
         if problem is not None:
             raise self.file.error(line, problem)
-        self.indices[name] = len(self.joints)
+        self.indices[name] = self.plain[name.rsplit(":", 1)[-1]] = len(self.joints)
         above = self.indices[parent.name] if isinstance(parent, BvhJoint) else -1
         self.announced = BvhJoint(name, above, line)
         self.joints.append(self.announced)

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
@@ -35,7 +36,8 @@ ANGLE_FORMAT = "%.6f"
 def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:
     """Write a motion to a BVH file atomically.
 
-    Reading it back gives positions within 1e-5 m. Joints are depth first in the file, whatever
+    The up axis and the floor are those of the file that the motion came from; reading it back
+    gives positions within 1e-5 m. Joints are depth first in the file, whatever
     their order in the skeleton; the root has six channels, another joint three rotations, and
     three positions before them if it leaves its offset.
 
@@ -56,6 +58,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
         If the file cannot be written.
     """
     unit = require_unit(motion.unit if unit is None else unit)
+    motion = as_in_file(motion)
     require_writable(motion)
     for name in motion.skeleton.names:
         if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):

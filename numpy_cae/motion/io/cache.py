@@ -24,15 +24,16 @@ import numpy as np
 from numpy_cae.array_file import ModelFileError, checked, load_arrays, save_arrays, word
 from numpy_cae.errors import FileError
 from numpy_cae.motion.io.amc import find_skeleton
+from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.lengths import require_steady
-from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
 from numpy_cae.motion.retarget.to_body import RATE
 
 log = logging.getLogger(__name__)
 
-VERSION = "numpy_cae take 4"
+VERSION = "numpy_cae take 5"
 """Part of every hash: a change in the readers must change the version."""
 WORTHWHILE = 20e6
 """Total bytes below which reading takes less than starting processes or looking into a cache."""
@@ -63,8 +64,8 @@ def default_cache() -> Path | None:
 
 def read_bodies(
     paths: Sequence[Path],
-    mapping: dict[str, str] | None = None,
-    unit: float | None = None,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
     cache: Path | None = None,
     processes: int | None = None,
 ) -> Iterator[Body]:
@@ -73,7 +74,7 @@ def read_bodies(
     Parameters
     ----------
     paths : sequence of paths
-    mapping, unit
+    mapping, coordinates
         See `load_body`.
     cache : path, optional
         A folder, created if missing; None for no cache. One that belongs to another user or cannot
@@ -82,7 +83,7 @@ def read_bodies(
         By default one, or the number of processors for `WORTHWHILE` bytes or more.
     """
     cache = _usable(cache)
-    read = partial(_read, mapping=mapping, unit=unit, cache=cache)
+    read = partial(_read, mapping=mapping, coordinates=coordinates or Coordinates(), cache=cache)
     if processes is None:
         processes = (os.cpu_count() or 1) if is_worthwhile(paths) else 1
     if processes == 1:
@@ -108,15 +109,13 @@ def is_worthwhile(paths: Sequence[Path]) -> bool:
     return sum(path.stat().st_size for path in paths if path.exists()) >= WORTHWHILE
 
 
-def _read(
-    path: Path, mapping: dict[str, str] | None, unit: float | None, cache: Path | None
-) -> Body:
+def _read(path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path | None) -> Body:
     try:
-        cached = None if cache is None else cache / f"{_hash(path, mapping, unit)}.npz"
+        cached = None if cache is None else cache / f"{_hash(path, mapping, coordinates)}.npz"
         body = None if cached is None else _load(path, cached)
         if body is not None:
             return body
-        motion = load_motion(path, unit=unit, max_rate=RATE)
+        motion = load_motion(path, max_rate=RATE, mapping=mapping, **vars(coordinates))
         try:
             with naming(path):
                 positions = body_positions(motion.resampled(RATE), mapping)
@@ -130,9 +129,10 @@ def _read(
     return Body(path, positions, motion.unit_note)
 
 
-def _hash(path: Path, mapping: dict[str, str] | None, unit: float | None) -> str:
+def _hash(path: Path, mapping: Mappings, coordinates: Coordinates) -> str:
     """Equal for two files only if their content and the settings of the reader are equal."""
-    settings = json.dumps([VERSION, RATE, mapping, unit, path.suffix.lower()], sort_keys=True)
+    how = [VERSION, RATE, mapping, vars(coordinates), path.suffix.lower()]
+    settings = json.dumps(how, sort_keys=True)
     digest = hashlib.blake2b(settings.encode(), digest_size=20)
     files = [path, find_skeleton(path)] if path.suffix.lower() == ".amc" else [path]
     for file in files:

@@ -8,10 +8,13 @@ from pathlib import Path
 from numpy_cae.motion.io.amc import read_amc
 from numpy_cae.motion.io.bvh import read_bvh
 from numpy_cae.motion.io.c3d import read_c3d
+from numpy_cae.motion.io.coordinates import Coordinates, in_y_up
 from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.completed import completed
+from numpy_cae.motion.retarget.rigs import Mappings
 
 SUPPORTED = (
     "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it), .txt "
@@ -21,9 +24,18 @@ SUFFIXES = (".amc", ".bvh", ".txt", ".c3d")
 
 
 def load_motion(
-    path: str | Path, unit: float | None = None, max_rate: float | None = None
+    path: str | Path,
+    unit: float | None = None,
+    max_rate: float | None = None,
+    up: str | None = None,
+    floor: float | None = None,
+    mapping: Mappings = None,
 ) -> Motion:
     """Read a motion from any supported file; the skeleton of an .amc file is looked for beside it.
+
+    The motion is turned to Y up and its floor moved to 0; `Motion.up` and `Motion.floor` say how
+    the file has them, and the writers restore that. Joints that the rig lacks and whose place is
+    known are added (`completed`).
 
     Parameters
     ----------
@@ -34,6 +46,12 @@ def load_motion(
         `Motion.unit_note`.
     max_rate : float, optional
         Frames a second that suffice: if omitting frames gives this rate, they are not parsed.
+    up : str, optional
+        The axis that is up in the file: x, y, z, -x, -y or -z. By default detected.
+    floor : float, optional
+        The height of the floor in the file in metres. By default detected.
+    mapping : dict or sequence of dict, optional
+        See `find_joints`; for the detection and for added joints.
 
     Returns
     -------
@@ -44,6 +62,8 @@ def load_motion(
     ------
     MotionFileError
         If the file is missing, damaged or of a kind that is not supported.
+    ValueError
+        If `unit`, `up` or `floor` is not valid.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -61,10 +81,12 @@ def load_motion(
     unit = None if unit is None else require_unit(unit)
     with naming(path):
         if suffix == ".amc":
-            return read_amc(path, unit=unit, max_rate=max_rate)
-        if suffix == ".c3d":
-            return read_c3d(path, unit)
-        return read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
+            motion = read_amc(path, unit=unit, max_rate=max_rate)
+        elif suffix == ".c3d":
+            motion = read_c3d(path, unit)
+        else:
+            motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
+        return in_y_up(completed(motion, mapping), Coordinates(unit, up, floor), mapping)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.rigs import Mappings, body_positions
 
 MIN_COSINE = np.cos(np.radians(20.0))
 """Of the angle between a limb and its direction in a T-pose."""
@@ -27,7 +27,7 @@ _LIMBS = (
 )
 
 
-def without_t_pose(motion: Motion, mapping: dict[str, str] | None = None) -> Motion:
+def without_t_pose(motion: Motion, mapping: Mappings = None) -> Motion:
     """The motion without its first frame if that is a T-pose from which the second jumps.
 
     Parameters
@@ -47,7 +47,7 @@ def without_t_pose(motion: Motion, mapping: dict[str, str] | None = None) -> Mot
     return motion.at(slice(1, None))
 
 
-def _is_t_pose(motion: Motion, mapping: dict[str, str] | None) -> bool:
+def _is_t_pose(motion: Motion, mapping: Mappings) -> bool:
     """Whether the first frame is a T-pose."""
     body = body_positions(motion.at(slice(0, 1)), mapping)[0]
     for start, end, direction in _LIMBS:

@@ -8,6 +8,7 @@ from numpy_cae.motion.io.bvh_writer import write_bvh
 from numpy_cae.motion.io.gltf_writer import write_glb
 from numpy_cae.motion.io.table_writers import write_csv, write_npz
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.completed import without_added
 
 WRITERS = {".bvh": write_bvh, ".glb": write_glb, ".npz": write_npz, ".csv": write_csv}
 
@@ -22,6 +23,8 @@ def require_writer(path: str | Path) -> None:
 def write_motion(motion: Motion, path: str | Path) -> None:
     """Write a motion as .bvh, .glb, .npz or .csv, atomically.
 
+    BVH has the up axis and the floor of the motion's file; the others are Y up with the floor at 0.
+
     Raises
     ------
     ValueError
@@ -30,4 +33,4 @@ def write_motion(motion: Motion, path: str | Path) -> None:
         If the file cannot be written.
     """
     require_writer(path)
-    WRITERS[Path(path).suffix.lower()](motion, path)
+    WRITERS[Path(path).suffix.lower()](without_added(motion), path)

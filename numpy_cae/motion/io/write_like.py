@@ -21,6 +21,7 @@ from numpy_cae.motion.io.amc import amc_channels
 from numpy_cae.motion.io.bvh import bvh_channels
 from numpy_cae.motion.io.bvh_writer import write_bvh
 from numpy_cae.motion.io.channels import Channels
+from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.motion import Motion
 
@@ -119,6 +120,7 @@ def _replaced(
     turned = np.any(before.rotations != after.rotations, axis=-1)
     moved = np.any(before.translations != after.translations, axis=-1)
     changed = np.any(turned | moved, axis=1)
+    after = as_in_file(after)
     needed = np.convolve(changed, [True, True, True], "same") > 0
     needed[-1] = True
     words = {frame: _PIECES.split(texts[frame]) for frame in np.flatnonzero(needed).tolist()}

@@ -1,12 +1,16 @@
-"""The names of the twenty joints in common rigs.
+"""Find the twenty joints in a rig: by a user's mapping, by the names of known rigs, by hierarchy.
 
-A rig is a table from our joint names to its own. Names are compared without case and without a
-prefix up to a colon ("mixamorig:Hips"). Every rig's `chest` is the joint that carries the collars.
+Names are compared without case, blanks and punctuation and without a prefix up to a colon
+("mixamorig:Hips"). Every rig's `chest` is the joint that carries the collars; its `spine` is the
+joint nearest to the middle between hips and chest.
 """
 
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -15,70 +19,100 @@ from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import problem_of
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rig_names import RIGS, Names
+from numpy_cae.motion.retarget.suggest import add_trunk, suggest_mapping
 from numpy_cae.motion.skeleton import Skeleton
 
-_LIMBS = ("collar", "shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toe")
+Mapping = dict[str, str]
+"""Some of our joint names, each with the name in a rig."""
+Mappings = Mapping | Sequence[Mapping] | None
+"""One mapping, or several of which each rig takes the first that fits."""
 
-
-def _rig(spine: str, limbs: str, left: str, right: str) -> dict[str, str]:
-    """A rig's table; `left` and `right` are patterns such as "Left{}" or "{}_L"."""
-    table = dict(zip(("hips", "spine", "chest", "head"), spine.split(), strict=True))
-    for side, pattern in (("left", left), ("right", right)):
-        for joint, name in zip(_LIMBS, limbs.split(), strict=True):
-            table[f"{side}_{joint}"] = pattern.format(name)
-    return table
-
-
-_MOTIONBUILDER_LIMBS = "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase"
-
-RIGS: dict[str, dict[str, str]] = {
-    "numpy_cae": {joint: joint for joint in JOINTS},
-    "CMU Acclaim": _rig(
-        "root upperback thorax head",
-        "clavicle humerus radius wrist femur tibia foot toes",
-        "l{}",
-        "r{}",
-    ),
-    "Mixamo": _rig("Hips Spine Spine2 Head", _MOTIONBUILDER_LIMBS, "Left{}", "Right{}"),
-    "CMU BVH": _rig("Hips Spine Spine1 Head", _MOTIONBUILDER_LIMBS, "Left{}", "Right{}"),
-    "Bandai": _rig(
-        "Hips Spine Chest Head",
-        "Shoulder UpperArm LowerArm Hand UpperLeg LowerLeg Foot Toes",
-        "{}_L",
-        "{}_R",
-    ),
-}
+ADDED = " (added)"
+"""The end of the name of a joint that the file lacks and that `completed` added."""
 
 
 class UnknownRigError(NumpyCaeError, ValueError):
     """A skeleton in which some of the twenty joints could not be found, or are no person's."""
 
 
-def find_joints(skeleton: Skeleton, mapping: dict[str, str] | None = None) -> list[int]:
+def find_joints(skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
     """Indices of the twenty joints in a skeleton, in the order of `JOINTS`.
 
-    A mapping of our names to the rig's takes precedence over the known rigs; joints that it omits
-    are looked up in the rig that fits best. Raises UnknownRigError, with the joints that are
-    missing and the joints that the rig has.
+    A mapping takes precedence over the known rigs; joints that it omits are looked up in the rig
+    that fits best. Of several mappings the first all of whose names the skeleton has is taken, or
+    none. Raises UnknownRigError, with the joints that are missing, the joints that the rig has and
+    a mapping that its hierarchy suggests.
     """
-    index = {_plain(name): i for i, name in enumerate(skeleton.names)}
-    best = max(RIGS.values(), key=lambda rig: sum(_plain(name) in index for name in rig.values()))
-    names = {**best, **(mapping or {})}
-    missing = {joint: name for joint, name in names.items() if _plain(name) not in index}
-    if missing:
-        sought = ", ".join(f"{joint} (as {name!r})" for joint, name in missing.items())
-        raise UnknownRigError(
-            f"the rig has no {sought}; it has {', '.join(skeleton.names)}. "
-            "Name its joints in a JSON file of {our name: name in the rig} and pass it as mapping"
-        )
-    return [index[_plain(names[joint])] for joint in JOINTS]
+    rig, found = match_rig(skeleton, mapping)
+    if len(found) == len(JOINTS):
+        return [found[joint] for joint in JOINTS]
+    single = mapping if isinstance(mapping, dict) else {}
+    names = {joint: RIGS[rig].get(joint, (joint,))[0] for joint in JOINTS} | single
+    sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in JOINTS if joint not in found)
+    problem = f"the rig has no {sought}; it has {', '.join(skeleton.names)}. "
+    suggestion = suggest_mapping(skeleton)
+    if suggestion:
+        problem += f"Its hierarchy suggests {json.dumps(suggestion, ensure_ascii=False)}: "
+    problem += "`numpy-cae rig FILE -o mapping.json` writes a mapping to correct and to pass with "
+    raise UnknownRigError(problem + "--mapping")
 
 
+def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[str, int]]:
+    """The known rig that fits best, and the indices of those of the twenty that are found."""
+    exact = {name: index for index, name in reversed(list(enumerate(skeleton.names)))}
+    plain = {_plain(name): index for name, index in exact.items()}
+    mapped: dict[str, int] = {}
+    for one in [mapping] if isinstance(mapping, dict) else mapping or []:
+        present = _places({joint: (name,) for joint, name in one.items()}, exact, plain)
+        if len(present) == len(one) or isinstance(mapping, dict):
+            mapped = present
+            break
+    places = {rig: _places(table, exact, plain) for rig, table in RIGS.items()}
+    # The fewest joints missing and, of equals, the most found.
+    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(places[rig]), -len(places[rig])))
+    named = mapping if isinstance(mapping, dict) else {}
+    found = {joint: index for joint, index in places[best].items() if joint not in named} | mapped
+    for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
+        found[name.removesuffix(ADDED)] = skeleton.names.index(name)
+    add_trunk(skeleton, found, set(named))
+    return best, found
+
+
+def _places(names: Names, exact: dict[str, int], plain: dict[str, int]) -> dict[str, int]:
+    """The joints that a skeleton has under one of their names."""
+    places = {}
+    for joint, forms in names.items():
+        indices = (exact.get(form, plain.get(_plain(form))) for form in forms)
+        index = next((index for index in indices if index is not None), None)
+        if index is not None:
+            places[joint] = index
+    return places
+
+
+@lru_cache(10_000)
 def _plain(name: str) -> str:
-    return name.rsplit(":", 1)[-1].strip().lower()
+    name = name.rsplit(":", 1)[-1].lower()
+    return re.sub(r"[\s_.\-]", "", name) or name
 
 
-def read_mapping(path: str | Path) -> dict[str, str]:
+def joint_index(name: str, skeleton: Skeleton, mapping: Mappings = None) -> int:
+    """The index in `JOINTS` of a joint that a user names: our name or the rig's own.
+
+    Raises UnknownRigError if it is neither, or a joint of the rig that is not among the twenty.
+    """
+    if name in JOINTS:
+        return JOINTS.index(name)
+    found = [skeleton.names[joint] for joint in find_joints(skeleton, mapping)]
+    for form in (str, str.lower, _plain):
+        if form(name) in (forms := [form(each) for each in found]):
+            return forms.index(form(name))
+    pairs = ", ".join(f"{own} ({rigs})" for own, rigs in zip(JOINTS, found, strict=True))
+    known = "not among the twenty joints" if name in skeleton.names else "no joint of the rig"
+    raise UnknownRigError(f"{name!r} is {known}; they are {pairs}")
+
+
+def read_mapping(path: str | Path) -> Mapping:
     """A user's own rig: a JSON object of {our joint name: name in the file}.
 
     Raises UnknownRigError if the file is not such an object, naming what is wrong in it.
@@ -98,7 +132,7 @@ def read_mapping(path: str | Path) -> dict[str, str]:
     return mapping
 
 
-def body_positions(motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
+def body_positions(motion: Motion, mapping: Mappings = None) -> np.ndarray:
     """World positions of the twenty joints, (frames, 20, 3) in metres.
 
     Raises UnknownRigError as `find_joints` does, and if the bones are not a person's.

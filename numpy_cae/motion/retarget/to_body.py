@@ -6,15 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import UnknownRigError, body_positions
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
 
 RATE = 30.0
 """Frames a second of holden2015, section 4."""
 
 
-def body_of(motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
+def body_of(motion: Motion, mapping: Mappings = None) -> np.ndarray:
     """World positions of the twenty joints at `RATE`, (F, 20, 3) in metres."""
     return body_positions(motion.resampled(RATE), mapping)
 
@@ -60,14 +61,16 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
 
 
 def load_body(
-    path: str | Path, mapping: dict[str, str] | None = None, unit: float | None = None
+    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
 ) -> tuple[np.ndarray, Motion]:
-    """The twenty joints of a file at `RATE`, and the motion as the file has it.
+    """The twenty joints of a file at `RATE`, and the motion at the rate of the file.
+
+    What `coordinates` leaves open is detected.
 
     Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
     if joints are missing.
     """
-    motion = load_motion(path, unit=unit)
+    motion = load_motion(path, mapping=mapping, **vars(coordinates or Coordinates()))
     try:
         return body_of(motion, mapping), motion
     except UnknownRigError as error:

@@ -27,7 +27,7 @@ from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
-from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.retarget.seams import without_seams
 from numpy_cae.motion.skeleton import Skeleton
@@ -70,7 +70,7 @@ _Bones = dict[int, list[_Bone]]
 def retarget(
     motion: Motion,
     positions: np.ndarray,
-    mapping: dict[str, str] | None = None,
+    mapping: Mappings = None,
     touched: np.ndarray | None = None,
     exact: np.ndarray | None = None,
 ) -> Motion:
@@ -235,7 +235,7 @@ def _choose(chosen: np.ndarray, one: Rotation, other: Rotation) -> Rotation:
     return Rotation.from_quat(np.where(chosen[:, None], one.as_quat(), other.as_quat()))
 
 
-def moves_alone(motion: Motion, joint: str, mapping: dict[str, str] | None = None) -> bool:
+def moves_alone(motion: Motion, joint: str, mapping: Mappings = None) -> bool:
     """Whether one of the twenty joints can move while all the others keep their positions.
 
     It can if some joint of the rig rotates for its bone alone and at most one bone continues from

@@ -1,0 +1,176 @@
+"""The up axis and the floor of a motion file: detected, changed to Y up and 0, and restored.
+
+The files that say neither are nearly all Y up with the floor at 0, and what is so stays as it is,
+to the bit. Two observations decide, on the twenty joints:
+
+- Upright: the mean direction from the ankles to the head. People stand, walk and sit upright; if it
+  is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
+  who does press-ups or lies.
+- Support: the lowest joint of the body is near the floor most of the time. If its lowest level is
+  far from 0 and the motion stays near it, the floor is there. A climber or a diver does not stay
+  near one level, and so moves no floor.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.completed import without_added
+from numpy_cae.motion.retarget.rigs import Mappings, match_rig
+from numpy_cae.motion.retarget.suggest import suggest_mapping
+
+log = logging.getLogger(__name__)
+
+TO_Y_UP = {
+    "y": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "z": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
+    "-y": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "-z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-x": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
+}
+"""The rotation of a file with this axis up to Y up, as rows of a matrix."""
+
+UPRIGHT = 0.7
+"""Least component of the mean direction from the ankles to the head along the axis that is up."""
+TOE = 0.04
+"""Metres from the floor to the lowest of the twenty joints, a toe, of a person who stands."""
+FLOOR = 0.15
+"""Metres. A floor nearer to 0 than this is not moved: it cannot be told from shoes, a rig's toes
+and uneven ground. In 486 files of CMU and Bandai the level found is -0.12 to 0.12
+(docs/lab_book.md)."""
+STEADY = 0.03
+"""Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
+NEAR = 0.10
+NEAR_PART = 0.25
+"""At a floor the lowest joint is within `NEAR` metres of its lowest level in this part of time."""
+_POSES = 2000
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """What the user knows of the files' coordinates; what is None is detected in each file.
+
+    Parameters
+    ----------
+    unit : float, optional
+        Metres in one unit of length.
+    up : str, optional
+        The axis that is up, a key of `TO_Y_UP`.
+    floor : float, optional
+        Height of the floor in the file along that axis, in metres.
+    """
+
+    unit: float | None = None
+    up: str | None = None
+    floor: float | None = None
+
+
+def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
+    """The axis that is up, from positions (F, 20, 3) of the twenty joints in metres.
+
+    `rest` (20, 3) are their positions in the rest pose.
+    """
+    mean, up = _upright(body)
+    if abs(mean) < UPRIGHT:
+        return "y"
+    if _rests_at_zero(body, "y") and (
+        not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
+    ):
+        return "y"
+    return up
+
+
+def _upright(body: np.ndarray) -> tuple[float, str]:
+    """The largest component of the mean direction from the ankles to the head, and its axis."""
+    ankles = [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]
+    direction = body[:, JOINTS.index("head")] - body[:, ankles].mean(axis=1)
+    direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
+    mean = direction.mean(axis=0)
+    axis = int(np.argmax(np.abs(mean)))
+    return float(mean[axis]), ("-" if mean[axis] < 0 else "") + "xyz"[axis]
+
+
+def _rests_at_zero(body: np.ndarray, up: str) -> bool:
+    """Whether the lowest joint is nearly always at 0, if this axis is up."""
+    low = (body @ np.transpose(TO_Y_UP[up]))[..., 1].min(axis=1)
+    level, first, third = np.percentile(low, [5, 25, 75])
+    return bool(abs(level) < FLOOR and third - first < STEADY)
+
+
+def detect_floor(body: np.ndarray) -> float:
+    """The height of the floor below positions (F, 20, 3), Y up; 0 unless it is clearly another."""
+    low = body[..., 1].min(axis=1)
+    level = np.percentile(low, 5)
+    floor = float(level) - TOE
+    found = abs(floor) > FLOOR and np.mean(low < level + NEAR) >= NEAR_PART
+    return floor if found else 0.0
+
+
+def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) -> Motion:
+    """The motion as a file has it, turned to Y up and moved to a floor at 0.
+
+    What `coordinates` leaves open is detected; in a rig in which the twenty joints cannot be found
+    and are not suggested by the hierarchy either, Y is taken to be up and the floor to be at 0.
+
+    Raises ValueError if the coordinates are not valid.
+    """
+    up, floor = coordinates.up, coordinates.floor
+    if up is not None and up not in TO_Y_UP:
+        raise ValueError(f"up is {up!r}, expected one of {', '.join(TO_Y_UP)}")
+    if floor is not None and not np.isfinite(floor):
+        raise ValueError(f"floor is {floor}, expected its height in metres")
+    reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
+    found = match_rig(motion.skeleton, mapping)[1]
+    if len(found) < len(JOINTS):
+        found = match_rig(motion.skeleton, suggest_mapping(motion.skeleton))[1]
+    if len(found) == len(JOINTS) and (up is None or floor is None):
+        joints = [found[joint] for joint in JOINTS]
+        body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)
+        offsets = motion.skeleton.offsets
+        rest = np.array([offsets[motion.skeleton.path(joint)].sum(axis=0) for joint in joints])
+        up = detect_up(body, rest) if up is None else up
+        floor = detect_floor(body @ np.transpose(TO_Y_UP[up])) if floor is None else floor
+    up, floor = up or "y", floor or 0.0
+    changes = [f"{up.upper()} up ({reasons[0]})"] if up != "y" else []
+    changes += [f"floor at {floor:.2f} m ({reasons[1]})"] if floor else []
+    note = "; ".join([motion.unit_note, *changes])
+    if changes:
+        log.info("%s", note)
+    return replace(to_y_up(motion, up, floor), unit_note=note)
+
+
+def to_y_up(motion: Motion, up: str, floor: float) -> Motion:
+    """The motion of a file turned to Y up, with its floor at 0; `as_in_file` is the inverse."""
+    if up == "y" and floor == 0:
+        return motion
+    rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
+    translations[:, 0, 1] -= floor
+    return replace(motion, rotations=rotations, translations=translations, up=up, floor=floor)
+
+
+def as_in_file(motion: Motion) -> Motion:
+    """The motion in the axes, at the height and with the joints of its file, for a writer."""
+    motion = without_added(motion)
+    if motion.up == "y" and motion.floor == 0:
+        return motion
+    translations = motion.translations.copy()
+    translations[:, 0, 1] += motion.floor
+    moved = replace(motion, translations=translations)
+    rotations, translations = _turned(moved, np.array(TO_Y_UP[motion.up], dtype=float).T)
+    return replace(motion, rotations=rotations, translations=translations, up="y", floor=0.0)
+
+
+def _turned(motion: Motion, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations and translations of the motion with its root turned."""
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    root = Rotation.from_matrix(matrix) * Rotation.from_quat(rotations[:, 0])
+    rotations[:, 0] = root.as_quat()
+    translations[:, 0] = translations[:, 0] @ matrix.T
+    return rotations, translations
