@@ -13,19 +13,21 @@ and pins are evaluated after this step, so that it cannot undo them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from numpy_cae.beyond import constraints
 from numpy_cae.beyond.constraints import Pullback
 from numpy_cae.beyond.exact_lengths import exact_lengths
 from numpy_cae.beyond.optimise_latent import optimise_latent
-from numpy_cae.beyond.pins import Pin, Pins, pins_on_mean_skeleton
+from numpy_cae.beyond.pins import Pins
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.contacts import find_contacts, floor_height
-from numpy_cae.motion.features import RootTransform, features_to_positions
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.features import (
+    VELOCITY,
+    RootTransform,
+    features_to_positions,
+    trajectory_of,
+)
 
 CLOSENESS_WEIGHT, BONES_WEIGHT, FEET_WEIGHT, GROUND_WEIGHT, PINS_WEIGHT = 1.0, 0.1, 10.0, 1.0, 1.0
 """Weights of the squared distance to the plain projection and of the error of each constraint."""
@@ -33,36 +35,6 @@ BETA = 0.1  # of `optimise_latent`
 GROUND_MARGIN = 0.01
 """Metres that a joint may be below the floor on which the feet of the plain projection stand."""
 MAX_STEPS = 200
-
-
-def repair_constrained(
-    motion: Motion,
-    manifold: MotionManifold,
-    mapping: dict[str, str] | None = None,
-    pins: Sequence[Pin] = (),
-) -> Motion:
-    """As `numpy_cae.manifold.repair`, under constraints.
-
-    The trajectory of the root is the projection's own: on another one the feet would slide.
-
-    Parameters
-    ----------
-    motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
-    manifold : MotionManifold
-    mapping : dict of joint name to the rig's joint name, optional
-    pins : sequence of Pin
-        Target positions of joints.
-
-    Returns
-    -------
-    Motion
-        Of the same skeleton, rate, unit and length.
-    """
-    body = manifold.body(motion, mapping)
-    targets = pins_on_mean_skeleton(pins, body) if pins else None
-    root = targets.root(body.root) if targets else body.root
-    return body.to_rig(project_constrained(manifold, body.features, root, pins=targets), root)
 
 
 def project_constrained(
@@ -81,10 +53,11 @@ def project_constrained(
     features : (F, 63) array of float
         On the manifold's mean skeleton.
     start : RootTransform, optional
-        Of the first frame, for pins; the origin where None.
+        Of the first frame; the origin where None.
     contacts : (F, 2) array of bool
         When each foot stands; found in the plain projection where None.
     pins : Pins, optional
+        They are reached from the way of the root in `features`, which the result then has.
     steps : int
         Largest number of iterations.
 
@@ -100,18 +73,18 @@ def project_constrained(
     if contacts is None:
         contacts = find_contacts(positions, manifold.rate)
     ground = floor_height(positions) - GROUND_MARGIN
-    everywhere = np.ones_like(plain)
+    trajectory = trajectory_of(features, start)
 
     def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
         exact, exact_back = exact_lengths(x, manifold.lengths)
         terms = [
-            (CLOSENESS_WEIGHT, constraints.squared_difference(exact, plain, everywhere)),
+            (CLOSENESS_WEIGHT, constraints.squared_difference(exact, plain)),
             (FEET_WEIGHT, constraints.foot_sliding_error(exact, contacts)),
             (GROUND_WEIGHT, constraints.ground_penetration(exact, ground)),
         ]
         if pins is not None:
             target = (pins.targets, pins.weights, pins.body)
-            terms.append((PINS_WEIGHT, constraints.pin_error(exact, start, *target)))
+            terms.append((PINS_WEIGHT, constraints.pin_error(exact, trajectory, *target)))
         loss, d_exact = _weighted(terms)
         bones = constraints.bone_length_error(x, manifold.lengths)
         bones_loss, d = _weighted([(BONES_WEIGHT, bones)])
@@ -119,6 +92,8 @@ def project_constrained(
 
     found = optimise_latent(manifold, units, len(features), objective, BETA, steps)
     exact, _ = exact_lengths(manifold.decode(found, len(features)), manifold.lengths)
+    if pins is not None:
+        exact[:, VELOCITY.start :] = features[:, VELOCITY.start :]
     return exact
 
 

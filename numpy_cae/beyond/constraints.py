@@ -2,9 +2,7 @@
 
 holden2015, section 7: "Currently the manifold projection cannot guarantee constraints such as
 ground contact and joint lengths." Each function returns the mean squared error of one constraint,
-in squared metres, and its pullback to the features (F, 63). All but positions in the world can be
-computed in the body's frame, from one frame to the next; positions in the world are sums of
-velocities, and their pullback sums gradients from the last frame backwards.
+in squared metres, and its pullback to the features (F, 63).
 """
 
 from __future__ import annotations
@@ -14,14 +12,8 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.features import (
-    POSITIONS,
-    TURN,
-    VELOCITY,
-    RootTransform,
-    features_to_positions,
-)
-from numpy_cae.motion.heading import rotate_on_floor
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
+from numpy_cae.motion.heading import rotate_about_y, rotate_on_floor
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 CENTIMETRES = 1e4
@@ -117,76 +109,50 @@ def ground_penetration(features: np.ndarray, ground: float) -> tuple[float, Pull
     return float(np.mean(depth**2)), pullback
 
 
-def squared_difference(
-    features: np.ndarray, target: np.ndarray, weights: np.ndarray
-) -> tuple[float, Pullback]:
-    """L = Σ w (f - f*)² / Σ w, the weighted squared difference from target features f*.
-
-    Parameters
-    ----------
-    features, target, weights : (F, 63) arrays of float
-        A weight of 0 leaves an entry free.
-    """
+def squared_difference(features: np.ndarray, target: np.ndarray) -> tuple[float, Pullback]:
+    """L = mean of (f - f*)², the squared difference from target features f*, (F, 63)."""
     gap = features - target
-    total = max(float(weights.sum()), 1e-12)
 
     def pullback(dloss: float = 1.0) -> np.ndarray:
-        return dloss * 2 * weights * gap / total
+        return dloss * 2 / gap.size * gap
 
-    return float(np.sum(weights * gap**2) / total), pullback
+    return float(np.mean(gap**2)), pullback
 
 
 def pin_error(
     features: np.ndarray,
-    start: RootTransform,
+    trajectory: tuple[np.ndarray, np.ndarray],
     targets: np.ndarray,
     weights: np.ndarray,
-    body: np.ndarray | None = None,
+    body: np.ndarray,
 ) -> tuple[float, Pullback]:
-    """L = Σ w |M p - p*|² / Σ w over world positions p: a hand at a point, hips on a path.
+    """L = Σ w |p - p*|² / Σ w over world positions p = R(θ) M q + h, with the root on a given way.
 
-    M maps the joints of the mean skeleton to those of another body; g = Mᵀ dL/d(Mp). Positions
-    are sums of velocities and turns (`features_to_positions`), so a gradient g reaches every
-    earlier frame, in sums that run backwards:
+    M maps the joints of the mean skeleton to those of another body. With g = dL/dp,
 
-        dq_t = R(-θ_t) Σ_j g_{t,j}
-        G_t = Σ_{s>t} Σ_j g_{s,j},           dv_t = R(-θ_t) G_t
-        dθ_t = Σ_j g_{t,j} · R'(θ_t) q_{t,j} + G_t · R'(θ_t) v_t
-        dω_t = Σ_{s>t} dθ_s
+        dq = Mᵀ R(-θ) g
 
     Parameters
     ----------
     features : (F, 63) array of float
-    start : RootTransform
-        Of the first frame.
+    trajectory : (F, 3) array of float, (F,) array of float
+        h and θ, as `trajectory_of` returns them.
     targets : (F, 20, 3) array of float
         p*, metres; ignored where the weight is 0.
-    weights : (F, 20) array of float, or (F, 20, 3) where coordinates differ
-    body : (20, 20) array of float, optional
-        M, the identity where None.
+    weights : (F, 20, 3) array of float
+    body : (20, 20) array of float
+        M.
     """
-    positions = features_to_positions(features, start)
-    reached = positions if body is None else np.einsum("jk,fkx->fjx", body, positions)
-    weights = np.broadcast_to(weights.T, targets.T.shape).T
-    gap = np.where(weights > 0, reached - targets, 0.0)
+    floor, theta = trajectory
+    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    moved = np.sum(body, axis=1)[:, None] * floor[:, None]
+    gap = rotate_about_y(np.einsum("jk,fkx->fjx", body, q), theta[:, None]) + moved - targets
+    gap = np.where(weights > 0, gap, 0.0)
     total = max(float(weights.sum()) / 3, 1e-12)
-    theta = start.heading + np.concatenate([[0.0], np.cumsum(features[:-1, TURN.start])])
 
     def pullback(dloss: float = 1.0) -> np.ndarray:
-        g = dloss * 2 / total * weights * gap
-        g = g if body is None else np.einsum("jk,fjx->fkx", body, g)
-        flat, angle = g[..., [_X, _Z]], theta[:, None]
-        local = positions[..., [_X, _Z]] - _floor(features, start, theta)[:, None]  # R(θ) q
-        dq = g.copy()
-        dq[..., [_X, _Z]] = rotate_on_floor(flat, -angle)
-        later = _sum_of_later(flat.sum(axis=1))
-        step = rotate_on_floor(features[:, None, VELOCITY], angle)[:, 0]  # R(θ) v
-        d_theta = np.sum(flat * _quarter_turned(local), axis=(1, 2))
-        d_theta += np.sum(later * _quarter_turned(step), axis=1)
-        d = _only_positions(features, dq)
-        d[:-1, VELOCITY] = rotate_on_floor(later[:, None], -angle)[:-1, 0]
-        d[:-1, TURN.start] = _sum_of_later(d_theta)[:-1]
-        return d
+        g = rotate_about_y(dloss * 2 / total * weights * gap, -theta[:, None])
+        return _only_positions(features, np.einsum("jk,fjx->fkx", body, g))
 
     return float(np.sum(weights * gap**2) / total), pullback
 
@@ -195,17 +161,6 @@ def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:
     d = np.zeros_like(features)
     d[:, POSITIONS] = dq.reshape(len(features), -1)
     return d
-
-
-def _floor(features: np.ndarray, start: RootTransform, theta: np.ndarray) -> np.ndarray:
-    """h: where the hips stand, (F, 2)."""
-    steps = rotate_on_floor(features[:-1, None, VELOCITY], theta[:-1, None])[:, 0]
-    return np.array([start.x, start.z]) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, 0)])
-
-
-def _sum_of_later(values: np.ndarray) -> np.ndarray:
-    """For each t the sum over all s > t."""
-    return np.cumsum(values[::-1], axis=0)[::-1] - values
 
 
 def _quarter_turned(vectors: np.ndarray) -> np.ndarray:

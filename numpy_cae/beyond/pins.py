@@ -18,14 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.motion.body import Body
-from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_body import RATE
-
-_HIPS = 0
 
 
 @dataclass(frozen=True)
@@ -36,23 +33,14 @@ class Pins:
     ----------
     targets : (F, 20, 3) array of float
         Metres; ignored where the weight is 0.
-    weights : (F, 20) or (F, 20, 3) array of float
-    body : (20, 20) array of float, optional
-        M, for targets of another body than the mean skeleton.
+    weights : (F, 20, 3) array of float
+    body : (20, 20) array of float
+        M.
     """
 
     targets: np.ndarray
     weights: np.ndarray
-    body: np.ndarray | None = None
-
-    def root(self, own: RootTransform) -> RootTransform:
-        """The root transform of the first frame: `own`, except where the hips are pinned."""
-        weights = np.broadcast_to(self.weights.T, self.targets.T.shape).T[0, _HIPS]
-        ratio = 1.0 if self.body is None else self.body[_HIPS, _HIPS]
-        x, _, z = self.targets[0, _HIPS] / ratio
-        return RootTransform(
-            x if weights[0] > 0 else own.x, z if weights[2] > 0 else own.z, own.heading
-        )
+    body: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -42,11 +42,12 @@ def run(args: argparse.Namespace) -> int:
         return one_motion.change(
             args, lambda motion, mapping: repair(motion, manifold, mapping).motion
         )
-    from numpy_cae.beyond import read_pins, repair_constrained
+    from numpy_cae.beyond import constrain, read_pins
 
     def repaired(motion: Motion, mapping: dict[str, str] | None) -> Motion:
         pins = read_pins(args.pin, motion) if args.pin else []
-        result = repair_constrained(motion, manifold, mapping, pins)
+        found = constrain(motion, repair(motion, manifold, mapping), manifold, mapping, pins)
+        result = found.motion
         for pin in pins:
             errors = pin.errors(result, mapping) / motion.unit
             note(
