@@ -59,17 +59,28 @@ def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     chosen = next((word for word in argv if not word.startswith("-")), None)
     for name, help_line in SUBCOMMANDS.items():
         if name == chosen:
-            module = import_module(f"numpy_cae.cli.{name}")
-            description, _, examples = (module.__doc__ or "").partition("\n\nexample")
-            subparser = subparsers.add_parser(
-                name,
-                help=help_line,
-                description=textwrap.fill(description, 79).replace("%", "%%"),
-                epilog=f"example{examples}",
-                formatter_class=argparse.RawDescriptionHelpFormatter,
-            )
-            subparser.set_defaults(run=module.run)
-            module.add_arguments(subparser)
+            _add_subcommand(subparsers, name)
         else:
             subparsers.add_parser(name, help=help_line, add_help=False)
     return parser
+
+
+def subcommand_parser(name: str) -> argparse.ArgumentParser:
+    """The parser of one subcommand, for the documentation."""
+    return _add_subcommand(argparse.ArgumentParser(prog="numpy-cae").add_subparsers(), name)
+
+
+def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:
+    """A subcommand's parser, from its module."""
+    module = import_module(f"numpy_cae.cli.{name}")
+    description, _, examples = (module.__doc__ or "").partition("\n\nexample")
+    subparser = subparsers.add_parser(
+        name,
+        help=SUBCOMMANDS[name],
+        description=textwrap.fill(description, 79).replace("%", "%%"),
+        epilog=f"example{examples}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    subparser.set_defaults(run=module.run)
+    module.add_arguments(subparser)
+    return subparser
