@@ -20,7 +20,6 @@ something fails, 2 if there was nothing to grade.
 """
 
 import argparse
-import importlib.util
 import re
 from pathlib import Path
 from typing import Any
@@ -49,8 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    if importlib.util.find_spec("hypothesis") is None:
-        raise ValueError("drawing examples needs hypothesis: pip install hypothesis")
     from numpy_cae.cli.output import print_json
     from numpy_cae.verify.grading import grade
 

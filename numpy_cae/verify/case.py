@@ -17,7 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy_cae.verify.property import Property
 
-WORTH_PRINTING = 48
+WORTH_PRINTING = 36
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3

@@ -131,7 +131,7 @@ def observe(function: Callable, operation: Operation, case: Case) -> Observation
             seen["float32 value"] = np.copy(value)
             dy = in_float32(copied(dy)) if np.ndim(dy) else float(dy)
             _pull(seen, "float32 ", operation, pullback, dy)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         seen["raised"] = np.array(type(error).__name__)
     return seen
 

@@ -111,7 +111,7 @@ class Report:
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.stated.name) for outcome in self.outcomes)
-        told: dict[tuple[str, str, str], str] = {}
+        told: dict[tuple[str, str], str] = {}
         for outcome, earned in zip(self.outcomes, self.earned(), strict=True):
             tried = outcome.stated
             word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
@@ -121,7 +121,7 @@ class Report:
                 tried.statement, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
             )
             if not outcome.held and not self.unsolved:
-                why = (outcome.problem, outcome.counterexample, outcome.mistake)
+                why = (outcome.problem, outcome.mistake)
                 if why in told:
                     yield " " * INDENT + f"as for {told[why]}"
                 else:

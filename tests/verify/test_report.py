@@ -66,27 +66,13 @@ def test_what_does_not_return_an_operation_is_told_so(tanh, complaint):
     assert complaint in problem_of("tanh", "gradient for x", tanh)
 
 
-def test_without_hypothesis_gradients_are_checked_and_reports_say_what_is_missing():
+def test_reports_need_no_hypothesis():
     program = """
 import sys
 sys.modules["hypothesis"] = None
-import numpy as np
 from numpy_cae import ops, verify
-from numpy_cae.verify.trial import try_property
-verify.check_gradients(ops.tanh, np.ones(3))
-verify.check_adjoint(ops.unpool_even, np.ones((1, 2, 3)), np.ones((1, 4, 3)))
-assert verify.properties("tanh")
-try:
-    verify.report("tanh", ops.tanh)
-except ImportError as missing:
-    assert "pip install" in str(missing)
-    from numpy_cae.cli.verify import run
-    from argparse import Namespace
-    try:
-        run(Namespace())
-    except ValueError as told:
-        assert "pip install" in str(told)
-        print("told")
+assert verify.report("tanh", ops.tanh).held
+print("held")
 """
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert ended.stdout == "told\n", ended.stderr
+    assert ended.stdout == "held\n", ended.stderr

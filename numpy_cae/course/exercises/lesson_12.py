@@ -162,7 +162,7 @@ def _accused(number: int) -> Claim:
 def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
     """f and its inputs by name; f closes over the arguments that get no gradient."""
     known = OPERATIONS[operation]
-    sizes = tuple((name, SIZES[name]) for name in known.sizes)
+    sizes = tuple((name, SIZES[name]) for name in known.sizes if name in SIZES)
     arguments = known.arguments(Case(sizes, seed))
     inputs = {name: scale * arguments[name] for name in known.differentiated}
     if "x" in arguments:

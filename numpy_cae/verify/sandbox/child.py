@@ -54,7 +54,7 @@ def main() -> None:
     sys.stdout = sys.stderr = os.fdopen(1, "w", errors="replace", closefd=False)
     confinement.adopt_orphans()
     module = import_module(request["catalogue"])
-    holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what hypothesis imports when it runs
+    holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what a report needs
     json.dump(Grading(request, module).reply(), replies)
     replies.close()
 
