@@ -17,7 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy_cae.verify.property import Property
 
-WORTH_PRINTING = 36
+WORTH_PRINTING = 32
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
