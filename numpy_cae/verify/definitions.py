@@ -136,7 +136,7 @@ def sliced_wasserstein(z, prior, directions):
 
 
 def _sigmoid(number):
-    return 1 / (1 + math.exp(-number))
+    return (1 + math.tanh(number / 2)) / 2
 
 
 def _each(function, x):
