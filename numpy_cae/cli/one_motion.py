@@ -8,7 +8,7 @@ import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note
-from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold
+from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.motion import (
     PARENTS,
@@ -26,7 +26,8 @@ from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_gif
 def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
     """The model, how motion files are read and, with the help of --gif, the file to write."""
     add = parser.add_argument
-    add("-m", "--model", type=Path, required=True, help="model file, from `numpy-cae train`")
+    model = "model file from `numpy-cae train` (default: the starter model)"
+    add("-m", "--model", type=Path, help=model)
     if gif:
         add("-o", "--output", type=Path, required=True, help="path of the .bvh file to write")
         add("--gif", type=Path, help=gif)
@@ -44,7 +45,7 @@ def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = T
     `bvh`, if `--output` is not a .bvh file."""
     if bvh and args.output.suffix.lower() != ".bvh":
         raise ValueError(f"{args.output}: a motion is written as .bvh")
-    manifold = load_manifold(args.model)
+    manifold = load_manifold(args.model) if args.model else starter()
     if isinstance(manifold, SequenceManifold) and not sequential:
         raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")
     return manifold

@@ -7,11 +7,13 @@ each choice of the paper contributes instead.
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
   numpy-cae report --only cmu35 --data cmu35/ -o report
+  numpy-cae report --data motions/ --only damage -o report
   numpy-cae report --ablation
 """
 
 import argparse
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,20 +21,23 @@ import numpy as np
 from numpy_cae.cli import ablation, one_motion
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, print_json, write_texts
-from numpy_cae.experiments.material import Material, read_material
+from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import EXPERIMENTS, PUBLISHED, Section, run_section
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.motion import find_motion_files
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The motions, the model, the folder and the experiments."""
     add, names = parser.add_argument, tuple(EXPERIMENTS)
     add("--data", **kinds.FOLDERS, help="folders of motion files")
-    add("-m", "--model", type=Path, help="model file from `numpy-cae train --test PATTERN`")
+    model = "model file from `numpy-cae train --test PATTERN` (default: the starter model)"
+    add("-m", "--model", type=Path, help=model)
     output = "folder to write, created if it does not exist"
     add("-o", "--output", **kinds.FOLDER, help=output)
-    test = "names of the test files, where the model does not record them"
+    test = "names of the test files, where the model does not record them (default for the "
+    test += "starter model, for data that it has not seen: every fifth file)"
     add("--test", **kinds.PATTERNS, help=test)
     only = f"run only these experiments, of {', '.join(names)} (the default) and " + ", ".join(
         PUBLISHED
@@ -48,8 +53,7 @@ def run(args: argparse.Namespace) -> int:
     if args.ablation:
         return ablation.run(args)
     own = [name for name in EXPERIMENTS if name in args.only]
-    needed = ("data", "model", "output") if own else ("data", "output")
-    missing = [name for name in needed if getattr(args, name) is None]
+    missing = [name for name in ("data", "output") if getattr(args, name) is None]
     if missing:
         raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
     started = time.monotonic()
@@ -88,19 +92,24 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     )
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
-        raise ValueError(f"--data holds no take to {which}: the test takes are {patterns}")
+        raise ValueError(f"--data holds no take to {which}: the test takes are {_listed(patterns)}")
     counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
     note(counts)
-    how = _provenance(args.model.name, manifold) | {
+    how = _provenance(args.model.name if args.model else "starter model", manifold) | {
         "data": f"{data}: {counts}",
-        "test takes": f"{' '.join(patterns)}, by take, never trained on or fitted to",
+        "test takes": f"{_listed(patterns)}, by take, never trained on or fitted to",
     }
     return manifold, material, how
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:
-    """The patterns of the test files: those that the model records, else --test."""
+    """The patterns of the test files: those that the model records, else --test; of files that the
+    starter model has not seen every fifth one."""
     own = list(manifold.settings.get("test") or [])
+    if args.model is None:
+        files = [path for folder in args.data for path in find_motion_files(folder)]
+        known = any(is_test(path, own) for path in files)
+        return args.test or (own if known else [path.name for path in files[4::5] or files[:1]])
     if own and args.test and sorted(own) != sorted(args.test):
         raise ValueError(
             f"{args.model} was trained without {' '.join(own)}: other test takes, {args.test}, "
@@ -112,6 +121,11 @@ def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[s
             "--test, such as --test '*_005.bvh'"
         )
     return own or args.test
+
+
+def _listed(patterns: Sequence[str]) -> str:
+    more = f" and {len(patterns) - 5} more" if len(patterns) > 5 else ""
+    return " ".join(patterns[:5]) + more
 
 
 def _provenance(name: str, manifold: MotionManifold) -> dict[str, str]:

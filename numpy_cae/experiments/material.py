@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from numpy_cae.motion import Coordinates, Mappings, MotionFileError, find_motion_files, load_body
+from numpy_cae.motion import (
+    Coordinates,
+    Mappings,
+    Motion,
+    MotionFileError,
+    find_motion_files,
+    load_body,
+    load_motion,
+)
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold
@@ -51,15 +59,26 @@ class LabelledTake:
 
 @dataclass(frozen=True)
 class Material:
-    """Takes to train on (or to fit a baseline to) and takes to measure on."""
+    """Takes to train on (or to fit a baseline to) and takes to measure on.
+
+    `mapping` and `coordinates` are those with which their files were read.
+    """
 
     training: list[LabelledTake]
     testing: list[LabelledTake]
+    mapping: Mappings = None
+    coordinates: Coordinates | None = None
 
     def of(self, source: str) -> Material:
         """The takes of one source."""
         halves = (self.training, self.testing)
-        return Material(*([take for take in half if take.source == source] for half in halves))
+        chosen = [[take for take in half if take.source == source] for half in halves]
+        return Material(*chosen, self.mapping, self.coordinates)
+
+    def motion(self, take: LabelledTake) -> Motion:
+        """A take in the rig of its file, at the rate of its file."""
+        known = vars(self.coordinates or Coordinates())
+        return load_motion(take.path, mapping=self.mapping, **known)
 
     def labelled(self, what: str) -> Material:
         """Bandai Namco's takes where any are held out, else the synthetic ones; a ValueError that
@@ -113,7 +132,7 @@ def read_material(
     for path in (path for folder in folders for path in find_motion_files(folder)):
         positions, _ = load_body(path, mapping, coordinates)
         halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
-    return Material(*halves)
+    return Material(*halves, mapping, coordinates)
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:

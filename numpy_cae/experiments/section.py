@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 EXPERIMENTS = {
     "repair_sweep": "repair.repair_sweep",
     "kinect": "repair.kinect",
+    "damage": "repair.damage",
     "missing_marker": "repair.missing_marker",
     "stepped_keyframes": "repair.stepped_keyframes",
     "interpolation": "interpolation.interpolation",

@@ -7,6 +7,8 @@ chest and head, and half of the rigs have two.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 # joint: (parent, direction of the bone in a T-pose that faces +Z, Y up)
@@ -38,3 +40,18 @@ PARENTS: tuple[int, ...] = tuple(
     -1 if parent is None else JOINTS.index(parent) for parent, _ in _BODY.values()
 )
 REST_DIRECTIONS: np.ndarray = np.array([direction for _, direction in _BODY.values()])
+
+LIMBS: dict[str, tuple[str, ...]] = {
+    f"{side}_{limb}": tuple(f"{side}_{joint}" for joint in joints)
+    for limb, joints in (("arm", ("elbow", "wrist")), ("leg", ("knee", "ankle", "toe")))
+    for side in ("left", "right")
+}
+"""The joints that move where a shoulder or a hip turns."""
+
+
+def joint_mask(frames: int, joints: Iterable[str], among: slice | np.ndarray) -> np.ndarray:
+    """(frames, 20) bool: True for some joints, by name, in the frames `among`."""
+    mask = np.zeros((frames, len(JOINTS)), bool)
+    for joint in joints:
+        mask[among, JOINTS.index(joint)] = True
+    return mask

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -14,13 +13,14 @@ from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.repair import repair_baselines
 from numpy_cae.experiments.section import EXPERIMENTS
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.motion import body_of
+from numpy_cae.motion import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
 
 CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups": (None,)}
 SMALL = {
     "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
     "missing_marker": {"JOINTS": ("hips", "spine", "left_wrist", "right_wrist")},
+    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "HOLES": (15, 45)},
     "nearest": {"QUERIES": 2, "TAKES": 1, "SECONDS": 1.2},
     "sampling": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
@@ -31,8 +31,9 @@ FEW_SETTINGS = {"AXES": (3, 15, 45), "LENGTHS": (3, 7), "POLYNOMIALS": ((5, 0), 
 
 
 @pytest.fixture(scope="session")
-def labelled():
+def labelled(tmp_path_factory):
     """Five pairs of content and style: two training takes and a testing take of each."""
+    folder = tmp_path_factory.mktemp("labelled")
 
     def takes(seeds):
         made = []
@@ -40,7 +41,8 @@ def labelled():
             for style in styles:
                 for seed in seeds:
                     take = make_take(kind, seed, 3.0, 30.0, style)
-                    path = Path(f"{kind}_{style}_{seed}.bvh")
+                    path = folder / f"{kind}_{style}_{seed}.bvh"
+                    write_bvh(take.motion, path, unit=0.01)
                     body = body_of(take.motion)
                     made.append(LabelledTake(path, body, "bandai", kind, style or ""))
         return made

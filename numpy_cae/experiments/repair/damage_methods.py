@@ -1,0 +1,98 @@
+"""Simple methods that repair a damaged motion in its rig: filters, and two that are told what is
+damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from numpy_cae.baselines import PCA, median, savitzky_golay
+from numpy_cae.baselines.linear_denoiser import TAPS, contexts
+from numpy_cae.experiments.material import LabelledTake, evenly, features_of
+from numpy_cae.manifold import MotionManifold, fill
+from numpy_cae.manifold.fill import whole_features
+from numpy_cae.manifold.holes import at_thirty
+from numpy_cae.manifold.repaired import change_joints
+from numpy_cae.motion import POSITIONS, Motion
+from numpy_cae.motion.body import Body
+
+PCA_TAKES, EXPLAINED = 60, 0.95
+"""PCA is fitted to every third frame of so many takes at most, with as many axes as explain this
+share of the variance."""
+
+FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
+    "Savitzky-Golay, 0.3 s": lambda x, rate: savitzky_golay(x, _frames(0.3, rate), 2),
+    "Savitzky-Golay, 0.7 s": lambda x, rate: savitzky_golay(x, _frames(0.7, rate), 2),
+    "Butterworth, 6 Hz": lambda x, rate: _butterworth(x, 6.0, rate),
+    "Butterworth, 3 Hz": lambda x, rate: _butterworth(x, 3.0, rate),
+    "median, 0.2 s": lambda x, rate: median(x, _frames(0.2, rate)),
+}
+"""Name to a function of curves (F, C) and their frames a second."""
+
+
+def _frames(seconds: float, rate: float) -> int:
+    return 2 * round(seconds * rate / 2) + 1
+
+
+def _butterworth(x: np.ndarray, cut_off: float, rate: float) -> np.ndarray:
+    """Of second order, applied forwards and backwards, so that it does not delay."""
+    return sosfiltfilt(butter(2, cut_off, fs=rate, output="sos"), x, axis=0)
+
+
+def filtered(motion: Motion, name: str) -> Motion:
+    """The motion with its curves of translations and rotations (quaternions) filtered."""
+    same = np.sum(motion.rotations[1:] * motion.rotations[:-1], axis=-1, keepdims=True) >= 0
+    rotations = motion.rotations.copy()
+    rotations[1:] *= np.cumprod(np.where(same, 1.0, -1.0), axis=0)  # q and -q are one rotation
+    rotations, translations = (
+        FILTERS[name](curves.reshape(len(motion), -1), motion.rate).reshape(curves.shape)
+        for curves in (rotations, motion.translations)
+    )
+    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
+    return replace(motion, rotations=rotations, translations=translations)
+
+
+Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Of features (F, 63), a spline where they are missing, and a mask (F, 20)."""
+
+
+def filled(body: Body, mask: np.ndarray, filling: Filling) -> Motion:
+    """The body's motion with the joints of a mask (frames, 20) filled in."""
+    missing = at_thirty(body.motion, mask)
+    features, root = whole_features(body, missing)
+    found = body.positions_of(filling(features, missing), root)
+    target = np.where(missing[..., None], found, body.positions)
+    return change_joints(body, body.motion, target, mask).motion
+
+
+def spline(manifold: MotionManifold) -> Filling:
+    """PCHIP of the features."""
+    return lambda features, missing: fill(manifold, features, missing, repeats=0)
+
+
+def pca(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
+    """PCA of the 15 frames around each frame: the missing values are the most likely ones."""
+
+    def rows(features: np.ndarray) -> np.ndarray:
+        return contexts(manifold.normalise(features)[None], TAPS)[0]
+
+    some = [rows(features)[::3] for features in features_of(manifold, evenly(takes, PCA_TAKES))]
+    fitted = PCA.fit(np.concatenate(some).astype(np.float64))
+    explained = np.cumsum(fitted.variances) / fitted.variances.sum()
+    size = int(np.searchsorted(explained, EXPLAINED)) + 1
+
+    def fill_in(features: np.ndarray, missing: np.ndarray) -> np.ndarray:
+        known = np.ones(features.shape, bool)
+        known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
+        frames = np.flatnonzero(missing.any(axis=1))
+        sure = contexts(known[None], TAPS)[0][frames]
+        found = fitted.fill(rows(features)[frames], sure, size)
+        middle = np.split(found, TAPS, axis=1)[TAPS // 2]
+        result = features.copy()
+        result[frames] = manifold.denormalise(middle)
+        return np.where(known, features, result)
+
+    return fill_in

@@ -1,0 +1,157 @@
+"""Damage to a motion in the rig of its file, with the joints and frames that are damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion import JOINTS, Mappings, Motion, body_positions, find_joints, retarget
+from numpy_cae.motion.joints import LIMBS, joint_mask
+
+Rng = np.random.Generator
+Damaged = tuple[Motion, np.ndarray]
+"""The motion and what is damaged, (frames, 20) bool."""
+
+SECONDS = 1.5
+"""Length of a stretch of damage, where the take is long enough."""
+TWIST, SPIKE = 50.0, (20.0, 60.0)
+"""Degrees."""
+JITTER, ROOT_JITTER = np.radians(1.5), 0.004
+"""Standard deviations: of a rotation about each axis, and of the root's position in metres."""
+
+
+def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
+    """Frames of a motion, with at least one eighth of the motion on both sides."""
+    margin = len(motion) // 8
+    count = max(1, min(round(seconds * motion.rate), len(motion) - 2 * margin - 1))
+    first = int(rng.integers(margin, len(motion) - margin - count))
+    return slice(first, first + count)
+
+
+def frozen_in_channels(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """The rotations of a shoulder and an elbow stop for a stretch."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    rig, rotations = find_joints(motion.skeleton, mapping), motion.rotations.copy()
+    for name in ("shoulder", "elbow"):
+        joint = rig[JOINTS.index(f"{side}_{name}")]
+        rotations[frames, joint] = rotations[frames.start, joint]
+    return replace(motion, rotations=rotations), _limb(motion, f"{side}_arm", frames)
+
+
+def frozen_in_world(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    positions = body_positions(motion, mapping)
+    shoulder, elbow, wrist = (
+        JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")
+    )
+    chain = positions[frames, shoulder], positions[frames, elbow], positions[frames, wrist]
+    bent = _bend(*chain, positions[frames.start, wrist])
+    positions[frames, elbow], positions[frames, wrist] = bent
+    mask = _limb(motion, f"{side}_arm", frames)
+    return retarget(motion, positions, mapping, mask), mask
+
+
+def spikes(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """One or two frames in which a limb turns by 20 to 60 degrees, about once a second."""
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    for first in rng.integers(1, len(motion) - 2, max(1, round(motion.seconds))):
+        frames = slice(int(first), int(first + rng.integers(1, 3)))
+        motion, spike = _turned(motion, mapping, frames, rng.uniform(*SPIKE), rng)
+        mask |= spike
+    return motion, mask
+
+
+def twisted_limb(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """A leg turns by 50 degrees at the hip for a stretch."""
+    leg = f"{rng.choice(['left', 'right'])}_leg"
+    return _turned(motion, mapping, stretch(motion, SECONDS, rng), TWIST, rng, leg)
+
+
+def missing_marker(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """A forearm is as in the rest pose for a stretch, as where the wrist was not seen."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    rotations = motion.rotations.copy()
+    elbow = find_joints(motion.skeleton, mapping)[JOINTS.index(f"{side}_elbow")]
+    rotations[frames, elbow] = (0.0, 0.0, 0.0, 1.0)
+    mask = joint_mask(len(motion), [f"{side}_wrist"], frames)
+    return replace(motion, rotations=rotations), mask
+
+
+def dropped_frames(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """The last pose is held for a quarter to half of a second, twice."""
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    for _ in range(2):
+        frames = stretch(motion, rng.uniform(0.25, 0.5), rng)
+        held = np.arange(len(motion))
+        held[frames] = frames.start - 1
+        motion = motion.at(held)
+        mask[frames] = True
+    return motion, mask
+
+
+def jitter(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+    """Noise on the position of the root and on the rotations of all twenty joints."""
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for joint in find_joints(motion.skeleton, mapping):
+        noise = Rotation.from_rotvec(JITTER * rng.normal(size=(len(motion), 3)))
+        rotations[:, joint] = (Rotation.from_quat(rotations[:, joint]) * noise).as_quat()
+    translations[:, 0] += ROOT_JITTER * rng.normal(size=(len(motion), 3))
+    everything = np.ones((len(motion), len(JOINTS)), bool)
+    return replace(motion, rotations=rotations, translations=translations), everything
+
+
+DAMAGES: dict[str, Callable[[Motion, Mappings, Rng], Damaged]] = {
+    "frozen in channels": frozen_in_channels,
+    "frozen in the world": frozen_in_world,
+    "spikes": spikes,
+    "twisted leg": twisted_limb,
+    "missing marker": missing_marker,
+    "dropped frames": dropped_frames,
+    "jitter": jitter,
+}
+
+
+def _limb(motion: Motion, limb: str, frames: slice) -> np.ndarray:
+    return joint_mask(len(motion), LIMBS[limb], frames)
+
+
+def _turned(
+    motion: Motion,
+    mapping: Mappings,
+    frames: slice,
+    degrees: float,
+    rng: Rng,
+    limb: str | None = None,
+) -> Damaged:
+    """A limb turned at its hip or shoulder, about a random axis across the bone."""
+    limb = limb or str(rng.choice(list(LIMBS)))
+    names = LIMBS[limb]
+    rig, rotations = find_joints(motion.skeleton, mapping), motion.rotations.copy()
+    first = JOINTS.index(names[0])
+    joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another
+    axis = np.cross(motion.skeleton.offsets[child], rng.normal(size=3))
+    turn = Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis))
+    rotations[frames, joint] = (Rotation.from_quat(rotations[frames, joint]) * turn).as_quat()
+    return replace(motion, rotations=rotations), joint_mask(len(motion), names, frames)
+
+
+def _bend(
+    shoulder: np.ndarray, elbow: np.ndarray, wrist: np.ndarray, target: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Elbow and wrist, (F, 3), of arms that reach for a point and bend as they did before."""
+    upper = np.linalg.norm(elbow - shoulder, axis=-1, keepdims=True)
+    lower = np.linalg.norm(wrist - elbow, axis=-1, keepdims=True)
+    way = target - shoulder
+    distance = np.linalg.norm(way, axis=-1, keepdims=True)
+    way = way / np.maximum(distance, 1e-9)
+    distance = np.clip(distance, np.abs(upper - lower) + 1e-3, upper + lower - 1e-3)
+    along = (upper**2 - lower**2 + distance**2) / (2 * distance)
+    across = elbow - shoulder
+    across = across - np.sum(across * way, axis=-1, keepdims=True) * way
+    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
+    height = np.sqrt(np.maximum(upper**2 - along**2, 0.0))
+    return shoulder + along * way + height * across, shoulder + distance * way
