@@ -29,7 +29,7 @@ NOISE = 0.3
 """Standard deviation of what is added to the standardised input."""
 BATCH, NORM = 16, 0.05
 FILTERS, TAPS, WINDOW, STEPS, RATE = (128,), 15, 32, 500, 2e-3
-UNITS, LATENT, CLIP, SEQUENCE_STEPS, SEQUENCE_RATE = 96, 32, 16, 600, 3e-3
+UNITS, LATENT, CLIP, SEQUENCE_STEPS, SEQUENCE_RATE = 96, 32, 8, 600, 3e-3
 WEIGHT, DIRECTIONS = 0.001, 32
 """λ of the sliced Wasserstein distance, and its directions."""
 
