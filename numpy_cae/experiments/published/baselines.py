@@ -99,7 +99,7 @@ def linear_denoiser(taps: int, penalty: float) -> Method:
         kept = np.ones(windows.shape[-1])
         kept[columns] = 0
         denoiser: LinearDenoiser = Moments.of(windows, real, taps).solve(kept, penalty)
-        return lambda take, first: denoiser.repair(_zeroed(take, columns)[None])[0][:, columns]
+        return lambda take, first: denoiser.repair(np.nan_to_num(take)[None])[0][:, columns]
 
     return learn
 
@@ -131,12 +131,6 @@ def around(take: np.ndarray, taps: int) -> np.ndarray:
 def others(columns: list[int]) -> list[int]:
     """The visible columns."""
     return [column for column in range(59) if column not in columns]
-
-
-def _zeroed(take: np.ndarray, columns: list[int]) -> np.ndarray:
-    take = take.copy()
-    take[:, columns] = 0
-    return take
 
 
 def _examples(

@@ -20,13 +20,7 @@ from numpy_cae.experiments.published.networks import (
     networks_of,
     sequential,
 )
-from numpy_cae.experiments.published.protocol import (
-    GROUPS,
-    Fill,
-    Method,
-    Protocol,
-    read_protocol,
-)
+from numpy_cae.experiments.published.protocol import GROUPS, Fill, Method, Protocol, read_protocol
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, curves_figure
@@ -48,6 +42,8 @@ PUBLISHED = [
 BEST = {"leg": (9.7, 3.38), "body": (8.8, 2.49)}
 """The best published values of each, by whichever methods."""
 HEADER = ("method", "sees", "leg SC", "leg °", "body SC", "body °")
+FORMATS = ("", "", ".1f", ".2f", ".1f", ".2f")
+LEFT_OUT = "Training takes left out, by which all settings were chosen (networks: one seed)"
 GAUSSIAN = "Gaussian process"
 NETWORKS = {"convolutional autoencoder": convolutional, "sequential autoencoder": sequential}
 TOGETHER = f", mean of {SEEDS}"
@@ -84,18 +80,10 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     groups = [_Group(protocol, name, seed) for name in GROUPS]
     rows = [[name, sees, *_printed(groups, name, "test")] for name, sees in groups[0].sees.items()]
     left_out = [[name, *_printed(groups, name, "left_out")] for name in groups[0].left_out]
-    captions = (
-        "Published (Lawrence 2007; last row Taylor, Hinton and Roweis 2006)",
-        f"Measured on the same take; networks from {SEEDS} seeds, mean ± standard deviation",
-        "Training takes left out, by which all settings were chosen (networks: one seed)",
-    )
-    headers = HEADER, HEADER, (HEADER[0], *HEADER[2:])
-    formats = ("", "", ".1f", ".2f", ".1f", ".2f")
     tables = [
-        Table(caption, header, table, formats[6 - len(header) :])
-        for caption, header, table in zip(
-            captions, headers, (PUBLISHED, rows, left_out), strict=True
-        )
+        Table("Published", HEADER, PUBLISHED, FORMATS),
+        Table(f"Measured; networks from {SEEDS} seeds, mean ± deviation", HEADER, rows, FORMATS),
+        Table(LEFT_OUT, (HEADER[0], *HEADER[2:]), left_out, FORMATS[1:]),
     ]
     return Result(
         "CMU subject 35: a published protocol for missing data",
