@@ -15,6 +15,7 @@ from numpy_cae.experiments.repair import half_zeroed
 from numpy_cae.manifold import learn_manifold, save_manifold
 from numpy_cae.motion import fit_motion, write_bvh
 from numpy_cae.training import Schedule, Stage
+from numpy_cae.viz import save_viewer
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES = 96
@@ -43,13 +44,15 @@ def run(args: argparse.Namespace) -> int:
     figure = half_zeroed.figure_1(manifold, material, args.seed)
     figure.save_picture(out / "figure_1.png")
     figure.save_gif(out / "figure_1.gif")
+    save_viewer(figure.animation.actors, out / "index.html", figure.animation.rate, "numpy_cae")
     take = half_zeroed.typical(manifold, material.testing).positions
     for name, positions in half_zeroed.half_lost_positions(manifold, take, args.seed).items():
         motion = fit_motion(positions, manifold.lengths, manifold.rate)
         write_bvh(motion, out / f"{name}.bvh")
     print(
-        f"{out}/figure_1.png and .gif: orange lost half of its values, blue is its projection, "
-        f"green the truth\n{out}/projected.bvh, corrupted.bvh, truth.bvh: the same for Blender\n"
+        f"{out}/index.html: open it in a browser; orange lost half of its values, blue is its "
+        f"projection, green the truth\n{out}/figure_1.png and .gif: the same as pictures\n"
+        f"{out}/projected.bvh, corrupted.bvh, truth.bvh: the same for Blender\n"
         f"{out}/model.npz: the manifold, for `numpy-cae repair`"
     )
     return 0
