@@ -1,14 +1,15 @@
-"""One directional derivative by central differences, and its comparison with a pullback's.
+"""One directional derivative by differences, and its comparison with a pullback's number.
 
 Along a direction v the scalar L = Σ dy ∘ f(x) has the slope
 
     (L(x + h v) - L(x - h v)) / 2h      off by h² L'''/6 and by rounding, about ε|L|/h
 
-so the best step is about the cube root of ε, times the scale of x. If the slope disagrees with the
-pullback there are three possible reasons, distinguished by shrinking the step: large higher
-derivatives (the slopes converge to the pullback's number), a wrong derivative (they converge to
-another number), and a kink such as that of max or |x| (they do not converge, or the slopes to the
-left and to the right stay apart however small the step).
+so the best step is about the cube root of ε, times the scale of x, if L''' and L are of a like
+size. Where the first step does not confirm the pullback, smaller ones follow, or larger ones where
+rounding hides the slope, and of all slopes the most certain one counts. The complex step,
+Im L(x + i h v) / h, has no such errors where f is analytic and computes with complex numbers. If
+the slopes to the left and to the right stay apart however small the step, as at 0 those of |x|,
+the pullback may have any number between them.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-EPSILON = np.finfo(np.float64).eps
-FIRST_STEP = np.cbrt(EPSILON)
-SHRINK = (1, 8, 64, 512)
+SMALLER = (1 / 8, 1 / 64, 1 / 512)
+LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
 ROUNDING_MARGIN = 32
+COMPLEX_STEP = 1e-30
 
 AGREES, WRONG, KINK = "agrees", "wrong", "kink"
 
@@ -30,9 +31,13 @@ AGREES, WRONG, KINK = "agrees", "wrong", "kink"
 class Slope:
     """A slope measured at one step size."""
 
+    step: float
     central: float
+    left: float
+    right: float
     jump: float  # Σ |dy| · |slope to the right - slope to the left|, 0 for a straight line
-    noise: float  # what rounding may have done: of f, and of x where the slope bends with x
+    size: float  # Σ |dy| · |slope|, which the tolerance is relative to
+    noise: float  # what rounding may have done
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,51 @@ class Verdict:
     kind: str
     numeric: float
     analytic: float
+    left: float = np.nan
+    right: float = np.nan
+
+
+@dataclass(frozen=True)
+class Line:
+    """The outputs of f, flat, along a line through x, and the upstream gradient of each."""
+
+    f: Callable[[np.ndarray], np.ndarray]
+    x: np.ndarray
+    direction: np.ndarray
+    dy: np.ndarray
+    here: np.ndarray
+    epsilon: float
+    depend: np.ndarray  # which outputs have changed so far; the others add no rounding
+
+    def slope(self, step: float) -> Slope:
+        """The slope from both sides."""
+        ahead, behind = self.x + step * self.direction, self.x - step * self.direction
+        plus, minus = self.f(ahead), self.f(behind)
+        moved = self.direction != 0
+        taken = np.median((ahead - behind)[moved] / self.direction[moved]) / 2  # x + h is rounded
+        weight, change = np.abs(self.dy), plus - minus
+        bend = np.abs(plus - 2 * self.here + minus)
+        self.depend[change != 0] = True
+        size = np.maximum(np.abs(plus), np.abs(minus)) * self.depend
+        rounding = ROUNDING_MARGIN * self.epsilon * np.sum(weight * (size + bend / step))
+        return Slope(
+            step=step,
+            central=float(np.sum(self.dy * change) / (2 * taken)),
+            left=float(np.sum(self.dy * (self.here - minus)) / taken),
+            right=float(np.sum(self.dy * (plus - self.here)) / taken),
+            jump=float(np.sum(weight * bend) / taken),
+            size=float(np.sum(weight * np.abs(change)) / (2 * taken)),
+            noise=float(rounding / taken),
+        )
+
+    def complex_slope(self) -> float:
+        """The slope by the complex step; 0 if f does not compute with complex numbers."""
+        try:
+            outputs = self.f(self.x + 1j * COMPLEX_STEP * self.direction)
+            same = np.allclose(outputs.real, self.here, rtol=1e-9, atol=0)
+        except Exception:  # f was not written for complex numbers
+            return 0.0
+        return float(np.sum(self.dy * outputs.imag) / COMPLEX_STEP) if same else 0.0
 
 
 def step_scale(x: np.ndarray) -> np.ndarray:
@@ -56,50 +106,53 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
-def measure(
-    f: Callable[[np.ndarray], np.ndarray],
-    x: np.ndarray,
-    direction: np.ndarray,
-    dy: np.ndarray,
-    here: np.ndarray,
-    step: float,
-) -> Slope:
-    """The slope of Σ dy ∘ f along `direction` at x, where f is `here`, from both sides."""
-    plus, minus = f(x + step * direction), f(x - step * direction)
-    weight = np.abs(dy)
-    moved = plus != minus
-    bend = np.abs(plus - 2 * here + minus)
-    size = np.maximum(np.abs(plus), np.abs(minus))
-    return Slope(
-        central=float(np.sum(dy * (plus - minus)) / (2 * step)),
-        jump=float(np.sum(weight * bend) / step),
-        noise=float(
-            ROUNDING_MARGIN * EPSILON * np.sum(weight * (size * moved + bend / step)) / step
-        ),
-    )
+def judge(line: Line, analytic: float, tolerance: float) -> Verdict:
+    """Compare the pullback's number for a direction, `analytic`, with slopes at several steps.
 
-
-def judge(
-    slope_at: Callable[[float], Slope], analytic: float, tolerance: float, floor: float
-) -> Verdict:
-    """Compare the pullback's number for a direction, `analytic`, with slopes at shrinking steps.
-
-    The tolerance is relative to the larger of both numbers and `floor`, the size of a typical
-    gradient.
+    The tolerance is relative to the larger of both numbers, and of the sum of the sizes of what
+    the outputs contribute to the slope.
     """
+    first = np.cbrt(line.epsilon)
+    moved = line.direction != 0
+    own = np.min(np.abs(line.x[moved] / line.direction[moved]), initial=1.0)
+    smaller = [*SMALLER, own, own / 8] if 0 < own < SMALLER[-1] else [*SMALLER]
     slopes: list[Slope] = []
-    settled = False
-    for shrink in SHRINK:
-        slope = slope_at(FIRST_STEP / shrink)
-        allowed = tolerance * max(abs(slope.central), abs(analytic), floor) + slope.noise
-        if abs(slope.central - analytic) <= allowed:
+    todo = [1.0, *smaller]
+    while todo:
+        slope = line.slope(first * todo.pop(0))
+        if not np.isfinite([slope.central, slope.noise]).all():  # x + h is beyond f's domain
+            continue
+        scale = max(abs(slope.central), abs(analytic), slope.size)
+        conclusive = slope.noise <= 16 * first * scale
+        if conclusive and abs(slope.central - analytic) <= tolerance * scale + slope.noise:
             return Verdict(AGREES, slope.central, analytic)
-        settled = bool(slopes) and abs(slope.central - slopes[-1].central) <= allowed
+        if not slopes and (slope.size == 0 or not conclusive):
+            todo += LARGER
         slopes.append(slope)
-        if settled:
-            break
-    first, last = slopes[0], slopes[-1]
-    corner = last.jump > max(first.jump / 2, allowed)
-    within = abs(last.central - analytic) <= last.jump / 2 + allowed
-    kind = KINK if (corner or not settled) and within else WRONG
-    return Verdict(kind, last.central, analytic)
+    return _final(line, slopes, analytic, tolerance)
+
+
+def _final(line: Line, slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
+    """The verdict on a number that no slope confirmed at once."""
+    if not slopes:
+        return Verdict(KINK, np.nan, analytic)
+    changing = [slope for slope in slopes if slope.size > 0]  # others have steps below rounding
+    slopes = sorted(changing or slopes, key=lambda slope: slope.step)
+    errors = [
+        one.noise + abs(one.central - other.central)
+        for one, other in zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
+    ]
+    best, error = slopes[int(np.argmin(errors))], min(errors)
+    numeric, exact = best.central, line.complex_slope()
+    if exact and abs(exact - numeric) <= error + tolerance * max(abs(exact), best.size):
+        numeric, error = exact, 0.0
+    allowed = tolerance * max(abs(numeric), abs(analytic), best.size) + error
+    smallest = slopes[0]
+    corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)
+    if abs(numeric - analytic) <= allowed:
+        kind = AGREES
+    elif corner and abs(smallest.central - analytic) <= smallest.jump / 2 + allowed:
+        kind = KINK
+    else:
+        kind = WRONG
+    return Verdict(kind, numeric, analytic, smallest.left, smallest.right)
