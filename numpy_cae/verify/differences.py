@@ -38,6 +38,7 @@ class Slope:
     jump: float  # Σ |dy| · |slope to the right - slope to the left|, 0 for a straight line
     size: float  # Σ |dy| · |slope|, which the tolerance is relative to
     noise: float  # what rounding may have done
+    moved: bool  # whether the step is large enough to change any output
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,8 @@ class Line:
         taken = np.median((ahead - behind)[moved] / self.direction[moved]) / 2  # x + h is rounded
         weight, change = np.abs(self.dy), plus - minus
         bend = np.abs(plus - 2 * self.here + minus)
-        self.depend[change != 0] = True
+        moved_outputs = (plus != self.here) | (minus != self.here)
+        self.depend[moved_outputs] = True
         size = np.maximum(np.abs(plus), np.abs(minus)) * self.depend
         rounding = ROUNDING_MARGIN * self.epsilon * np.sum(weight * (size + bend / step))
         return Slope(
@@ -82,6 +84,7 @@ class Line:
             jump=float(np.sum(weight * bend) / taken),
             size=float(np.sum(weight * np.abs(change)) / (2 * taken)),
             noise=float(rounding / taken),
+            moved=bool(moved_outputs.any()),
         )
 
     def complex_slope(self) -> float:
@@ -126,7 +129,7 @@ def judge(line: Line, analytic: float, tolerance: float) -> Verdict:
         conclusive = slope.noise <= 16 * first * scale
         if conclusive and abs(slope.central - analytic) <= tolerance * scale + slope.noise:
             return Verdict(AGREES, slope.central, analytic)
-        if not slopes and (slope.size == 0 or not conclusive):
+        if not slopes and not (slope.moved and conclusive):
             todo += LARGER
         slopes.append(slope)
     return _final(line, slopes, analytic, tolerance)
@@ -136,8 +139,8 @@ def _final(line: Line, slopes: list[Slope], analytic: float, tolerance: float) -
     """The verdict on a number that no slope confirmed at once."""
     if not slopes:
         return Verdict(KINK, np.nan, analytic)
-    changing = [slope for slope in slopes if slope.size > 0]  # others have steps below rounding
-    slopes = sorted(changing or slopes, key=lambda slope: slope.step)
+    moved = [slope for slope in slopes if slope.moved]
+    slopes = sorted(moved or slopes, key=lambda slope: slope.step)
     errors = [
         one.noise + abs(one.central - other.central)
         for one, other in zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
