@@ -25,6 +25,7 @@ SUBCOMMANDS = {
     "interpolate": "interpolate between two motions along a manifold",
     "compare": "compute the distances between motions",
     "sample": "sample new motions from a manifold",
+    "rig": "say which joints, axes and unit a motion file has, and write a mapping for its rig",
     "show": "draw a motion file as a strip of poses and an animation",
     "report": "run every experiment of holden2015 and write one page of results",
     "study": "run every experiment of jang2018 and write its results",

@@ -21,6 +21,7 @@ COMMANDS = {
     "interpolate": "interpolate WALK WALK -m MODEL -o OUT.bvh",
     "compare": "compare FOLDER -m MODEL -o OUT.csv",
     "sample": "sample -m MODEL --data FOLDER -o OUT.bvh --seconds 1",
+    "rig": "rig WALK -o OUT.json",
     "show": "show WALK -o OUT",
     "report": "report --data FOLDER -m MODEL -o OUT --test walk_1.bvh",
     "study": "study --data FOLDER --test walk_1.bvh -o OUT --quiet",

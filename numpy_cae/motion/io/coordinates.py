@@ -6,9 +6,8 @@ to the bit. Two observations decide, on the twenty joints:
 - Upright: the mean direction from the ankles to the head. People stand, walk and sit upright; if it
   is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
   who does press-ups or lies.
-- Support: the lowest joint of the body is near the floor most of the time. If its lowest level is
-  far from 0 and the motion stays near it, the floor is there. A climber or a diver does not stay
-  near one level, and so moves no floor.
+- Support: the lowest joint is near the floor most of the time. If the lowest level at which it
+  stays is far from 0, and it is seldom near 0, the floor is there.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ TO_Y_UP = {
 }
 """The rotation of a file with this axis up to Y up, as rows of a matrix."""
 
-UPRIGHT = 0.7
+UPRIGHT = 0.8
 """Least component of the mean direction from the ankles to the head along the axis that is up."""
 TOE = 0.04
 """Metres from the floor to the lowest of the twenty joints, a toe, of a person who stands."""
@@ -48,8 +47,10 @@ and uneven ground. In 486 files of CMU and Bandai the level found is -0.12 to 0.
 STEADY = 0.03
 """Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
 NEAR = 0.10
-NEAR_PART = 0.25
-"""At a floor the lowest joint is within `NEAR` metres of its lowest level in this part of time."""
+"""Metres. The lowest joint is this near to a floor on which the body stands or lies."""
+AT_ZERO, AT_LEVEL = 0.25, 0.1
+"""Parts of the time: a body that is so long near 0 has its floor there, whatever is below (stairs,
+a ladder); else the floor is the lowest level at which it is so long."""
 _POSES = 2000
 
 
@@ -106,11 +107,11 @@ def _rests_at_zero(body: np.ndarray, up: str) -> bool:
 
 def detect_floor(body: np.ndarray) -> float:
     """The height of the floor below positions (F, 20, 3), Y up; 0 unless it is clearly another."""
-    low = body[..., 1].min(axis=1)
-    level = np.percentile(low, 5)
-    floor = float(level) - TOE
-    found = abs(floor) > FLOOR and np.mean(low < level + NEAR) >= NEAR_PART
-    return floor if found else 0.0
+    low = body[..., 1].min(axis=1) - TOE
+    level = float(np.percentile(low, 5))
+    at_zero = np.mean(np.abs(low) < NEAR) >= AT_ZERO
+    found = abs(level) > FLOOR and not at_zero and np.mean(low < level + NEAR) >= AT_LEVEL
+    return level if found else 0.0
 
 
 def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) -> Motion:

@@ -17,7 +17,7 @@ from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig
 
 _SPINE = 0.5
 _COLLAR = 0.3
-"""Parts of the way from hips to chest and from chest to shoulder."""
+"""Parts of the way from hips to chest and from chest to shoulder, as in CMU's rig."""
 
 
 def completed(motion: Motion, mapping: Mappings = None) -> Motion:

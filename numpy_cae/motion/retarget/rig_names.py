@@ -55,7 +55,7 @@ RIGS: dict[str, Names] = {
     ),
     "Character Creator, iClone": _rig("Hip Head", _BIPED, "L_{} R_{}", "CC_Base_"),
     "3ds Max Biped": _rig("Pelvis Head", _BIPED, "L_{} R_{}", "Bip01_|Bip001_|"),
-    "LeftHip, LeftCollar (Poser, 100STYLE)": _rig(
+    "LeftHip, LeftCollar (Biovision, 100STYLE)": _rig(
         "Hips|Hip Head",
         "Collar Shoulder|UpArm Elbow|LowArm Wrist|Hand Hip|UpLeg Knee|LowLeg Ankle|Foot Toe",
         "Left{} Right{}",
@@ -78,7 +78,7 @@ RIGS: dict[str, Names] = {
     ),
     "VRM, Unity": _rig("hips head", _UNITY, "left{} right{}"),
     "VRoid": _rig("C_Hips C_Head", _UNITY, "L_{} R_{}", "J_Bip_"),
-    "Daz Genesis": _rig(
+    "Daz Genesis, Poser": _rig(
         "hip head",
         "Collar ShldrBend|Shldr ForearmBend|ForeArm Hand ThighBend|Thigh Shin Foot Toe",
         "l{} r{}",
@@ -88,7 +88,7 @@ RIGS: dict[str, Names] = {
     ),
     "SMPL": _rig(
         "pelvis head",
-        "collar shoulder elbow wrist hip knee ankle foot",
+        "collar|thorax shoulder elbow wrist hip knee ankle foot|toe",
         "left_{}|L_{} right_{}|R_{}",
         "|m_avg_",
     ),

@@ -73,9 +73,9 @@ def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[s
     best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(places[rig]), -len(places[rig])))
     named = mapping if isinstance(mapping, dict) else {}
     found = {joint: index for joint, index in places[best].items() if joint not in named} | mapped
-    for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
-        found[name.removesuffix(ADDED)] = skeleton.names.index(name)
     add_trunk(skeleton, found, set(named))
+    for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
+        found[name.removesuffix(ADDED)] = exact[name]
     return best, found
 
 

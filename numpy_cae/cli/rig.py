@@ -1,0 +1,68 @@
+"""Say what a motion file is: the twenty joints in its rig, the known rig that fits, up axis, floor,
+unit and rate; and write its mapping of joint names, to correct and to pass to other commands.
+
+examples:
+  numpy-cae rig walk.bvh
+  numpy-cae rig unknown.bvh -o mapping.json
+  numpy-cae repair unknown.bvh -o fixed.bvh --mapping mapping.json
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+from numpy_cae.cli import arguments as kinds
+
+TRUSTED = 15
+"""Names of a known rig; a rig with as many has the others under other names."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, the mapping to write and how the file is read."""
+    add = parser.add_argument
+    add("file", **kinds.FILE, help="motion file (.bvh, .amc, .txt or .c3d) to read")
+    output = "JSON file to write: our joint names and the rig's"
+    add("-o", "--output", type=Path, metavar="JSON", help=output)
+    kinds.add_shared(parser, "mapping unit up floor")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print what was found and write the mapping."""
+    from numpy_cae.atomic_write import atomic_write
+    from numpy_cae.motion import JOINTS, load_motion
+    from numpy_cae.motion.retarget.rigs import match_rig
+    from numpy_cae.motion.retarget.suggest import suggest_mapping
+
+    mapping, known = kinds.chosen_mapping(args), vars(kinds.chosen_coordinates(args))
+    motion = load_motion(args.file, mapping=mapping, **known)
+    rig, found = match_rig(motion.skeleton, mapping)
+    names = {joint: motion.skeleton.names[index] for joint, index in found.items()}
+    if len(names) < len(JOINTS):
+        suggested = suggest_mapping(motion.skeleton)
+        # A few names that a known rig has too may mean other joints here.
+        mapping = suggested | names if len(names) >= TRUSTED else names | suggested
+        motion = load_motion(args.file, mapping=mapping, **known)
+        found = match_rig(motion.skeleton, mapping)[1]
+        rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
+    skeleton = motion.skeleton
+    joints = len(skeleton.names) - skeleton.added
+    print(
+        f"{args.file}: {len(motion)} frames at {motion.rate:.5g} a second, "
+        f"{joints} joints\nunit   {motion.unit_note.split('; ')[0]}\nup     {motion.up.upper()}\n"
+        f"floor  {motion.floor:.2f} m\nrig    {rig}"
+    )
+    for joint in JOINTS:
+        name = (
+            skeleton.names[found[joint]] if joint in found else "missing: name a joint of the rig"
+        )
+        guessed = name != names.get(joint) and found.get(joint, joints) < joints
+        print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
+    if args.output is not None:
+        chosen = {
+            each: skeleton.names[found[each]] for each in JOINTS if found.get(each, joints) < joints
+        }
+        with atomic_write(args.output) as beside:
+            text = json.dumps(chosen, indent=1, ensure_ascii=False)
+            beside.write_text(text + "\n", encoding="utf-8")
+        print(f"{args.output}: {len(chosen)} joints; pass it with --mapping")
+    return 0

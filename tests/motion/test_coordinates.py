@@ -1,0 +1,115 @@
+"""The up axis and the floor of a file are found, changed to Y and 0, and restored by the writer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from data_synth.kinds import KINDS
+from numpy_cae.motion import (
+    JOINTS,
+    Coordinates,
+    Skeleton,
+    body_positions,
+    find_motion_files,
+    load_body,
+    load_motion,
+    positions_to_features,
+    read_amc,
+    read_bvh,
+    write_bvh,
+)
+from numpy_cae.motion.io.coordinates import TO_Y_UP, as_in_file, in_y_up, to_y_up
+
+
+def in_file(motion, up, floor):
+    """The motion as a file with this axis up and this floor has it."""
+    return as_in_file(replace(motion, up=up, floor=floor))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
+    motion = make_take(kind, 3, 4.0, 30.0).motion
+    found = in_y_up(motion, Coordinates())
+    assert found.rotations is motion.rotations and found.translations is motion.translations
+    assert (found.up, found.floor, found.unit_note) == ("y", 0.0, motion.unit_note)
+
+
+@pytest.mark.parametrize("up", TO_Y_UP)
+@pytest.mark.parametrize("floor", [0.0, 1.0, -0.9, 0.27])
+def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(up, floor, tmp_path):
+    walk = make_take("walk", 1, 4.0, 30.0).motion
+    path, again = tmp_path / "a.bvh", tmp_path / "b.bvh"
+    write_bvh(in_file(walk, up, floor), path)
+    motion = load_motion(path, unit=walk.unit)
+    assert motion.up == up and motion.floor == pytest.approx(floor, abs=0.06)
+    moved = motion.positions() - walk.positions() - [0, floor - motion.floor, 0]
+    assert np.abs(moved).max() < 1e-5
+    write_bvh(motion, again)
+    for line, own in zip(again.read_text().split("\n"), path.read_text().split("\n"), strict=True):
+        if line != own:  # by rounding
+            numbers = [np.array(text.split(), dtype=float) for text in (line, own)]
+            assert np.abs(np.subtract(*numbers)).max() < 2e-5
+    given = load_motion(path, unit=walk.unit, up=up, floor=floor)
+    assert np.abs(given.positions() - walk.positions()).max() < 1e-5
+
+
+def test_a_floor_above_and_below_stairs_stays():
+    walk = make_take("walk", 1, 8.0, 30.0).motion
+    for rise in (1.5, -1.5):
+        translations = walk.translations.copy()
+        translations[len(walk) // 2 :, 0, 1] += rise
+        assert in_y_up(replace(walk, translations=translations), Coordinates()).floor == 0
+
+
+def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
+    """A body that stands at 0 rests on both axes' floors; the rest pose decides."""
+    idle = make_take("idle", 2, 4.0, 30.0).motion
+    turned = in_file(idle, "z", 0.0)
+    matrix = np.transpose(TO_Y_UP["z"])
+    offsets = idle.skeleton.offsets @ matrix.T
+    names, parents = idle.skeleton.names, idle.skeleton.parents
+    rest = Skeleton(names, parents, offsets, idle.skeleton.end_sites)
+    assert in_y_up(replace(turned, skeleton=rest), Coordinates()).up == "z"
+
+
+def test_coordinates_that_are_none():
+    walk = make_take("walk", 1, 1.0, 30.0).motion
+    with pytest.raises(ValueError, match="up is 'w', expected one of y, z"):
+        in_y_up(walk, Coordinates(up="w"))
+    with pytest.raises(ValueError, match="floor is nan"):
+        in_y_up(walk, Coordinates(floor=float("nan")))
+
+
+def real_files(folder, step):
+    return [path for path in find_motion_files(folder) if path.suffix != ".txt"][::step]
+
+
+def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_folder):
+    for path in real_files(data_folder, 16):
+        read = read_amc if path.suffix == ".amc" else read_bvh
+        plain, motion = read(path, max_rate=30.0), load_motion(path, max_rate=30.0)
+        np.testing.assert_array_equal(plain.rotations, motion.rotations)
+        np.testing.assert_array_equal(plain.translations, motion.translations)
+        features, _ = positions_to_features(body_positions(plain), 30.0)
+        for up in TO_Y_UP:
+            found = in_y_up(in_file(plain, up, 0.0), Coordinates())
+            assert (found.up, found.floor) == (up, 0.0), path
+            turned, _ = positions_to_features(body_positions(found), 30.0)
+            np.testing.assert_allclose(turned, features, atol=1e-9)
+        raised = in_y_up(in_file(plain, "y", 1.0), Coordinates())
+        assert raised.floor == pytest.approx(1.0, abs=0.13), path
+        sunk = positions_to_features(body_positions(raised), 30.0)[0] - features
+        heights = sunk[:, 1 : 3 * len(JOINTS) : 3]
+        np.testing.assert_allclose(heights, 1.0 - raised.floor, atol=1e-9)
+        sunk[:, 1 : 3 * len(JOINTS) : 3] = 0
+        np.testing.assert_allclose(sunk, 0.0, atol=1e-9)
+
+
+def test_coordinates_of_load_body(tmp_path):
+    walk = make_take("walk", 1, 2.0, 30.0).motion
+    write_bvh(in_file(walk, "z", 1.0), tmp_path / "a.bvh", unit=0.01)
+    body, _ = load_body(tmp_path / "a.bvh", None, Coordinates(0.01, "z", 1.0))
+    np.testing.assert_allclose(body, body_positions(walk), atol=1e-5)
+    assert to_y_up(walk, "y", 0.0) is walk
