@@ -90,6 +90,29 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
 """The classes of values, the simplest first: (rng, shape, reach) -> array."""
 
 
+def _every_other(array: np.ndarray) -> np.ndarray:
+    larger = np.zeros((*array.shape[:-1], 2 * array.shape[-1]), dtype=array.dtype)
+    larger[..., ::2] = array
+    return larger[..., ::2]
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    ORDINARY: np.copy,
+    "in Fortran order": lambda array: array.copy(order="F"),
+    "every other entry": _every_other,
+    "reversed": lambda array: array[::-1].copy()[::-1],
+    "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
+    "read-only": _read_only,
+}
+"""The memory layouts that an array may have: none of them may change a result."""
+
+
 def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) -> dict:
     """Arrays by name, of which one or all are of the case's class of values."""
     special = rng.integers(-1, len(shapes))

@@ -56,7 +56,9 @@ def properties_of(name: str, variant: Variant | None = None) -> tuple[Property, 
     operation = OPERATIONS[name]
     if variant is not None:
         operation = replace(operation, reference=variant.reference)
-    return (*shared_properties(operation), *operation_properties(operation))
+    without = () if variant is None else variant.without
+    every = (*shared_properties(operation), *operation_properties(operation))
+    return tuple(stated for stated in every if stated.name not in without)
 
 
 CATALOGUE: dict[str, Task] = {

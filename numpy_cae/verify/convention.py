@@ -25,6 +25,7 @@ class Variant:
 
     sentence: str
     reference: Callable = field(repr=False)
+    without: tuple[str, ...] = ()  # the properties that only the contract has
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,11 @@ VARIANTS: dict[str, tuple[Variant, ...]] = {
         Variant("of a tie both frames get half the gradient", _tie_to_both),
     ),
     "unpool_even": (
-        Variant("both frames get the whole value", _scaled(ops.unpool_even, lambda y: 2)),
+        Variant(
+            "both frames get the whole value",
+            _scaled(ops.unpool_even, lambda y: 2),
+            ("pair sums",),
+        ),
     ),
     "mean_squared_error": _losses(ops.mean_squared_error, 0, 1, 2, 3),
     "mean_absolute": _losses(ops.mean_absolute, 1, 3),
@@ -193,6 +198,7 @@ VARIANTS: dict[str, tuple[Variant, ...]] = {
         Variant(
             "a sum over the points where the contract says the mean",
             _scaled(ops.sliced_wasserstein, len),
+            ("optimal assignment",),
         ),
     ),
 }

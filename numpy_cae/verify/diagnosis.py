@@ -1,158 +1,89 @@
 """The likely mistake of an implementation that fails: a wrong operation that does the same.
 
-The implementation, the right operation, each planted bug and each other convention are called with
-the same random cases. A mistake is named only if the wrong operation does in every case what the
-implementation does, wherever either of them can show, and the right operation does not.
+The implementation, the right operation, each planted bug and each other convention are tried with
+the cases of the property. A mistake is named only if the wrong operation does in every case what
+the implementation does, and the right operation in several cases does not.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from numpy_cae.verify.case import Case, drawn_cases
+from numpy_cae.verify.case import drawn_cases
 from numpy_cae.verify.convention import VARIANTS
-from numpy_cae.verify.layout import LAYOUTS
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.planted_bugs import bugs_of
-from numpy_cae.verify.property import (
-    UPSTREAM,
-    Property,
-    copied,
-    copies,
-    differentiated,
-    drawn_upstream,
-    in_float32,
-)
+from numpy_cae.verify.property import Property, property_of, results
 
-CASES = 39
 SEVERAL = 2
-SHOWN_BY = {
-    "value": ("value",),
-    "purity": ("altered",),
-    "independence": ("again",),
-    "dtype": ("value", "gradient", "float32"),
-    "strides": ("of views",),
-    "upstream default": ("by default",),
-}
-"""By property, how the keys begin of what shows that it does not hold; else value and gradients."""
-
-Observation = dict[str, object]
+GENERAL_CASES = 8
 
 
-@dataclass
-class Diagnosis:
-    """What an implementation does, compared with what wrong operations do."""
-
-    operation: Operation
-    implementation: Callable
-
-    def mistake(self, stated: Property) -> str:
-        """The sentence on the mistake because of which a property does not hold, or ""."""
-        starts = SHOWN_BY.get(stated.name, ("value", "gradient"))
-        if stated.name.startswith(("gradient for", "adjoint in")):
-            starts = (f"gradient for {stated.name.rpartition(' ')[2]}",)
-        wrong = sum(bool(_differing(a, b, starts)) for a, b in self._observed)
-        if wrong < SEVERAL:
-            return ""
-        explained = {
-            sentence: len(touched)
-            for sentence, touched in self._reproducing.items()
-            if any(key.startswith(starts) for key in touched)
-            and all(key in touched for a, b in self._observed for key in _differing(a, b, starts))
-        }
-        return max(explained, key=explained.__getitem__, default="")
-
-    @cached_property
-    def _cases(self) -> list[Case]:
-        sizes = {
-            name: options if isinstance(options[0], str) else options[-3:]  # where more can show
-            for name, options in {**self.operation.sizes, **UPSTREAM}.items()
-        }
-        name, arguments = self.operation.name, self.operation.arguments
-        return list(drawn_cases(Property(name, "diagnosis", "", print, arguments, sizes), CASES))
-
-    @cached_property
-    def _observed(self) -> list[tuple[Observation, Observation]]:
-        """What the implementation and the right operation do in each case."""
-        both = self.implementation, self.operation.reference
-        return [tuple(observe(f, self.operation, case) for f in both) for case in self._cases]
-
-    @cached_property
-    def _reproducing(self) -> dict[str, set[str]]:
-        """The wrong operations that do the same, each with the keys of what they do wrong."""
-        wrong = [(bug.sentence, bug.function()) for bug in bugs_of(self.operation.name)]
-        wrong += [
-            (f"another convention, which may be allowed: {variant.sentence}", variant.reference)
-            for variant in VARIANTS.get(self.operation.name, ())
-        ]
-        found = {sentence: self._touched(function) for sentence, function in wrong}
-        return {sentence: touched for sentence, touched in found.items() if touched}
-
-    def _touched(self, wrong: Callable) -> set[str]:
-        """The keys of what a wrong operation does wrong, if the implementation does all of it."""
-        touched: set[str] = set()
-        kept = []
-        for case, (student, right) in zip(self._cases, self._observed, strict=True):
-            kept.append((student, observe(wrong, self.operation, case)))
-            touched |= _differing(kept[-1][1], right)
-            if any(_differing(*pair) & touched for pair in kept):
-                return set()
-        return touched
+def likely_mistake(stated: Property, implementation: Callable) -> str:
+    """The sentence on the mistake because of which a property does not hold, or ""."""
+    operation = stated.definition
+    if operation is None:
+        return ""
+    cases = list(drawn_cases(stated, stated.examples))
+    found = [stated.check.found(implementation, case) for case in cases]
+    right = [stated.check.found(operation.reference, case) for case in cases]
+    if sum(not _same(one, other) for one, other in zip(found, right, strict=True)) < SEVERAL:
+        return ""
+    explained = {}
+    for sentence, wrong in _wrong_operations(operation.name):
+        alike = (
+            _same(one, stated.check.found(wrong, case))
+            for one, case in zip(found, cases, strict=True)
+        )
+        if all(alike):
+            explained[sentence] = _shared_effects(operation, implementation, wrong)
+    best = max(explained, key=explained.__getitem__, default="")
+    return best if best and explained[best] >= 0 else ""
 
 
-def observe(function: Callable, operation: Operation, case: Case) -> Observation:
-    """What an implementation does in one case: in float64 and float32, again, and with views."""
-    seen: Observation = {}
-    arguments, another = operation.arguments(case), Case(case.sizes, case.seed + 1)
-    try:
-        with np.errstate(all="ignore"):
-            given = copies(arguments)
-            value, pullback = function(*given)
-            seen["value"] = np.copy(value)
-            seen["altered by the call"] = np.concatenate([np.ravel(a) for a in given])
-            dy = drawn_upstream(case, value)
-            _pull(seen, "", operation, pullback, upstream := copied(dy))
-            both = [np.ravel(a) for a in (*given, upstream)]
-            seen["altered by the pullback"] = np.concatenate(both)
-            function(*copies(operation.arguments(another)))
-            _pull(seen, "again, ", operation, pullback, copied(dy))
-            if not np.ndim(value):
-                _pull(seen, "by default, ", operation, pullback)
-            layout = list(LAYOUTS.values())[1 + case.seed % (len(LAYOUTS) - 1)]
-            views = [layout(a) if np.ndim(a) else a for a in arguments.values()]
-            value, pullback = function(*views)
-            seen["of views, value"] = np.copy(value)
-            _pull(seen, "of views, ", operation, pullback, copied(dy))
-            value, pullback = function(*map(in_float32, copies(arguments)))
-            seen["float32 value"] = np.copy(value)
-            dy = in_float32(copied(dy)) if np.ndim(dy) else float(dy)
-            _pull(seen, "float32 ", operation, pullback, dy)
-    except (Exception, SystemExit) as error:
-        seen["raised"] = np.array(type(error).__name__)
-    return seen
+def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:
+    for bug in bugs_of(name):
+        yield bug.sentence, bug.function()
+    for variant in VARIANTS.get(name, ()):
+        sentence = f"another convention, which may be allowed: {variant.sentence}"
+        yield sentence, variant.reference
 
 
-def _pull(seen: Observation, how: str, operation: Operation, pullback: Callable, *dy) -> None:
-    for name, gradient in differentiated(operation, pullback(*dy)).items():
-        seen[f"{how}gradient for {name}"] = np.copy(gradient)
+def _shared_effects(operation: Operation, implementation: Callable, wrong: Callable) -> int:
+    """How many of a wrong operation's results are wrong; -1 if the implementation's differ."""
+    general = property_of(operation, "diagnosis", "", _every_result)
+    touched: set[int] = set()
+    differing: set[int] = set()
+    for case in drawn_cases(general, GENERAL_CASES):
+        functions = (implementation, wrong, operation.reference)
+        one, other, right = (general.check.found(f, case) for f in functions)
+        for number, by_wrong in enumerate(other):
+            if not _same([by_wrong], right[number : number + 1]):
+                touched.add(number)
+            if not _same([by_wrong], one[number : number + 1]):
+                differing.add(number)
+    return -1 if touched & differing else len(touched)
 
 
-def _differing(one: Observation, other: Observation, starts: tuple[str, ...] = ("",)) -> set[str]:
-    """The keys of what differs between two observations."""
-    keys = {key for key in one.keys() | other.keys() if key.startswith(starts)}
-    return {key for key in keys if not _equal(one.get(key), other.get(key))}
+def _every_result(operation: Operation, implementation: Callable, case) -> Iterator[tuple]:
+    value, _ = operation.reference(*operation.arguments(case).values())
+    dy = np.random.default_rng(case.seed).uniform(1, 2, np.shape(value))
+    arguments = list(operation.arguments(case).values())
+    for what, result in results(operation, implementation, arguments, dy).items():
+        yield what, result, result
 
 
-def _equal(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    if one is None or other is None or one.shape != other.shape or one.dtype != other.dtype:
+def _same(one: list, other: list) -> bool:
+    return len(one) == len(other) and all(map(_equal, one, other))
+
+
+def _equal(one: np.ndarray, other: np.ndarray) -> bool:
+    if one.shape != other.shape or one.dtype != other.dtype:
         return False
-    if one.dtype.kind not in "fc":
+    if one.dtype.kind != "f":
         return np.array_equal(one, other)
     close = 1e-4 if one.dtype == np.float32 else 1e-9
-    finite = np.abs(one[np.isfinite(one)])
-    scale = close * float(np.max(finite, initial=0.0))
-    return np.allclose(one, other, rtol=close, atol=scale * 0.01 + 1e-14, equal_nan=True)
+    scale = float(np.max(np.abs(other[np.isfinite(other)]), initial=0.0))
+    return np.allclose(one, other, rtol=close, atol=close * scale * 0.01 + 1e-14, equal_nan=True)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from numpy_cae.verify.catalogue import CONTRACT, Task, properties_of
 from numpy_cae.verify.convention import VARIANTS
-from numpy_cae.verify.diagnosis import Diagnosis
 from numpy_cae.verify.property import Outcome, Property
 from numpy_cae.verify.trial import try_property
 
@@ -179,13 +178,12 @@ def report_on(
 
 
 def _outcomes(properties: tuple[Property, ...], implementation: Callable) -> tuple[Outcome, ...]:
-    diagnosis = Diagnosis(properties[0].of, implementation)
     outcomes: list[Outcome] = []
     for stated in properties:
         if outcomes and outcomes[0].problem.startswith(UNSOLVED):
             outcomes.append(Outcome(stated, held=False, problem=UNSOLVED))
         else:
-            outcomes.append(try_property(stated, implementation, diagnosis=diagnosis))
+            outcomes.append(try_property(stated, implementation))
     return tuple(outcomes)
 
 

@@ -18,7 +18,7 @@ from numpy_cae.verify.case import (
     smallest,
     written,
 )
-from numpy_cae.verify.diagnosis import Diagnosis
+from numpy_cae.verify.diagnosis import likely_mistake
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.property import (
     Outcome,
@@ -81,9 +81,9 @@ def example_of(
     properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]
 ) -> Example:
     """The case of an operation with these sizes; a ValueError if one is missing or unknown."""
-    case, operation = case_of(properties, seed, sizes), properties[0].of
+    case, operation = case_of(properties, seed, sizes), properties[0].definition
     arguments = properties[0].arguments(case)
-    if operation is None or operation.reference is None:
+    if operation is None:
         return Example(arguments)
     value, pullback = operation.reference(*copies(arguments))
     dy = drawn_upstream(case, value)
@@ -95,7 +95,6 @@ def try_property(
     implementation: Callable,
     examples: int | None = None,
     shrink: bool = True,
-    diagnosis: Diagnosis | None = None,
 ) -> Outcome:
     """Test an implementation for a property on drawn cases, the same ones every time.
 
@@ -108,8 +107,6 @@ def try_property(
         By default the number that the property states.
     shrink : bool
         Whether to look for the smallest counterexample rather than take the first.
-    diagnosis : Diagnosis, optional
-        That of the implementation, if other properties have needed it too.
     """
     for case in drawn_cases(tried, examples or tried.examples):
         error, _ = _failure(tried, implementation, case)
@@ -126,9 +123,7 @@ def try_property(
     problem = str(error)
     if not isinstance(error, AssertionError):
         problem = f"{type(error).__name__}: {error}{_line(error, implementation)}"
-    mistake = ""
-    if tried.of is not None and tried.of.reference is not None:
-        mistake = (diagnosis or Diagnosis(tried.of, implementation)).mistake(tried)
+    mistake = likely_mistake(tried, implementation)
     return Outcome(tried, False, problem, "\n".join(_described(tried, case, call)), mistake)
 
 
@@ -159,7 +154,7 @@ def _described(tried: Property, case: Case, call: Call | None) -> Iterator[str]:
     """The case, the arguments and the results; if they are long, a call to get them."""
     yield str(case)
     arguments = tried.arguments(case)
-    operation = tried.of
+    operation = tried.definition
     if call is None or operation is None or len(call.arguments) != len(arguments):
         yield from _printed(arguments, tried, case)
         return
@@ -167,7 +162,7 @@ def _described(tried: Property, case: Case, call: Call | None) -> Iterator[str]:
     if call.upstream:
         given["upstream gradient"] = call.upstream[0]
     yield from _printed(given, tried, case)
-    if operation.reference is not None and call.value is not None:
+    if call.value is not None:
         for what, found, expected in _results(operation, call):
             small = all(np.size(a) <= WORTH_A_RESULT for a in (found, expected))
             if small and not agrees(
