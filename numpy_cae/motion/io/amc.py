@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf, statements
-from numpy_cae.motion.io.channels import Channels
+from numpy_cae.motion.io.channels import Channels, quaternions
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import stature, unit_name
@@ -228,8 +228,8 @@ def _pose(
             column += 1
         if order:
             # Lower-case letters are fixed axes, applied from left to right.
-            turn = Rotation.from_euler(order, values[:, columns], degrees=degrees)
-            rotations[:, joint] = turn.as_quat()
+            angles = values[:, columns[::-1]] * (np.radians(1.0) if degrees else 1.0)
+            rotations[:, joint] = quaternions(order[::-1].upper(), angles)
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
             rotations[:, joint, :3] = axes.apply(rotations[:, joint, :3])
     root = acclaim.orientation * Rotation.from_quat(rotations[:, 0])

@@ -12,10 +12,9 @@ import re
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.bvh_hierarchy import BvhJoint, read_hierarchy
-from numpy_cae.motion.io.channels import Channels
+from numpy_cae.motion.io.channels import Channels, quaternions
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stature, unit_name
 from numpy_cae.motion.motion import Motion, whole_step
@@ -54,7 +53,9 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     file = TextFile.read(path)
     joints, motion_line = read_hierarchy(file)
     rate, values = _read_motion(file, motion_line, joints, max_rate)
+    del file  # of an hour at 120 Hz, its text takes half a gigabyte
     rotations, translations = _pose(joints, values)
+    del values
     if unit is not None:
         note = f"{unit_name(unit)}, as given"
     else:
@@ -110,7 +111,8 @@ def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.nd
     """Quaternions (F, J, 4) and translations (F, J, 3) from the table of channels (F, C)."""
     frames = len(values)
     rotations = np.tile([0.0, 0.0, 0.0, 1.0], (frames, len(joints), 1))
-    translations = np.tile([joint.offset for joint in joints], (frames, 1, 1)).astype(float)
+    offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
+    translations = np.tile(offsets, (frames, 1, 1))
     column = 0
     for index, joint in enumerate(joints):
         axes, columns = "", []
@@ -123,8 +125,7 @@ def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.nd
             column += 1
         if axes:
             # Capital letters are the joint's own axes: R = R_first · R_second · R_third.
-            angles = Rotation.from_euler(axes, values[:, columns], degrees=True)
-            rotations[:, index] = angles.as_quat()
+            rotations[:, index] = quaternions(axes, np.radians(values[:, columns]))
     return rotations, translations
 
 

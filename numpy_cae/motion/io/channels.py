@@ -95,6 +95,26 @@ class Channels:
         return self.orientation * self.axes * local * self.axes.inv()
 
 
+def quaternions(order: str, angles: np.ndarray) -> np.ndarray:
+    """(F, 4), x y z w, of angles (F, N) in radians about the joint's own axes in this order.
+
+    A rotation by 2α about axis i, on the right of the others', changes the quaternion to
+
+        q_i cos α + q_w sin α,   q_j cos α + q_k sin α,   q_k cos α - q_j sin α,
+        q_w cos α - q_i sin α
+
+    As `Rotation.from_euler`, which takes four times as long.
+    """
+    q = [*np.zeros((3, len(angles))), np.ones(len(angles))]
+    for axis, column in zip(order, angles.T, strict=True):
+        i = "XYZ".index(axis)
+        j, k = (i + 1) % 3, (i + 2) % 3
+        sin, cos = np.sin(column / 2), np.cos(column / 2)
+        q[i], q[3] = q[i] * cos + q[3] * sin, q[3] * cos - q[i] * sin
+        q[j], q[k] = q[j] * cos + q[k] * sin, q[k] * cos - q[j] * sin
+    return np.stack(q, axis=1)
+
+
 def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
     """The same rotations by angles (F, 1 to 3) in radians without avoidable jumps from frame to
     frame, beginning near the angles `before` (N,)."""

@@ -19,10 +19,10 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.io.amc import amc_channels
 from numpy_cae.motion.io.bvh import bvh_channels
-from numpy_cae.motion.io.bvh_writer import write_bvh
 from numpy_cae.motion.io.channels import Channels
 from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.write import write_motion
 from numpy_cae.motion.motion import Motion
 
 log = logging.getLogger(__name__)
@@ -52,7 +52,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     many decimals as the file has; angles continue those of neighbouring frames without avoidable
     jumps. A joint's rotation that its channels or limits do not allow is written as near as they
     do, with a warning. If the suffix of `path` is not that of `source`, or the frames are not the
-    same in number, the motion is written as BVH by `write_bvh`.
+    same in number, `write_motion` writes the motion.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     suffix = source.suffix.lower()
     same_kind = Path(path).suffix.lower() == suffix and suffix in (".bvh", ".amc")
     if not same_kind or len(before) != len(after):
-        write_bvh(after, path)
+        write_motion(after, path)
         return
     found = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
     misses: dict[str, float] = {}

@@ -119,7 +119,9 @@ def retarget(
         raise ValueError("positions hold values that are not finite")
     bones = _bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
-    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations, translations = motion.rotations.copy(), motion.translations
+    if touched[:, 0].any():
+        translations = translations.copy()
     for joint, passing in bones.items():
         damaged = np.any(touched[:, [joints.index(bone.end) for bone in passing]], axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
@@ -128,11 +130,12 @@ def retarget(
         targets = np.where(touched[frames][..., None], positions[frames], present)
         part = replace(motion, rotations=rotations, translations=translations).at(frames)
         before, rotations_before = part.forward_kinematics()
-        step = targets[:, 0] - before[:, joints[0]]
-        if carrier > 0:
-            step = rotations_before[motion.skeleton.parents[carrier]].inv().apply(step)
-        translations[frames, carrier] += step
-        part = replace(part, translations=translations[frames])
+        if touched[frames, 0].any():
+            step = targets[:, 0] - before[:, joints[0]]
+            if carrier > 0:
+                step = rotations_before[motion.skeleton.parents[carrier]].inv().apply(step)
+            translations[frames, carrier] += step
+            part = replace(part, translations=translations[frames])
         by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
         exact_ends = ~touched[frames] if exact is None else exact[frames]
         limbs = {joints[mid]: (joints[mid + 1], exact_ends[:, mid + 1]) for mid in _MIDDLES}
