@@ -101,8 +101,8 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     training, testing = read_takes(
         paths, mapping, kinds.chosen_coordinates(args), args.test, args.strict, cache
     )
-    speeds = options.SPEEDS.get(args.recipe, ())
-    manifold = learn_manifold(training, schedule, args.seed, speeds=speeds, **how)
+    mirror = args.recipe in options.MIRRORED
+    manifold = learn_manifold(training, schedule, args.seed, mirror=mirror, **how)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(files)}
         | {"test": sum(is_test(path, args.test) for path in files)}

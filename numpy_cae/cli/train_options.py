@@ -21,7 +21,7 @@ from numpy_cae.training import Schedule, SequenceSchedule, Stage
 _BEST = Stage(60, 0.5, 0.95, 0.0, 8, (0.1, 0.8), rescaled=True, momentum=0.9)
 _FAST = Stage(40, 0.001, 1.0, 0.0, 8, (0.1, 0.8), True, 0.0, 0.05, None, "adam", "one-cycle")
 _STARTER = Stage(
-    epochs=40,
+    epochs=50,
     rate=3e-4,
     alpha=0.0,
     batch=16,
@@ -32,8 +32,8 @@ _STARTER = Stage(
     displacement=0.3,
     noise=0.02,
 )
-SPEEDS = {"starter": (1.0,)}
-"""Speeds at which a recipe uses the takes and their mirrored copies; others use the takes alone."""
+MIRRORED = ("starter",)
+"""Recipes that learn from mirrored copies as well."""
 RECIPES = {
     "paper": Schedule(),
     "best": Schedule(fine_tuning=_BEST),

@@ -1,10 +1,9 @@
-"""More takes from few, by mirrored copies and other speeds, and the chains of joints that training
-damages. Not in the paper, whose database is larger.
+"""Mirrored copies of takes, and the chains of joints that training damages.
+
+Neither is in the paper, whose database is larger.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,24 +17,9 @@ _MIRRORED = [
 _LIMBS = [("chest", "shoulder", "elbow", "wrist"), ("hips", "knee", "ankle", "toe")]
 
 
-def augmented(takes: Sequence[np.ndarray], speeds: Sequence[float]) -> list[np.ndarray]:
-    """The takes (F, 20, 3) at each speed, and mirrored copies of them."""
-    faster = [at_speed(take, speed) for speed in speeds for take in takes]
-    return faster + [mirrored(take) for take in faster]
-
-
 def mirrored(positions: np.ndarray) -> np.ndarray:
     """World positions (F, 20, 3) with left and right exchanged."""
     return positions[:, _MIRRORED] * [-1.0, 1.0, 1.0]
-
-
-def at_speed(positions: np.ndarray, speed: float) -> np.ndarray:
-    """World positions (F, 20, 3) of the same movement, faster by a factor: (F / speed, 20, 3)."""
-    times = np.arange(int((len(positions) - 1) / speed) + 1) * speed
-    before = np.minimum(times.astype(int), max(len(positions) - 2, 0))
-    after = np.minimum(before + 1, len(positions) - 1)
-    share = (times - before)[:, None, None]
-    return positions[before] * (1 - share) + positions[after] * share
 
 
 def damaged_chains() -> tuple[tuple[int, ...], ...]:

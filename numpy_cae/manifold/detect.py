@@ -20,7 +20,7 @@ RATIO, LEAST = 4.0, 0.05
 """A joint is damaged where it is further from the manifold than `RATIO` times its median in the
 clip and than `LEAST` metres; its damage reaches as far as half of that is exceeded."""
 SUSPICION = 0.4
-"""Where a joint stands still or was displaced, it is damaged from this share of these distances."""
+"""Between two jumps, a joint is damaged from this share of these distances on."""
 MOST_JOINTS = 8
 """Where more joints are far from the manifold, the motion is unknown and not damaged."""
 ROUNDS = 3
@@ -33,12 +33,13 @@ SPIKE_FRAMES = 3
 """Frames of the longest stretch between two jumps that is a spike."""
 STRETCHED = 0.15
 """Share of its length by which a bone of wrong length differs from the usual one."""
-STILL, STILL_FRAMES = 3e-4, 6
-"""Metres a frame below which a joint does not move, and for how many frames that is suspicious."""
+STILL, STILL_FRAMES, LEAST_JUMP = 3e-4, 6, 0.03
+"""Metres a frame below which a joint stands still, for how many frames before it jumps that is
+damage, and metres of the smallest such jump."""
 SAME_ROTATION = 1e-6
 """Difference of quaternions below which a file repeats a rotation."""
 REPEATED, CAUGHT_UP = 1e-6, 2.5
-"""Metres a frame below which a pose is repeated, and times the usual step of the step after it."""
+"""Metres a frame below which a pose is repeated; a jump is as many times as long as later steps."""
 
 _ALONG_TIME = np.ones((3, 1), bool)
 _ENDS = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("wrist", "ankle")]
@@ -52,15 +53,15 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     tested again. In the end a stretch counts only if filling it in moves the joint by `LEAST`.
     """
     direct = at_thirty(body.motion, direct_damage(body))
+    direct |= find_frozen(body)
     found = direct.copy()
-    suspicious = find_still(body)
-    suspicious |= between_jumps(_local(body.features), len(found))
+    displaced = between_jumps(_local(body.features), len(found))
     features, _ = whole_features(body, found)
     for _ in range(ROUNDS):
         distance = residual(manifold, features, found)
         level = distance / np.maximum(LEAST, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
-        far |= binary_propagation(suspicious & (level > SUSPICION), _ALONG_TIME, mask=suspicious)
+        far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
         far &= ~found
         if not far.any():
             break
@@ -119,14 +120,42 @@ def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
 def find_repeated(positions: np.ndarray) -> np.ndarray:
     """Frames of positions (F, 20, 3) that repeat the pose before, until the body catches up in one
     step: (F,) bool. Dropped frames and held keys look so, and no one who stands still."""
-    step = np.linalg.norm(np.diff(positions, axis=0), axis=-1).mean(axis=1)
-    repeated = np.append(False, step < REPEATED)
-    found = np.zeros(len(positions), bool)
-    ends = np.flatnonzero(repeated[:-1] & ~repeated[1:])
-    for end in ends:
-        first = end - np.argmin(repeated[end::-1]) + 1
-        usual = np.median(np.append(step[end + 1 : end + 4], step[max(first - 4, 0) : first - 1]))
-        found[first : end + 1] = step[end] > CAUGHT_UP * usual
+    step = np.linalg.norm(_steps(positions), axis=-1).mean(axis=1)
+    return _until_a_jump(step < REPEATED, step, 0.0)
+
+
+def find_frozen(body: Body) -> np.ndarray:
+    """Joints that stand still until they jump: (F, 20) bool at 30 frames a second.
+
+    A joint is still in the world or in the body's frame, a wrist or an ankle also at a constant
+    distance from its shoulder or hip, and any joint while the file repeats the rotation that moves
+    it. Feet that stand and hands that rest do the same, but do not jump when they move again.
+    """
+    positions, local = body.positions, _local(body.features)
+    reach = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
+    bends = np.full(positions.shape[:2], np.inf)
+    bends[:, _ENDS] = np.abs(_steps(reach))
+    world, own = (np.linalg.norm(_steps(place), axis=-1) for place in (positions, local))
+    frozen = np.zeros(own.shape, bool)
+    for speed in (world, own, bends, _turns(body)):
+        rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
+        for joint in np.flatnonzero(rests.any(axis=0)):
+            frozen[:, joint] |= _until_a_jump(rests[:, joint], own[:, joint], LEAST_JUMP)
+    return frozen
+
+
+def _until_a_jump(still: np.ndarray, step: np.ndarray, least: float) -> np.ndarray:
+    """Frames that repeat the one before where the stretch of them ends with a jump: (F,) bool.
+
+    `still` is True and `step` is small where the next frame is the same; a jump is a step of more
+    than `least` and than `CAUGHT_UP` times the median of the three steps after it.
+    """
+    found = np.zeros(len(still), bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        after = step[last + 1 : last + 4]
+        if len(after) and step[last] > max(least, CAUGHT_UP * float(np.median(after))):
+            found[first + 1 : last + 1] = True
     return found
 
 
@@ -137,27 +166,6 @@ def find_stretched(positions: np.ndarray) -> np.ndarray:
     wrong = np.abs(lengths - usual) > np.maximum(0.02, STRETCHED * usual)
     wrong[:, 0] = False
     return wrong
-
-
-def find_still(body: Body) -> np.ndarray:
-    """Joints that stop moving although they move in most of the clip: (F, 20) bool at 30 Hz.
-
-    A joint is still in the world or in the body's frame, a wrist or an ankle also at a constant
-    distance from its shoulder or hip, and any joint while the file repeats the rotation that moves
-    it. Feet that stand and hands that rest are among them: this alone is no damage.
-    """
-    positions = body.positions
-    reach = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
-    local = _local(body.features)
-    speeds = [np.linalg.norm(_steps(place), axis=-1) for place in (positions, local)]
-    bends = np.full(positions.shape[:2], np.inf)
-    bends[:, _ENDS] = np.abs(_steps(reach))
-    speeds += [bends, _turns(body)]
-    still = np.zeros(positions.shape[:2], bool)
-    for speed in speeds:
-        rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
-        still |= rests & (rests.mean(axis=0) < 0.5)
-    return still
 
 
 def _turns(body: Body) -> np.ndarray:

@@ -7,7 +7,8 @@ from the motion on both sides of a hole is interpolated over the hole, so that t
 
     X_0 = spline of X,    X_{n+1} = P(X_n) + spline of (X - P(X_n)),    P the mean over all shifts
 
-Only unknown values are taken from it; known values stay the same to the bit.
+In holes of a few frames the result is a mean of this and the spline. Only unknown values are taken
+from it; known values stay the same to the bit.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.manifold.holes import at_thirty, spline
+from numpy_cae.manifold.holes import at_thirty, hole_lengths, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints
 from numpy_cae.motion.body import Body
@@ -27,7 +28,10 @@ from numpy_cae.motion.motion import Motion, slerp
 from numpy_cae.motion.retarget.to_body import RATE
 
 REPEATS = 3
-"""Projections of a hole, chosen on sources left out of training (docs/lab_book.md)."""
+"""Projections of a hole, chosen on subjects left out of training (docs/lab_book.md)."""
+SHORT = 16
+"""Frames of a hole from which on the spline, which is better in the shortest holes, has no weight.
+Chosen likewise."""
 
 
 def fill(
@@ -61,10 +65,15 @@ def fill(
     never = np.asarray(missing.all(axis=0))
     points[:, never] = manifold.mean_pose[POSITIONS].reshape(-1, 3)[never]
     points[...] = spline(points, missing)
-    for _ in range(repeats if missing.any() else 0):
+    if repeats == 0 or not missing.any():
+        return filled
+    start = points[missing]
+    for _ in range(repeats):
         projected = manifold.project(filled, manifold.shifts)[:, POSITIONS].reshape(points.shape)
         error = np.where(never[:, None], 0.0, points - projected)
         points[missing] = (projected + spline(error, missing))[missing]
+    share = np.minimum(1.0, 0.2 + 0.8 * hole_lengths(missing)[missing] / SHORT)[:, None]
+    points[missing] = start + share * (points[missing] - start)
     return filled
 
 

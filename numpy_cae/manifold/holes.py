@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import label
 
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.to_body import RATE
@@ -25,6 +26,14 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
             curve = PchipInterpolator(known, filled[known, column])
             filled[gaps, column] = curve(np.clip(gaps, known[0], known[-1]))
     return filled
+
+
+def hole_lengths(missing: np.ndarray) -> np.ndarray:
+    """For each missing value of a mask (F, N), the frames of its hole: (F, N) of int, else 0."""
+    holes, count = label(missing, np.array([[0, 1, 0]] * 3))
+    lengths = np.bincount(holes.ravel(), minlength=count + 1)
+    lengths[0] = 0
+    return lengths[holes]
 
 
 def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:

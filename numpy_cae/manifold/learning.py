@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from numpy_cae.manifold.augmentation import augmented
+from numpy_cae.manifold.augmentation import mirrored
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -51,7 +51,7 @@ def learn_manifold(
     show_progress: bool = True,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
-    speeds: Sequence[float] = (),
+    mirror: bool = False,
 ) -> MotionManifold:
     """Train a convolutional manifold on takes.
 
@@ -70,12 +70,13 @@ def learn_manifold(
         Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
     show_progress, checkpoint, engine
         Of `train_autoencoder` and `with_engine`.
-    speeds : sequence of float
-        If there are any, learn from the takes at these speeds and from their mirrored copies.
+    mirror : bool
+        Whether to learn from mirrored copies of the takes as well.
     """
     if not takes:
         raise ValueError("there are no takes to learn from")
-    takes = augmented(takes, speeds) if speeds else takes
+    if mirror:
+        takes = [*takes, *(mirrored(take) for take in takes)]
     schedule = schedule or Schedule()
     rng = np.random.default_rng(seed)
     network = with_engine(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng), engine)

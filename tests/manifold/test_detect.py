@@ -1,0 +1,112 @@
+"""Detection: damage is found, and what is clean is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from data_synth import make_take
+from numpy_cae.manifold import repair, starter
+from numpy_cae.manifold.detect import between_jumps, find_frozen, find_repeated, find_stretched
+from numpy_cae.motion import JOINTS, body_positions
+
+LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    return starter()
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return make_take("walk", 77, seconds=5.0, rate=60.0).motion
+
+
+def turned(motion, joint, frames, degrees):
+    """The motion with one joint of the rig turned in some frames."""
+    rotations, index = motion.rotations.copy(), motion.skeleton.index(joint)
+    turn = Rotation.from_rotvec([0.0, 0.0, np.radians(degrees)])
+    rotations[frames, index] = (Rotation.from_quat(rotations[frames, index]) * turn).as_quat()
+    return replace(motion, rotations=rotations)
+
+
+def error(motion, truth, frames, joints):
+    off = body_positions(motion)[frames][:, joints] - body_positions(truth)[frames][:, joints]
+    return np.linalg.norm(off, axis=-1).mean()
+
+
+def test_a_clean_motion_is_left_as_it_is(manifold, walk):
+    repaired = repair(walk, manifold)
+    assert repaired.known
+    assert repaired.touched.mean() < 0.01
+    untouched = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[untouched], walk.rotations[untouched])
+    assert repaired.moved[~repaired.touched].max(initial=0.0) < 1e-6
+
+
+def test_a_twisted_leg_is_found_and_straightened_and_the_rest_stays(manifold, walk):
+    frames = slice(120, 200)
+    damaged = turned(walk, "lfemur", frames, 50.0)
+    repaired = repair(damaged, manifold)
+    assert repaired.touched[frames][:, LEG].mean() > 0.9
+    before, after = (error(each, walk, frames, LEG) for each in (damaged, repaired.motion))
+    assert after < 0.3 * before
+    untouched = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[untouched], walk.rotations[untouched])
+    half = repair(damaged, manifold, damaged=repaired.touched, strength=0.5).motion
+    assert after < error(half, walk, frames, LEG) < before
+
+
+def test_a_spike_of_one_frame_is_found(manifold, walk):
+    damaged = turned(walk, "rhumerus", slice(101, 102), 60.0)
+    repaired = repair(damaged, manifold)
+    arm = [JOINTS.index("right_elbow"), JOINTS.index("right_wrist")]
+    assert repaired.touched[101, arm].all()
+    at = slice(101, 102)
+    assert error(repaired.motion, walk, at, arm) < 0.15 * error(damaged, walk, at, arm)
+
+
+def test_an_unknown_motion_is_unchanged_unless_forced(manifold, walk):
+    lying = make_take("idle", 1, seconds=3.0, rate=30.0).motion
+    rng = np.random.default_rng(0)
+    rotations = Rotation.random(lying.rotations[..., 0].size, rng).as_quat()
+    chaos = replace(lying, rotations=rotations.reshape(lying.rotations.shape))
+    repaired = repair(chaos, manifold)
+    assert not repaired.known
+    assert repaired.motion is chaos
+    assert not repaired.touched.any()
+    assert repair(chaos, manifold, force=True).motion is not None
+
+
+def test_a_frozen_arm_is_found_and_limbs_at_rest_are_not(manifold, walk):
+    frames, rotations = slice(120, 210), walk.rotations.copy()
+    for joint in ("lhumerus", "lradius"):
+        index = walk.skeleton.index(joint)
+        rotations[frames, index] = rotations[frames.start, index]
+    frozen = replace(walk, rotations=rotations)
+    arm = [JOINTS.index("left_elbow"), JOINTS.index("left_wrist")]
+    assert find_frozen(manifold.body(frozen))[61:104, arm].all()
+    assert not find_frozen(manifold.body(walk)).any()
+    before, after = (
+        error(each, walk, frames, arm) for each in (frozen, repair(frozen, manifold).motion)
+    )
+    assert after < before
+
+
+def test_direct_tests():
+    t = np.arange(60)[:, None, None]
+    points = 0.02 * t * np.ones((1, 20, 3)) + np.arange(20)[None, :, None]
+    assert not between_jumps(points, 3).any()
+    points[30:32, 7] += 0.5
+    expected = np.zeros((60, 20), bool)
+    expected[30:32, 7] = True
+    np.testing.assert_array_equal(between_jumps(points, 3), expected)
+    assert not between_jumps(points, 1).any()
+    np.testing.assert_array_equal(find_stretched(points), expected)
+    walking = 0.02 * t * np.ones((1, 20, 3))
+    held = walking[np.where((t.ravel() > 20) & (t.ravel() < 30), 20, t.ravel())]
+    np.testing.assert_array_equal(np.flatnonzero(find_repeated(held)), np.arange(21, 30))
+    stands = np.concatenate([walking, walking[-1:].repeat(20, axis=0)])
+    assert not find_repeated(stands).any()
