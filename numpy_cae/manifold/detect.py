@@ -58,7 +58,9 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     displaced = between_jumps(_local(body.features), len(found))
     features, _ = whole_features(body, found)
     for _ in range(ROUNDS):
-        distance = residual(manifold, features, found)
+        difference = residual(manifold, features, found)
+        # Rigs place joints differently: what is the same in the whole clip is no damage.
+        distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
         level = distance / np.maximum(LEAST, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
         far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
@@ -73,15 +75,10 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
 
 
 def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """The distance of each joint from the projection of the motion with its missing joints filled
-    in: (F, 20) in metres.
-
-    The median difference of each joint over the clip does not count: rigs place the joints of a
-    body differently.
-    """
-    projected = manifold.project(fill(manifold, features, missing), manifold.shifts)
-    difference = _local(features - projected)
-    return np.linalg.norm(difference - typical(difference, missing), axis=-1)
+    """The difference of each joint from the projection of the motion with its missing joints filled
+    in: (F, 20, 3) in metres."""
+    filled = fill(manifold, features, missing)
+    return _local(features - manifold.project(filled, manifold.shifts))
 
 
 def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:

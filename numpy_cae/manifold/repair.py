@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from numpy_cae.manifold.detect import direct_damage, find_damage, residual, typical
+from numpy_cae.manifold.detect import direct_damage, find_damage, residual
 from numpy_cae.manifold.fill import fill_positions, whole_features
 from numpy_cae.manifold.holes import at_thirty, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
@@ -24,8 +24,9 @@ from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
 
-UNKNOWN = 0.05
-"""Metres: with a larger typical residual, a motion is unlike what the manifold knows."""
+UNKNOWN = 0.12
+"""Metres of the largest typical residual of a motion like those that the manifold knows: more than
+that of any take of a source left out of training (docs/lab_book.md)."""
 
 
 def repair(
@@ -68,7 +69,8 @@ def repair(
         damaged = in_file(motion, missing) | direct_damage(body)
     missing = at_thirty(motion, damaged)
     features, _ = whole_features(body, missing)
-    middle = float(np.median(typical(residual(manifold, features, missing), missing)))
+    distance = np.linalg.norm(residual(manifold, features, missing), axis=-1)
+    middle = float(np.median(distance[~missing])) if not missing.all() else 0.0
     if middle > UNKNOWN and not force:
         return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
     target = fill_positions(manifold, body, missing)
