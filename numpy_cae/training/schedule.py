@@ -32,7 +32,6 @@ class Stage:
     chains: tuple[tuple[int, ...], ...] = ()  # of which `damage_stretches` damages stretches
     displacement: float = 0.15  # `size` of `damage_stretches`
     noise: float = 0.0  # largest standard deviation of the noise that is added to a window
-    posture: float = 0.0  # standard deviation of a constant added to each number of a window
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,6 @@ def denoising_step(
     it; `layer` is this layer, 0 the lowest, or None for all. Returns the loss of equation 3 before
     the step; if it is not finite, no weight is changed.
     """
-    if stage.posture:
-        shape = (len(x), 1, x.shape[2])
-        x = x + stage.posture * rng.standard_normal(shape, dtype=x.dtype)
     corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
     if stage.chains:
         corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
