@@ -8,6 +8,7 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
 from numpy_cae.experiments.published.protocol import GROUPS, read_columns, read_protocol
+from numpy_cae.motion import MotionFileError
 
 PUBLISHED = {
     ("leg", "standardised"): (13.5, 4.44),
@@ -44,12 +45,24 @@ def test_the_sizes_and_the_weights_are_those_of_the_data_set(read, table):
         np.testing.assert_allclose(read.scale, file["taylor_scale"][9:], rtol=3e-4)
 
 
-@pytest.mark.parametrize("number", [1, 22, 29])
-def test_acclaim_files_give_the_same_columns(data_folder, table, number):
-    path = data_folder / "cmu" / "asfamc" / "35" / f"35_{number:02d}.amc"
-    with np.load(table / "walk_jog_30hz.npz") as file:
-        known = file[f"{'test' if number == 29 else 'train'}_35_{number:02d}"]
-    np.testing.assert_array_equal(read_columns(path)[::4], known)
+def test_acclaim_files_give_the_same_protocol(data_folder, table, monkeypatch):
+    monkeypatch.setattr(protocol, "TRAINING", [1, 17, 22])
+    ours = read_protocol([data_folder / "cmu" / "asfamc" / "35"])
+    theirs = read_protocol([table])
+    np.testing.assert_array_equal(ours.test, theirs.test)
+    np.testing.assert_array_equal(ours.scale, theirs.scale)
+    for own, known in zip(ours.takes, theirs.takes, strict=True):
+        np.testing.assert_array_equal(own, known)
+
+
+def test_an_acclaim_file_without_a_bone_is_refused(data_folder, tmp_path):
+    folder = data_folder / "cmu" / "asfamc" / "35"
+    (tmp_path / "35.asf").write_bytes((folder / "35.asf").read_bytes())
+    lines = (folder / "35_17.amc").read_text().splitlines(keepends=True)
+    cut = max(n for n, line in enumerate(lines) if line.startswith("ltibia"))
+    (tmp_path / "35_17.amc").write_text("".join(lines[:cut] + lines[cut + 1 :]))
+    with pytest.raises(MotionFileError, match="frame 167 has no values of ltibia"):
+        read_columns(tmp_path / "35_17.amc")
 
 
 def test_a_method_never_receives_hidden_values(read):
@@ -72,6 +85,9 @@ def test_the_residual_before_the_hole_is_carried_into_it():
 
 def test_missing_takes_are_named(tmp_path):
     with pytest.raises(ValueError, match=r"35_01, .*download cmu --subjects 35"):
+        read_protocol([tmp_path])
+    (tmp_path / "walk_jog_30hz.npz").write_bytes(b"no archive")
+    with pytest.raises(ValueError, match=r"walk_jog_30hz\.npz: cannot be read"):
         read_protocol([tmp_path])
 
 

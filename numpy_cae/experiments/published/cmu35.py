@@ -91,8 +91,9 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         _claims(groups),
         lambda: _figure(groups[0]),
         note="A hole of 62 rows (2 s) to the end of take 35_29. The other columns are known in all "
-        "rows, so that a method may see later rows of these. GP-LVM: Gaussian process latent "
-        "variable model, the same regression from a learned latent space.",
+        "rows, so that a method may see later rows of these; none sees hidden columns after the "
+        "hole, where there are no rows. Residual: the error on the take's rows before the hole is "
+        "carried into it, which the networks' rows include. Both start from the Gaussian process.",
     )
 
 

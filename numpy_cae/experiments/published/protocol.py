@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -143,14 +144,13 @@ def read_protocol(folders: Sequence[str | Path]) -> Protocol:
     Raises
     ------
     ValueError
-        If neither is there, or takes are missing.
+        If neither is there, takes are missing, or the table is damaged.
     MotionFileError
         If an Acclaim file is damaged.
     """
     tables = _find(folders, "walk_jog_30hz.npz")
     if tables:
-        with np.load(tables[0]) as file:
-            frames = {int(key[-2:]): file[key] for key in file.files if "_35_" in key}
+        frames = _read_table(tables[0])
     else:
         files = {path.stem: path for path in _find(folders, "35_*.amc")}
         names = {n: f"35_{n:02d}" for n in (*TRAINING, TEST)}
@@ -164,6 +164,15 @@ def read_protocol(folders: Sequence[str | Path]) -> Protocol:
     angles = np.concatenate([frames[n][:, ANGLES] for n in TRAINING])
     takes = [rows_of(frames[n]) for n in TRAINING]
     return Protocol(takes, rows_of(frames[TEST]), 1 / angles.std(axis=0))
+
+
+def _read_table(path: Path) -> dict[int, np.ndarray]:
+    try:
+        with np.load(path) as file:
+            frames = {n: file[f"train_35_{n:02d}"] for n in TRAINING}
+            return frames | {TEST: file[f"test_35_{TEST}"]}
+    except (ValueError, KeyError, OSError, EOFError, BadZipFile) as error:
+        raise ValueError(f"{path}: cannot be read as the protocol's table: {error}") from None
 
 
 def _find(folders: Sequence[str | Path], pattern: str) -> list[Path]:
@@ -182,7 +191,9 @@ def read_columns(path: str | Path) -> np.ndarray:
             frames.append({})
         elif name in channels and frames:
             frames[-1][name] = file.numbers(line, values)
-    try:
-        return np.array([[x for name in channels for x in frame[name]] for frame in frames])
-    except (KeyError, ValueError):
-        raise MotionFileError(Path(path), None, "a frame lacks values of a bone") from None
+    for number, frame in enumerate(frames, start=1):
+        lacking = [name for name, count in channels.items() if len(frame.get(name, ())) != count]
+        if lacking:
+            problem = f"frame {number} has no values of {', '.join(lacking)}, or too few"
+            raise MotionFileError(Path(path), None, problem)
+    return np.array([[x for name in channels for x in frame[name]] for frame in frames])
