@@ -18,10 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.motion.body import Body
+from numpy_cae.motion.io.coordinates import points_to_y_up
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.rigs import Mappings, body_positions, joint_index
 from numpy_cae.motion.retarget.to_body import RATE
 
 
@@ -70,7 +71,7 @@ class Pin:
         keys = np.linspace(self.first, self.last, len(self.points))
         return np.stack([np.interp(frames, keys, column) for column in self.points.T], axis=-1)
 
-    def errors(self, motion: Motion, mapping: dict[str, str] | None = None) -> np.ndarray:
+    def errors(self, motion: Motion, mapping: Mappings = None) -> np.ndarray:
         """Distance of a motion's joint from its target in each pinned frame, metres."""
         frames = np.arange(self.first, self.last + 1)
         reached = body_positions(motion, mapping)[frames, JOINTS.index(self.joint)]
@@ -90,14 +91,15 @@ def pins_on_mean_skeleton(pins: Sequence[Pin], body: Body) -> Pins:
     return Pins(np.nan_to_num(targets), np.isfinite(targets).astype(np.float64), to_own)
 
 
-def read_pins(path: str | Path, motion: Motion) -> list[Pin]:
+def read_pins(path: str | Path, motion: Motion, mapping: Mappings = None) -> list[Pin]:
     """Read pins from a JSON file: a list of objects such as
 
         {"joint": "left_wrist", "frames": [30, 45], "at": [20, 130, 35]}
         {"joint": "hips", "frames": [0, 119], "path": [[0, null, 0], [50, null, 200]]}
 
-    in the unit of length and the frames of the motion's file, counted from 0. A coordinate that is
-    null is free; the points of a path are at equal intervals.
+    in the unit of length, the axes and the frames of the motion's file, counted from 0; joints are
+    named as ours or as the rig's. A coordinate that is null is free; the points of a path are at
+    equal intervals.
 
     Raises
     ------
@@ -116,21 +118,19 @@ def read_pins(path: str | Path, motion: Motion) -> list[Pin]:
     found = []
     for number, entry in enumerate(listed, start=1):
         try:
-            found.append(_pin(entry, motion))
+            found.append(_pin(entry, motion, mapping))
         except ValueError as error:
             raise MotionFileError(path, None, f"pin {number}: {error}") from None
     return found
 
 
-def _pin(entry: object, motion: Motion) -> Pin:
+def _pin(entry: object, motion: Motion, mapping: Mappings) -> Pin:
     if not isinstance(entry, dict):
         raise ValueError("expected an object with joint, frames, and at or path")
     extra = sorted(set(entry) - {"joint", "frames", "at", "path"})
     if extra:
         raise ValueError(f"unknown: {', '.join(extra)}")
-    joint = entry.get("joint")
-    if joint not in JOINTS:
-        raise ValueError(f"there is no joint {joint!r}, expected one of {', '.join(JOINTS)}")
+    joint = JOINTS[joint_index(str(entry.get("joint")), motion.skeleton, mapping)]
     if ("at" in entry) == ("path" in entry):
         raise ValueError("expected either at, a point, or path, a list of points")
     points = [_point(p) for p in ([entry["at"]] if "at" in entry else _list(entry["path"]))]
@@ -140,7 +140,7 @@ def _pin(entry: object, motion: Motion) -> Pin:
                 f"{axis} is null in some points of the path, expected in all or in none"
             )
     first, last = _frames(entry.get("frames"), len(motion))
-    return Pin(joint, first, last, np.array(points) * motion.unit)
+    return Pin(joint, first, last, points_to_y_up(np.array(points) * motion.unit, motion))
 
 
 def _list(path: object) -> list:

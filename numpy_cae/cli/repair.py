@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.beyond import constrain, read_pins
 
     def repaired(motion: Motion, mapping: dict[str, str] | None) -> Motion:
-        pins = read_pins(args.pin, motion) if args.pin else []
+        pins = read_pins(args.pin, motion, mapping) if args.pin else []
         found = constrain(motion, repair(motion, manifold, mapping), manifold, mapping, pins)
         result = found.motion
         for pin in pins:

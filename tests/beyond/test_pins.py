@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,14 @@ def test_an_error_names_the_pin(motion, tmp_path, text, message):
     with pytest.raises(MotionFileError, match="pins") as raised:
         read_pins(file, motion)
     assert message in str(raised.value)
+
+
+def test_pins_are_in_the_axes_and_joint_names_of_the_file(motion, tmp_path):
+    file = tmp_path / "pins.json"
+    file.write_text('[{"joint": "lwrist", "frames": [0, 1], "at": [10, null, 130]}]')
+    (pin,) = read_pins(file, replace(motion, up="z", floor=1.0))
+    assert pin.joint == "left_wrist"
+    np.testing.assert_allclose(pin.points, [[0.1, 0.3, np.nan]])
 
 
 def test_pins_are_in_the_unit_and_frames_of_the_file(motion, untrained_manifold, tmp_path):

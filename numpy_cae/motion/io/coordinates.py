@@ -51,7 +51,7 @@ NEAR = 0.10
 AT_ZERO, AT_LEVEL = 0.25, 0.1
 """Parts of the time: a body that is so long near 0 has its floor there, whatever is below (stairs,
 a ladder); else the floor is the lowest level at which it is so long."""
-_POSES = 2000
+_POSES = 500
 
 
 @dataclass(frozen=True)
@@ -154,6 +154,13 @@ def to_y_up(motion: Motion, up: str, floor: float) -> Motion:
     rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
     translations[:, 0, 1] -= floor
     return replace(motion, rotations=rotations, translations=translations, up=up, floor=floor)
+
+
+def points_to_y_up(points: np.ndarray, motion: Motion) -> np.ndarray:
+    """Points (N, 3) of the file's world in metres in the world of the motion; NaN stays alone."""
+    matrix = np.array(TO_Y_UP[motion.up])
+    moved = points[:, np.abs(matrix).argmax(axis=1)] * matrix.sum(axis=1)
+    return moved - [0.0, motion.floor, 0.0]
 
 
 def as_in_file(motion: Motion) -> Motion:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -64,36 +63,37 @@ def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[s
     plain = {_plain(name): index for name, index in exact.items()}
     mapped: dict[str, int] = {}
     for one in [mapping] if isinstance(mapping, dict) else mapping or []:
-        present = _places({joint: (name,) for joint, name in one.items()}, exact, plain)
+        places = {joint: exact.get(name, plain.get(_plain(name))) for joint, name in one.items()}
+        present = {joint: index for joint, index in places.items() if index is not None}
         if len(present) == len(one) or isinstance(mapping, dict):
             mapped = present
             break
-    places = {rig: _places(table, exact, plain) for rig, table in RIGS.items()}
+    known = {rig: _places(table, plain) for rig, table in _PLAIN_RIGS.items()}
     # The fewest joints missing and, of equals, the most found.
-    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(places[rig]), -len(places[rig])))
+    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(known[rig]), -len(known[rig])))
     named = mapping if isinstance(mapping, dict) else {}
-    found = {joint: index for joint, index in places[best].items() if joint not in named} | mapped
+    found = {joint: index for joint, index in known[best].items() if joint not in named} | mapped
     add_trunk(skeleton, found, set(named))
     for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
         found[name.removesuffix(ADDED)] = exact[name]
     return best, found
 
 
-def _places(names: Names, exact: dict[str, int], plain: dict[str, int]) -> dict[str, int]:
+def _places(names: Names, plain: dict[str, int]) -> dict[str, int]:
     """The joints that a skeleton has under one of their names."""
-    places = {}
-    for joint, forms in names.items():
-        indices = (exact.get(form, plain.get(_plain(form))) for form in forms)
-        index = next((index for index in indices if index is not None), None)
-        if index is not None:
-            places[joint] = index
-    return places
+    present = {joint: [form for form in forms if form in plain] for joint, forms in names.items()}
+    return {joint: plain[forms[0]] for joint, forms in present.items() if forms}
 
 
-@lru_cache(10_000)
 def _plain(name: str) -> str:
     name = name.rsplit(":", 1)[-1].lower()
     return re.sub(r"[\s_.\-]", "", name) or name
+
+
+_PLAIN_RIGS = {
+    rig: {joint: tuple(map(_plain, names)) for joint, names in table.items()}
+    for rig, table in RIGS.items()
+}
 
 
 def joint_index(name: str, skeleton: Skeleton, mapping: Mappings = None) -> int:
@@ -108,8 +108,9 @@ def joint_index(name: str, skeleton: Skeleton, mapping: Mappings = None) -> int:
         if form(name) in (forms := [form(each) for each in found]):
             return forms.index(form(name))
     pairs = ", ".join(f"{own} ({rigs})" for own, rigs in zip(JOINTS, found, strict=True))
-    known = "not among the twenty joints" if name in skeleton.names else "no joint of the rig"
-    raise UnknownRigError(f"{name!r} is {known}; they are {pairs}")
+    if name in skeleton.names:
+        raise UnknownRigError(f"joint {name!r} is not among the twenty, which are {pairs}")
+    raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")
 
 
 def read_mapping(path: str | Path) -> Mapping:
