@@ -13,9 +13,15 @@ PCA: Tipping & Bishop 1999):
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+
+BLOCK = 4_000_000
+"""Numbers that are handled at once."""
+NO_VARIANCE = 1e-11
+"""Share of the largest variance below which an axis is rounding error."""
 
 
 @dataclass(frozen=True)
@@ -37,15 +43,31 @@ class PCA:
 
     @classmethod
     def fit(cls, rows: np.ndarray) -> PCA:
-        """From observations (M, N), by singular value decomposition."""
-        mean = rows.mean(axis=0)
-        _, spread, axes = np.linalg.svd(rows - mean, full_matrices=False)
-        return cls(mean, axes, spread**2 / len(rows))
+        """From observations (M, N) of any dtype.
+
+        The axes are eigenvectors of the smaller of XᵀX, (N, N), and XXᵀ, (M, M), for the rows X
+        about their mean. A singular value decomposition of X gives the same in several times the
+        memory. Of fewer rows than numbers, axes of no variance are left out.
+        """
+        mean = rows.mean(axis=0, dtype=np.float64)
+        if len(rows) >= rows.shape[1]:
+            blocks = (rows[block] - mean for block in _blocks(rows))
+            spread, vectors = np.linalg.eigh(sum(block.T @ block for block in blocks))
+            return cls(mean, vectors.T[::-1], np.maximum(spread[::-1], 0) / len(rows))
+        about_mean = rows - mean
+        spread, vectors = np.linalg.eigh(about_mean @ about_mean.T)
+        kept = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
+        axes = vectors.T[kept] @ about_mean
+        axes /= np.sqrt(spread[kept, None])
+        return cls(mean, axes, spread[kept] / len(rows))
 
     def project(self, rows: np.ndarray, size: int) -> np.ndarray:
         """Each row's nearest point on the manifold of the first `size` axes, (M, N) to (M, N)."""
         axes = self.axes[:size]
-        return self.mean + (rows - self.mean) @ axes.T @ axes
+        projected = np.empty(rows.shape)
+        for block in _blocks(rows):
+            np.matmul((rows[block] - self.mean) @ axes.T, axes, out=projected[block])
+        return np.add(projected, self.mean, out=projected)
 
     def fill(self, rows: np.ndarray, known: np.ndarray, size: int) -> np.ndarray:
         """Each row with its missing entries from the manifold of the first `size` axes.
@@ -72,3 +94,9 @@ class PCA:
             coefficients = np.linalg.solve(system, seen @ (row[sure] - self.mean[sure]))
             row[~sure] = self.mean[~sure] + coefficients @ axes[:, ~sure]
         return filled
+
+
+def _blocks(rows: np.ndarray) -> Iterator[slice]:
+    """Slices of the rows of about `BLOCK` numbers each."""
+    count = max(1, BLOCK // rows.shape[1])
+    return (slice(first, first + count) for first in range(0, len(rows), count))

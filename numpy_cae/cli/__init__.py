@@ -39,15 +39,23 @@ SUBCOMMANDS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
     argv = sys.argv[1:] if argv is None else list(argv)
-    args = _parser(argv).parse_args(argv)
+    command = _command(argv)
     try:
+        args = _parser(argv).parse_args(argv)  # imports for a second
         return args.run(args)
-    except (NumpyCaeError, ValueError, OSError) as error:
-        print(f"numpy-cae {args.command}: {error}", file=sys.stderr)
+    except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
+        problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else error
+        print(f"numpy-cae {command}: {problem}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print(f"numpy-cae {args.command}: interrupted, nothing more was written", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        state = str(interrupt) or "nothing more was written"
+        print(f"numpy-cae {command}: interrupted; {state}", file=sys.stderr)
         return 130
+
+
+def _command(argv: Sequence[str]) -> str | None:
+    """The name of the subcommand."""
+    return next((word for word in argv if not word.startswith("-")), None)
 
 
 def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
@@ -57,7 +65,7 @@ def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    chosen = next((word for word in argv if not word.startswith("-")), None)
+    chosen = _command(argv)
     for name, help_line in SUBCOMMANDS.items():
         if name == chosen:
             _add_subcommand(subparsers, name)

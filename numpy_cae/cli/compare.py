@@ -15,8 +15,9 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
 from numpy_cae.cli.output import print_json
+from numpy_cae.cli.takes import usable_bodies
 from numpy_cae.manifold import distance_matrix, hidden_units, signature
-from numpy_cae.motion import find_motion_files, load_body
+from numpy_cae.motion import find_motion_files
 from numpy_cae.viz import save_figure
 from numpy_cae.viz.matrix import matrix_figure
 
@@ -37,11 +38,13 @@ def run(args: argparse.Namespace) -> int:
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
-    mapping, names = kinds.chosen_mapping(args), list(files)
-    bodies = [
-        load_body(path, mapping, kinds.chosen_coordinates(args))[0] for path in files.values()
-    ]
-    units = [hidden_units(manifold, manifold.features(body)[0]) for body in bodies]
+    mapping, names_of = kinds.chosen_mapping(args), {path: name for name, path in files.items()}
+    paths, coordinates, names, units = list(names_of), kinds.chosen_coordinates(args), [], []
+    for body in usable_bodies(paths, mapping, coordinates, strict=len(files) == 2):
+        names.append(names_of[body.path])
+        units.append(hidden_units(manifold, manifold.features(body.positions)[0]))
+    if len(names) < 2:
+        raise ValueError(f"{names[0]}: one motion is left, name another to compare it with")
     distances = distance_matrix([signature(each) for each in units])
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     nearest = [names[n] for n in others.argmin(axis=1)]

@@ -21,7 +21,11 @@ def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
     with lock(output), _stopped_by_sigterm():
         checkpoint.require_none_unless_resumed()
         remove_leftovers(output)
-        yield checkpoint
+        try:
+            yield checkpoint
+        except KeyboardInterrupt:
+            advice = "; continue with --resume" if checkpoint.path.exists() else ""
+            raise KeyboardInterrupt(f"{checkpoint.status()}{advice}") from None
 
 
 def state_of(output: Path) -> Path:

@@ -14,6 +14,7 @@ examples:
 import argparse
 import time
 from collections.abc import Sequence
+from glob import escape
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     test = "names of the test files, where the model does not record them (default for the "
     test += "starter model, for data that it has not seen: every fifth file)"
     add("--test", **kinds.PATTERNS, help=test)
+    unseen = "the model has seen none of these files: test on --test or on every fifth file"
+    add("--unseen", **kinds.FLAG, help=unseen)
     only = f"run only these experiments, of {', '.join(names)} (the default) and " + ", ".join(
         PUBLISHED
     )
@@ -92,7 +95,9 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     )
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
-        raise ValueError(f"--data holds no take to {which}: the test takes are {_listed(patterns)}")
+        advice = "if the model has seen none of these files, add --unseen"
+        found = f"--data holds no take to {which}: the test takes are {_listed(patterns)}"
+        raise ValueError(f"{found}; {advice}")
     counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
     note(counts)
     how = _provenance(args.model.name if args.model else "starter model", manifold) | {
@@ -104,12 +109,13 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:
     """The patterns of the test files: those that the model records, else --test; of files that the
-    starter model has not seen every fifth one."""
+    model (--unseen) or the starter model has not seen every fifth one."""
     own = list(manifold.settings.get("test") or [])
-    if args.model is None:
+    if args.unseen or args.model is None:
         files = [path for folder in args.data for path in find_motion_files(folder)]
-        known = any(is_test(path, own) for path in files)
-        return args.test or (own if known else [path.name for path in files[4::5] or files[:1]])
+        if not args.unseen and not args.test and any(is_test(path, own) for path in files):
+            return own
+        return args.test or [escape(path.name) for path in files[4::5] or files[:1]]
     if own and args.test and sorted(own) != sorted(args.test):
         raise ValueError(
             f"{args.model} was trained without {' '.join(own)}: other test takes, {args.test}, "

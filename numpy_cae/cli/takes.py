@@ -37,19 +37,12 @@ def read_takes(
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
     notes: Counter[str] = Counter()
-    left_out = changed = 0
-    for body in _with_progress(read_bodies(paths, mapping, coordinates, cache), len(paths)):
-        if body.problem is not None:
-            if strict or len(paths) == 1:
-                raise body.problem
-            left_out += 1
-            note(f"left out: {body.problem}")
-            continue
+    changed = 0
+    for body in usable_bodies(paths, mapping, coordinates, strict, cache):
         (testing if is_test(body.path, test) else training).append(body.positions)
         notes[body.note.split(" (")[0]] += 1
         changed += "; " in body.note
-    if left_out == len(paths):
-        raise ValueError(f"none of {left_out} files can be used, see above")
+    left_out = len(paths) - notes.total()
     if test and not testing:
         raise ValueError("every file to test was left out, see above")
     if not training:
@@ -64,6 +57,29 @@ def read_takes(
     if changed:
         note(f"{changed} files turned to Y up or moved to a floor at 0; see `numpy-cae rig FILE`")
     return training, testing
+
+
+def usable_bodies(
+    paths: Sequence[Path],
+    mapping: Mappings,
+    coordinates: Coordinates | None,
+    strict: bool = False,
+    cache: Path | None = None,
+) -> Iterator[Body]:
+    """The bodies that `read_bodies` can read. A file that cannot be used is an error if `strict` or
+    if it is the only one, otherwise it is reported and skipped; ValueError if all are.
+    """
+    left_out = 0
+    for body in _with_progress(read_bodies(paths, mapping, coordinates, cache), len(paths)):
+        if body.problem is None:
+            yield body
+        elif strict or len(paths) == 1:
+            raise body.problem
+        else:
+            left_out += 1
+            note(f"left out: {body.problem}")
+    if left_out == len(paths):
+        raise ValueError(f"none of {left_out} files can be used, see above")
 
 
 def _with_progress(bodies: Iterable[Body], files: int) -> Iterator[Body]:

@@ -67,7 +67,10 @@ def run(args: argparse.Namespace) -> int:
         manifold.settings["test"] = args.test
         save_manifold(manifold, args.output, half=args.recipe == "starter")
         checkpoint.remove()
-    table, figure = measure() if args.test else (None, None)
+    try:
+        table, figure = measure() if args.test else (None, None)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
     if figure:
         figure.save_picture(args.picture)
     text = f"learned from {summary}"
@@ -123,9 +126,8 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.actions import read_action
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
-    action = read_action(
-        name, args.folders, args.test, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
-    )
+    how_read = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    action = read_action(name, args.folders, args.test, *how_read, args.strict)
     if args.test and not action.testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:

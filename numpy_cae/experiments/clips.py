@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.shifted_projection import project_shifted
+from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shifted
 from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import LENGTH, cut_windows
@@ -44,8 +44,15 @@ class Clips:
 
     def error(self, x: np.ndarray, joint: str | None = None) -> float:
         """The `position_error` of windows, cm, over all joints or one."""
-        gap = (x - self.x) / self.manifold.scale  # the mean pose cancels
-        return position_error(gap, np.zeros(gap.shape[-1]), self.real, joint)
+        squares, frames = [], []
+        for first in range(0, len(x), WINDOWS_AT_ONCE):
+            part = slice(first, first + WINDOWS_AT_ONCE)
+            gap = (x[part] - self.x[part]) / self.manifold.scale  # the mean pose cancels
+            frames.append(np.count_nonzero(self.real[part]))
+            if frames[-1]:
+                error = position_error(gap, np.zeros(gap.shape[-1]), self.real[part], joint)
+                squares.append(error**2 * frames[-1])
+        return float(np.sqrt(sum(squares) / sum(frames)))
 
     def jitter(self, x: np.ndarray) -> float:
         """The `jitter` of windows in the world, m/s², weighted by their number of accelerations."""
@@ -109,11 +116,13 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     if not takes:
         raise ValueError("there are no takes to cut into windows")
     length = window_length(manifold)
-    cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
-    windows = np.concatenate([windows for windows, _ in cut])
-    take = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
-    real = np.concatenate([real for _, real in cut])
-    return Clips(manifold, manifold.normalise(windows), real, take)
+    windows, reals = [], []
+    for take in takes:
+        cut, real = cut_windows(manifold.features(take)[0], length, length // 2)
+        windows.append(manifold.normalise(cut))
+        reals.append(real)
+    numbers = np.repeat(np.arange(len(windows)), [len(each) for each in windows])
+    return Clips(manifold, np.concatenate(windows), np.concatenate(reals), numbers)
 
 
 def window_length(manifold: MotionManifold) -> int:

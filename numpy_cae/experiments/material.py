@@ -6,8 +6,9 @@ They are split by take, never by window: two windows of one take overlap.
 from __future__ import annotations
 
 import csv
+import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import lru_cache
@@ -21,6 +22,7 @@ from numpy_cae.motion import (
     Mappings,
     Motion,
     MotionFileError,
+    UnknownRigError,
     find_motion_files,
     load_body,
     load_motion,
@@ -28,6 +30,8 @@ from numpy_cae.motion import (
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold
+
+log = logging.getLogger(__name__)
 
 Take = TypeVar("Take")
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
@@ -125,14 +129,30 @@ def read_material(
 ) -> Material:
     """Every motion file below the folders, labelled and split.
 
-    Files whose name matches one of the patterns are for testing; `mapping`, `coordinates` and the
-    errors are those of `numpy_cae.motion.load_body`.
+    Files whose name matches one of the patterns are for testing; `mapping` and `coordinates` are
+    those of `numpy_cae.motion.load_body`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
-    for path in (path for folder in folders for path in find_motion_files(folder)):
-        positions, _ = load_body(path, mapping, coordinates)
+    bodies = each_usable(folders, lambda path: load_body(path, mapping, coordinates)[0])
+    for path, positions in bodies:
         halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
     return Material(*halves, mapping, coordinates)
+
+
+def each_usable(
+    folders: Sequence[str | Path], read: Callable[[Path], Take], strict: bool = False
+) -> Iterator[tuple[Path, Take]]:
+    """Every motion file below the folders, read. A file that cannot be used is an error if
+    `strict`, otherwise it is left out with a warning."""
+    for path in (path for folder in folders for path in find_motion_files(folder)):
+        try:
+            found = read(path)
+        except (MotionFileError, UnknownRigError) as problem:
+            if strict:
+                raise
+            log.warning("left out: %s", problem)
+            continue
+        yield path, found
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:

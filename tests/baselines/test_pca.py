@@ -30,3 +30,22 @@ def test_missing_entries_are_the_conditional_mean_of_a_gaussian():
     expected = mean[2] + cov[2, :2] @ np.linalg.solve(cov[:2, :2], rows[0, :2] - mean[:2])
     filled = pca.fill(rows[:1], np.array([[True, True, False]]), 3)
     assert filled[0, 2] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("shape", [(400, 63), (60, 300)])
+def test_the_axes_are_those_of_a_singular_value_decomposition(shape):
+    rng = np.random.default_rng(4)
+    rows = rng.normal(size=(shape[0], 12)) @ rng.normal(size=(12, shape[1])) + 3
+    rows += 1e-2 * rng.normal(size=shape)
+    pca = PCA.fit(rows.astype(np.float32))
+    rows = rows.astype(np.float32).astype(np.float64)
+    mean = rows.mean(axis=0)
+    _, spread, axes = np.linalg.svd(rows - mean, full_matrices=False)
+    count = len(pca.axes)
+    np.testing.assert_allclose(pca.variances, spread[:count] ** 2 / len(rows), rtol=1e-6)
+    assert count >= min(shape) - 1
+    new = rng.normal(size=(5, shape[1]))
+    for size in (1, 12, 40):
+        expected = mean + (new - mean) @ axes[:size].T @ axes[:size]
+        np.testing.assert_allclose(pca.project(new, size), expected, atol=1e-7)
+    np.testing.assert_allclose(pca.axes @ pca.axes.T, np.eye(count), atol=1e-7)

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from data_synth import JANG2018_KINDS, plan_takes
-from numpy_cae.experiments.material import is_test
+from numpy_cae.experiments.material import each_usable, is_test
 from numpy_cae.motion import (
     ANGLE_RATE,
     AngleSequence,
     Coordinates,
     Mappings,
     angles_of,
-    find_motion_files,
     load_angles,
 )
 
@@ -66,12 +65,14 @@ def read_action(
     patterns: Sequence[str],
     mapping: Mappings = None,
     coordinates: Coordinates | None = None,
+    strict: bool = False,
 ) -> Action:
     """Read every motion file below the folders; those whose name matches a pattern are for testing.
 
-    `mapping`, `coordinates` and the errors are those of `load_angles`.
+    `mapping` and `coordinates` are those of `load_angles`, `strict` that of `each_usable`.
     """
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
-    for path in (path for folder in folders for path in find_motion_files(folder)):
-        halves[is_test(path, patterns)].append(load_angles(path, mapping, coordinates))
+    angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates), strict)
+    for path, sequence in angles:
+        halves[is_test(path, patterns)].append(sequence)
     return Action(name, *halves, periodic=name in PERIODIC)

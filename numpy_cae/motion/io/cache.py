@@ -14,7 +14,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -89,18 +89,31 @@ def read_bodies(
     if processes == 1:
         yield from map(read, paths)
         return
-    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_ignore_interrupts)
+    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_end_at_sigterm)
     try:
-        yield from pool.map(read, paths, chunksize=4)
+        with _blocked_interrupts():
+            bodies = pool.map(read, paths, chunksize=4)
+        yield from bodies
     except BrokenProcessPool:
         raise OSError("a process that read motion files was ended from outside") from None
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the parent process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def _blocked_interrupts() -> Iterator[None]:
+    """Leave Ctrl-C to this process: the processes that it starts here inherit the block."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_at_sigterm() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
