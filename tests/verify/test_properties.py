@@ -1,25 +1,15 @@
-"""Every property of every operation: no alarm on what is right, however it is written."""
+"""Every property of every operation: no alarm on what is right, and every class is drawn."""
 
+import numpy as np
 import pytest
-from hypothesis import settings
-from written_otherwise import CONVENTIONS, RIGHT, gru_in
+from hypothesis import given, settings
+from written_otherwise import RIGHT
 
-from numpy_cae.verify.catalogue import CATALOGUE, properties_of
-from numpy_cae.verify.convention import Convention, gru_step_in
-from numpy_cae.verify.trial import try_property
-
-ORDER = ("update", "reset", "new")
-EACH_DIFFERENCE = (
-    Convention(reset_after=False),
-    Convention(update_keeps=False),
-    Convention(order=ORDER),
-)
-ALL_DIFFERENCES = Convention(reset_after=False, update_keeps=False, order=ORDER)
-
-
-def require_held(tried, implementation):
-    outcome = try_property(tried, implementation, settings.default.max_examples // 2)
-    assert outcome.held, f"{outcome.problem}\n{outcome.counterexample}\n{outcome.mistake}"
+from numpy_cae import ops, verify
+from numpy_cae.verify import strategies
+from numpy_cae.verify.case import VALUES, drawn_cases
+from numpy_cae.verify.catalogue import CATALOGUE
+from numpy_cae.verify.convention import VARIANTS, Convention, gru_step_in
 
 
 def test_properties_are_data():
@@ -29,27 +19,79 @@ def test_properties_are_data():
         assert all(tried.operation == name and tried.statement for tried in listed)
 
 
+def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
+    seeds = set()
+    for task in CATALOGUE.values():
+        for tried in task.properties:
+            cases = list(drawn_cases(tried, tried.examples))
+            for name, options in tried.sizes.items():
+                assert {case[name] for case in cases} == set(options)
+            assert len(tried.sizes["values"]) < len(VALUES) or "ties" in tried.sizes["values"]
+            seeds.add(tuple(case.seed for case in cases))
+    assert len(seeds) == sum(len(task.properties) for task in CATALOGUE.values())
+
+
 @pytest.mark.parametrize(
-    ("tried", "implementation"),
+    ("name", "function"), [pytest.param(*each, id=each[1].__name__) for each in RIGHT]
+)
+def test_what_is_written_otherwise_holds(name, function):
+    report = verify.report(name, function)
+    assert report.held, str(report)
+
+
+@pytest.mark.parametrize(
+    ("name", "variant"),
     [
-        pytest.param(tried, function, id=f"{function.__name__}: {tried.name}")
-        for name, function in RIGHT
-        for tried in CATALOGUE[name].properties
+        pytest.param(name, variant, id=f"{name}: {variant.sentence}")
+        for name, variants in VARIANTS.items()
+        for variant in (variants if name != "gru" else variants[-1:])
     ],
 )
-def test_what_is_written_otherwise_holds(tried, implementation):
-    require_held(tried, implementation)
+def test_another_convention_fails_unless_it_is_allowed(name, variant):
+    strict = verify.report(name, variant.reference)
+    assert not strict.held and strict.convention == "that of numpy_cae.ops"
+    allowed = verify.report(name, variant.reference, any_convention=True)
+    assert allowed.held and allowed.convention == variant.sentence
+    assert f"another convention than numpy_cae's: {variant.sentence}"[:60] in str(allowed)
 
 
-@pytest.mark.parametrize("convention", [*EACH_DIFFERENCE, ALL_DIFFERENCES], ids=str)
-def test_other_conventions_hold_by_their_own_definitions(convention):
-    for tried in properties_of("gru_step", convention):
-        require_held(tried, gru_step_in(convention))
-    for tried in properties_of("gru", convention) if convention == ALL_DIFFERENCES else ():
-        require_held(tried, gru_in(convention))
+def test_a_wrong_function_is_right_in_no_convention():
+    def wrong(x, h, w, u, b, c):
+        value, pullback = gru_step_in(Convention(update_keeps=False))(x, h, w, u, b, c)
+        return value, lambda dy: (*pullback(dy)[:5], 2 * pullback(dy)[5])
+
+    assert not verify.report("gru_step", wrong, any_convention=True).held
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS, ids=str)
-def test_other_conventions_have_other_values(convention):
-    value = CATALOGUE["gru_step"].properties[0]
-    assert not try_property(value, gru_step_in(convention), 20, shrink=False).held
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_strategies_draw_arguments_and_what_the_definition_makes_of_them(name):
+    @settings(max_examples=15)
+    @given(strategies.examples(name), strategies.arguments(name))
+    def check(example, arguments):
+        value, pullback = CATALOGUE[name].solution(*example.arguments.values())
+        np.testing.assert_allclose(value, example.value, rtol=1e-9, atol=1e-9)
+        gradients = pullback(example.upstream)
+        gradients = gradients if isinstance(gradients, tuple) else (gradients,)
+        for found, expected in zip(gradients, example.gradients.values(), strict=True):
+            np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+        assert list(arguments) == list(example.arguments)
+
+    check()
+
+
+def test_an_example_is_what_a_report_prints():
+    def wrong(x, w, b):
+        value, pullback = ops.conv1d(x, w, b)
+        return value, lambda dy: (pullback(dy)[0], 3 * pullback(dy)[1], pullback(dy)[2])
+
+    text = next(o for o in verify.report("conv1d", wrong).outcomes if not o.held).counterexample
+    sizes = {"batch": 1, "frames": 1, "channels": 1, "filters": 1, "taps": 1}
+    example = verify.example("conv1d", seed=0, **sizes)
+    assert text.startswith("batch 1, frames 1, channels 1, filters 1, taps 1, seed 0\n")
+    assert f"w = {example.arguments['w'].tolist()}" in text
+    assert f"upstream gradient = {example.upstream.tolist()}" in text
+    assert f"expected: {example.gradients['w'].tolist()}" in text
+    with pytest.raises(ValueError, match=r"conv1d has the sizes batch, frames, .* got frames"):
+        verify.example("conv1d", frames=2, seed=0)
+    with pytest.raises(ValueError, match="values is 'small', expected one of ordinary, random"):
+        verify.example("conv1d", seed=0, **sizes, values="small")

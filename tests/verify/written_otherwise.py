@@ -6,9 +6,9 @@ None of them may raise an alarm. Each is (operation, function).
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import toeplitz
+from scipy.signal import correlate
 from scipy.special import expit, log1p
-
-from numpy_cae.verify.convention import Convention, gru_step_in, other_conventions
 
 RIGHT = []
 
@@ -89,6 +89,42 @@ def conv1d_by_loops(x, w, b):
         return [dx, dw, db]
 
     return y, pullback
+
+
+@right("conv1d")
+def conv1d_by_correlation(x, w, b):
+    """Every pair of channels by itself, with scipy.signal."""
+
+    def pullback(dy):
+        dx, dw = np.zeros_like(x), np.zeros_like(w)
+        middle = x.shape[1] - 1 + np.arange(len(w)) - len(w) // 2
+        for i, c, d in np.ndindex(len(x), *w.shape[1:]):
+            taps, seen = w[::-1, c, d], np.pad(dy[i, :, d], len(w) // 2)
+            dx[i, :, c] += correlate(seen, taps, "valid")
+            lags = np.pad(correlate(x[i, :, c], dy[i, :, d]), len(w))
+            dw[:, c, d] += lags[middle + len(w)]
+        return dx, dw, dy.sum(axis=(0, 1))
+
+    y = np.zeros((*x.shape[:2], len(b)), x.dtype) + b
+    for i, c, d in np.ndindex(len(x), *w.shape[1:]):
+        y[i, :, d] += correlate(np.pad(x[i, :, c], len(w) // 2), w[:, c, d], "valid")
+    return y, pullback
+
+
+@right("conv1d")
+def conv1d_by_toeplitz_matrices(x, w, b):
+    frames, taps = x.shape[1], len(w)
+    lags = np.arange(frames)[None] - np.arange(frames)[:, None] + taps // 2
+    inside = (lags >= 0) & (lags < taps)
+    bands = np.where(inside[..., None, None], w[np.clip(lags, 0, taps - 1)], 0)
+
+    def pullback(dy):
+        of_bands = np.einsum("bsc,btd->tscd", x, dy)
+        dw = np.stack([of_bands[lags == k].sum(axis=0) for k in range(taps)])
+        return np.einsum("btd,tscd->bsc", dy, bands), dw, dy.sum(axis=(0, 1))
+
+    assert np.array_equal(lags, toeplitz(lags[:, 0], lags[0]))
+    return np.einsum("bsc,tscd->btd", x, bands) + b, pullback
 
 
 @right("transpose_filters")
@@ -226,33 +262,6 @@ def gru_all_weights_at_once(x, h0, w, u, b, c):
     return np.stack(before[1:], axis=1), pullback
 
 
-def gru_in(convention: Convention):
-    step = gru_step_in(convention)
-
-    def gru_in_convention(x, h0, w, u, b, c):
-        h, states, pullbacks = h0, [], []
-        for frame in np.moveaxis(x, 1, 0):
-            h, step_pullback = step(frame, h, w, u, b, c)
-            states.append(h)
-            pullbacks.append(step_pullback)
-
-        def pullback(dy):
-            dh, dx, sums = 0 * h0, [], None
-            for t in range(len(pullbacks))[::-1]:
-                dx_t, dh, *terms = pullbacks[t](dy[:, t] + dh)
-                dx.append(dx_t)
-                sums = (
-                    terms
-                    if sums is None
-                    else [s + term for s, term in zip(sums, terms, strict=True)]
-                )
-            return np.stack(dx[::-1], axis=1), dh, *sums
-
-        return np.stack(states, axis=1), pullback
-
-    return gru_in_convention
-
-
 @right("mean_squared_error")
 def squared_as_python_number(x_hat, x):
     loss = sum(float(g) ** 2 for g in (x_hat - x).flat) / x.size
@@ -288,6 +297,3 @@ def sliced_by_ranks(z, prior, directions):
     ranks = p.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
     gap = p - np.take_along_axis(np.sort(prior @ directions.T, axis=0), ranks, axis=0)
     return (gap**2).mean(), lambda dloss=1.0: gap @ directions * z.dtype.type(2 * dloss / gap.size)
-
-
-CONVENTIONS = list(other_conventions())
