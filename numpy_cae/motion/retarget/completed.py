@@ -15,9 +15,12 @@ from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig
 
-_SPINE = 0.5
-_COLLAR = 0.3
-"""Parts of the way from hips to chest and from chest to shoulder, as in CMU's rig."""
+_BETWEEN = {
+    "spine": ("chest", 0.5),
+    "left_collar": ("left_shoulder", 0.3),
+    "right_collar": ("right_shoulder", 0.3),
+}
+"""The other end of a bone on which a missing joint is, and its part of the way, as in CMU's rig."""
 
 
 def completed(motion: Motion, mapping: Mappings = None) -> Motion:
@@ -28,22 +31,17 @@ def completed(motion: Motion, mapping: Mappings = None) -> Motion:
     skeleton = motion.skeleton
     found = match_rig(skeleton, mapping)[1]
     missing = [joint for joint in JOINTS if joint not in found]
-    names, parents, offsets = [], [], []
-    for joint in missing:
-        index = JOINTS.index(joint)
-        parent = found.get(JOINTS[PARENTS[index]], -1)
-        child = next(
-            (found[JOINTS[c]] for c, p in enumerate(PARENTS) if p == index and JOINTS[c] in found),
-            -1,
-        )
-        offset = skeleton.end_sites.get(parent, np.zeros(3)) if child < 0 else np.zeros(3)
-        if child >= 0 and skeleton.parents[child] == parent:
-            part = _SPINE if joint == "spine" else _COLLAR
-            offset = part * motion.translations[:, child].mean(axis=0)
+    parents = [found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
+    offsets = []
+    for joint, parent in zip(missing, parents, strict=True):
+        offset = np.zeros(3)
+        end, part = _BETWEEN.get(joint, ("", 0.0))
+        if end in found and skeleton.parents[found[end]] == parent:
+            offset = part * motion.translations[:, found[end]].mean(axis=0)
+        elif JOINTS.index(joint) not in PARENTS:
+            offset = skeleton.end_sites.get(parent, offset)
         if parent < 0 or not offset.any():
             return motion
-        names.append(joint + ADDED)
-        parents.append(parent)
         offsets.append(offset)
     if not missing:
         return motion
@@ -52,7 +50,7 @@ def completed(motion: Motion, mapping: Mappings = None) -> Motion:
         motion,
         skeleton=replace(
             skeleton,
-            names=(*skeleton.names, *names),
+            names=(*skeleton.names, *(joint + ADDED for joint in missing)),
             parents=(*skeleton.parents, *parents),
             offsets=np.concatenate([skeleton.offsets, offsets]),
             added=added,
