@@ -26,6 +26,10 @@ def with_engine(network: Network, engine: str) -> Network:
     return accelerate(network) if engine == "fast" else network
 
 
+_PIECE = 600
+"""Hidden frames that are projected at a time: a longer clip would need memory in proportion."""
+
+
 @dataclass
 class MotionManifold:
     """A network, and the conversion between features of motions and its normalised input.
@@ -105,7 +109,14 @@ class MotionManifold:
     def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
         """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64: the mean of `shifts`
         projections, each of the clip shifted by one more frame (`shifted_projection`)."""
-        projected = project_shifted(self.network, self._padded(features), shifts)[0]
+        x = self._padded(features)
+        projected = np.empty_like(x[0])
+        margin = (2 * self.reach // self.shifts + 2) * self.shifts
+        for start in range(0, len(projected), _PIECE * self.shifts):
+            # A long clip in pieces, with the frames around a piece that influence it.
+            end, first = start + _PIECE * self.shifts, max(start - margin, 0)
+            piece = project_shifted(self.network, x[:, first : end + margin], shifts)[0]
+            projected[start:end] = piece[start - first :][: _PIECE * self.shifts]
         return self.denormalise(projected)[self.reach : self.reach + len(features)]
 
     def project_windows(self, x: np.ndarray, shifts: int = 1) -> np.ndarray:

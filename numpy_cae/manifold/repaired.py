@@ -8,8 +8,8 @@ import numpy as np
 
 from numpy_cae.manifold.holes import spline
 from numpy_cae.motion.body import Body
-from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.retarget.rigs import find_joints
 
 
 @dataclass(frozen=True)
@@ -62,14 +62,19 @@ def change_joints(
     residual : float
         Of `Repaired`.
     """
-    before = body_positions(original, body.mapping)
+    moved = np.zeros(touched.shape)
     if not touched.any():
-        return Repaired(original, touched, np.zeros(touched.shape), residual)
+        return Repaired(original, touched, moved, residual)
     own = body.positions_in_file
     positions = body.in_file_frames(target)
-    # The resampled curve misses known frames by a little: no jump where it meets them.
-    positions += spline(own - positions, touched)
-    positions = np.where(touched[..., None], own + strength * (positions - own), own)
+    for joint in np.flatnonzero(touched.any(axis=0)):
+        # The resampled curve misses known frames by a little: no jump where it meets them.
+        column = [joint]
+        positions[:, column] += spline(own[:, column] - positions[:, column], touched[:, column])
+        positions[:, joint] = own[:, joint] + strength * (positions[:, joint] - own[:, joint])
     motion = body.retarget(positions, touched)
-    moved = np.linalg.norm(body_positions(motion, body.mapping) - before, axis=-1)
+    joints = find_joints(motion.skeleton, body.mapping)
+    for frames in blocks(np.flatnonzero(touched.any(axis=1))):
+        change = motion.at(frames).positions(joints) - original.at(frames).positions(joints)
+        moved[frames] = np.linalg.norm(change, axis=-1)
     return Repaired(motion, touched, moved, residual)

@@ -30,19 +30,21 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
     """The mean length of the bone that ends at each of the twenty joints, (20,) in metres, from
     positions (F, 20, 3) in metres. It is 0 for the hips, where no bone ends.
     """
-    return _lengths(positions).mean(axis=0)
+    return frame_lengths(positions).mean(axis=0)
 
 
-def _lengths(positions: np.ndarray) -> np.ndarray:
+def frame_lengths(positions: np.ndarray) -> np.ndarray:
     """The lengths in each frame, (F, 20)."""
-    parents = [0, *PARENTS[1:]]
-    return np.linalg.norm(positions - positions[:, parents], axis=-1)
+    lengths = np.zeros(positions.shape[:2])
+    for joint, parent in list(enumerate(PARENTS))[1:]:
+        lengths[:, joint] = np.linalg.norm(positions[:, joint] - positions[:, parent], axis=-1)
+    return lengths
 
 
 def problem_of(positions: np.ndarray) -> str:
     """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
     scale; empty if they are. A bone without a length needs one above it that has one."""
-    lengths = np.median(_lengths(positions), axis=0)  # whatever a few damaged frames say
+    lengths = np.median(frame_lengths(positions), axis=0)  # whatever a few damaged frames say
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
         found = f"the bones to both knees and ankles are {legs:.3g} m long in all"

@@ -57,7 +57,10 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
         return np.array(positions, dtype=np.float64)
     times = np.append(times, 2 * times[-1] - times[-2])
     positions = np.concatenate([positions, 2 * positions[-1:] - positions[-2:-1]])
-    return Akima1DInterpolator(times, positions, method="makima")(frames)
+    found = np.empty((len(frames), *positions.shape[1:]))
+    for joint in range(positions.shape[1]):
+        found[:, joint] = Akima1DInterpolator(times, positions[:, joint], method="makima")(frames)
+    return found
 
 
 def load_body(

@@ -115,7 +115,7 @@ def retarget(
         )
     if np.shape(touched) != (len(motion), len(JOINTS)):
         raise ValueError(f"touched has shape {np.shape(touched)}, expected ({len(motion)}, 20)")
-    if not np.all(np.isfinite(positions[touched])):
+    if not np.all(np.isfinite(positions).all(axis=-1) | ~touched):
         raise ValueError("positions hold values that are not finite")
     bones = _bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
