@@ -1,7 +1,7 @@
 """Compute G, equation 4 of holden2015, between every two motions, and print the nearest motion of
 each. G depends on what happens in a motion, not on when.
 
-example: numpy-cae compare motions/ -m model.npz -o matrix.csv --picture m.png
+example: numpy-cae compare motions/ -o matrix.csv --picture m.png
 """
 
 import argparse
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
-    manifold = one_motion.load_model(args, bvh=False)
+    manifold = one_motion.load_model(args, motion=False)
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")

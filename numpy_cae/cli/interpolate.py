@@ -2,7 +2,7 @@
 rig, frame rate and unit of the first. The longer one is truncated.
 
 example:
-  numpy-cae interpolate press_ups.bvh walk.bvh -m model.npz -o between.bvh \\
+  numpy-cae interpolate press_ups.bvh walk.bvh -o between.bvh \\
       --share transition --gif between.gif
 """
 
@@ -47,11 +47,10 @@ def run(args: argparse.Namespace) -> int:
     note(f"{lengths[0]} and {lengths[1]} frames at 30 a second, {frames} of them used")
     made = first.to_rig(between)
     one_motion.write(made, args.output)
-    one_motion.animate(
-        args.gif,
-        "both and the one between",
-        (first.positions[:frames], args.first.stem, TRUTH),
-        (body_of(made, mapping)[:frames], "between", PROJECTED),
-        (second.positions[:frames], args.second.stem, TRUTH),
-    )
+    actors = [
+        one_motion.body_actor(first.positions[:frames], args.first.stem, TRUTH),
+        one_motion.body_actor(body_of(made, mapping)[:frames], "between", PROJECTED),
+        one_motion.body_actor(second.positions[:frames], args.second.stem, TRUTH),
+    ]
+    one_motion.draw(args, args.output, "both and the one between", actors)
     return 0

@@ -1,50 +1,46 @@
 """Arguments and steps shared by the commands that apply a model to motions."""
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note
+from numpy_cae.cli.output import with_progress
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import (
-    PARENTS,
-    Motion,
-    UnknownRigError,
-    body_of,
-    find_motion_files,
-    load_body,
-    load_motion,
-    write_bvh,
-)
-from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_gif
+from numpy_cae.motion import JOINTS, PARENTS, Motion, find_motion_files, load_body, write_motion
+from numpy_cae.motion.io.write import require_writer
+from numpy_cae.viz import Actor, save_gif, save_viewer
+
+RATE = 30.0
+"""Frames a second of animations."""
 
 
 def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
     """The model, how motion files are read and, with the help of --gif, the file to write."""
     add = parser.add_argument
-    model = "model file from `numpy-cae train` (default: the starter model)"
+    model = "model file from `numpy-cae train` (default: the starter model of the package)"
     add("-m", "--model", type=Path, help=model)
     if gif:
-        add("-o", "--output", type=Path, required=True, help="path of the .bvh file to write")
-        add("--gif", type=Path, help=gif)
+        output = "path of the file to write: .bvh, .glb (glTF), .npz or .csv (positions)"
+        add("-o", "--output", type=Path, required=True, help=output)
+        add_pictures(parser, gif)
     kinds.add_shared(parser, "mapping unit up floor")
 
 
-def add_file_arguments(parser: argparse.ArgumentParser) -> None:
-    """The arguments of a command that changes one motion file."""
-    parser.add_argument("file", type=Path, help="motion file (.bvh or .amc) to read")
-    add_model_arguments(parser, "path of an animation of the motion before and after")
+def add_pictures(parser: argparse.ArgumentParser, gif: str) -> None:
+    """--gif, with its help, and --html."""
+    parser.add_argument("--gif", type=Path, help=gif)
+    page = "write the same as an interactive page beside the output, for any browser"
+    parser.add_argument("--html", **kinds.FLAG, help=page)
 
 
-def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = True) -> Manifold:
-    """The model that `--model` names; ValueError if it is sequential and must not be, or, with
-    `bvh`, if `--output` is not a .bvh file."""
-    if bvh and args.output.suffix.lower() != ".bvh":
-        raise ValueError(f"{args.output}: a motion is written as .bvh")
+def load_model(args: argparse.Namespace, sequential: bool = False, motion: bool = True) -> Manifold:
+    """The model that `--model` names, by default the starter model; ValueError if it is sequential
+    and must not be, or, with `motion`, if no motion can be written to `--output`."""
+    if motion:
+        require_writer(args.output)
     manifold = load_manifold(args.model) if args.model else starter()
     if isinstance(manifold, SequenceManifold) and not sequential:
         raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")
@@ -53,45 +49,43 @@ def load_model(args: argparse.Namespace, sequential: bool = False, bvh: bool = T
 
 def load_features(args: argparse.Namespace, manifold: Manifold) -> list[np.ndarray]:
     """The features of every motion in the folders of `--data`."""
-    mapping = kinds.chosen_mapping(args)
+    mapping, coordinates = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
     files = [path for folder in args.data or [] for path in find_motion_files(folder)]
     return [
-        manifold.features(load_body(path, mapping, kinds.chosen_coordinates(args))[0])[0]
-        for path in files
+        manifold.features(load_body(path, mapping, coordinates)[0])[0]
+        for path in with_progress(files, len(files), "files read")
     ]
 
 
 def write(motion: Motion, path: Path) -> None:
-    """Write a motion as BVH and print what was written."""
-    write_bvh(motion, path)
+    """Write a motion and print what was written."""
+    write_motion(motion, path)
+    print_written(motion, path)
+
+
+def print_written(motion: Motion, path: Path) -> None:
+    """Print a file's name with the size of its motion."""
     joints = len(motion.skeleton.names)
     print(f"{path}: {len(motion)} frames at {motion.rate:g} a second, {joints} joints")
 
 
-def animate(path: Path | None, content: str, *actors: tuple[np.ndarray, str, str]) -> None:
-    """Write an animation of bodies, each with its name and colour, unless the path is None."""
-    if path:
-        save_gif([Actor(body, PARENTS, name, colour) for body, name, colour in actors], path, 30.0)
-        print(f"{path}: {content}")
+def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
+    """The twenty joints (F, 20, 3) at `RATE`, to be drawn."""
+    return Actor(body, PARENTS, label, colour, JOINTS)
 
 
-def change(
+def draw(
     args: argparse.Namespace,
-    changed: Callable[..., Motion],
-    before: Callable[[Motion], Motion] = lambda motion: motion,
-) -> int:
-    """Read a motion, write `changed(motion, mapping=…)` and draw it beside `before(motion)`."""
-    mapping = kinds.chosen_mapping(args)
-    known = vars(kinds.chosen_coordinates(args))
-    motion = load_motion(args.file, mapping=mapping, **known)
-    note(f"{args.file}: {len(motion)} frames, {motion.unit_note}")
-    try:
-        result = changed(motion, mapping=mapping)
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{args.file}: {error}") from None
-    write(result, args.output)
+    output: Path,
+    content: str,
+    actors: list[Actor],
+    overlaid: bool = False,
+) -> None:
+    """Draw motions at `RATE` if `--gif` or `--html`, a page beside the output, says so."""
     if args.gif:
-        bodies = [body_of(each, mapping) for each in (before(motion), result)]
-        drawn = (bodies[0], "before", CORRUPTED), (bodies[1], "after", PROJECTED)
-        animate(args.gif, "before and after", *drawn)
-    return 0
+        shown = save_gif(actors, args.gif, RATE, overlaid=overlaid)
+        print(f"{args.gif}: {content}, {shown}")
+    if args.html:
+        page = output.with_suffix(".html")
+        save_viewer(actors, page, RATE, f"{output.stem}: {content}", overlaid)
+        print(f"{page}: {content}; open it in a browser")

@@ -4,17 +4,48 @@ import json
 import math
 import sys
 import tempfile
+import time
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 
+Thing = TypeVar("Thing")
+
 
 def note(text: str) -> None:
     """Print a message, which is no result, on standard error."""
     print(text, file=sys.stderr, flush=True)
+
+
+def with_progress(things: Iterable[Thing], count: int, done: str) -> Iterator[Thing]:
+    """The same things; say how many are `done` ("files read") and the time that is left.
+
+    After two seconds, then twice a second on a terminal, where the line is replaced, else every
+    five seconds.
+    """
+    terminal = sys.stderr.isatty()
+    begun = time.monotonic()
+    due = begun + 2
+    for number, thing in enumerate(things):
+        now = time.monotonic()
+        if number and now > due:
+            left = (now - begun) / number * (count - number)
+            text = f"{number} of {count} {done}, {left:.0f} s to go"
+            print(
+                f"\r{text}\033[K" if terminal else text,
+                end="" if terminal else "\n",
+                file=sys.stderr,
+                flush=True,
+            )
+            due = now + (0.5 if terminal else 5)
+        yield thing
+    if terminal and due > begun + 2:
+        print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 def print_json(value: object) -> None:

@@ -1,26 +1,40 @@
-"""Project a motion onto a learned manifold and write the result as BVH, with the rig, frame rate,
-unit and length of the input file.
+"""Find what is damaged in a motion, repair that and leave the rest of the file as it is, to the
+byte. A motion unlike anything that the model knows is left unchanged. Prints the joints, the frames
+and how far they moved. Of a folder every file is repaired, and a table is printed; the exit status
+is 1 if some files could not be used, 2 if none.
 
-example: numpy-cae repair take.bvh -m model.npz -o fixed.bvh --gif fixed.gif
+examples:
+  numpy-cae repair take.bvh -o fixed.bvh --html
+  numpy-cae repair take.bvh -o fixed.bvh --joint left_wrist --frames 30 75
+  numpy-cae repair takes/ -o repaired/
 """
 
 import argparse
-from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
+from numpy_cae.cli import change_files, damage_options, one_motion
 from numpy_cae.cli.output import note
-from numpy_cae.manifold import SequenceManifold, repair, repair_sequence
-from numpy_cae.motion import Motion
+from numpy_cae.manifold import Repaired, SequenceManifold, project_motion, repair, repair_sequence
+from numpy_cae.manifold.model_file import Manifold
+from numpy_cae.motion import Mappings, Motion, body_positions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The motion, the model and the constraints."""
-    one_motion.add_file_arguments(parser)
-    constrain = "keep bone lengths, standing feet and the ground (one second for five of motion)"
-    parser.add_argument("--constrain", **kinds.FLAG, help=constrain)
-    parser.add_argument(
+    """The files, what is damaged and how it is repaired."""
+    change_files.add_arguments(parser)
+    damage_options.add_arguments(parser, "damaged")
+    add = parser.add_argument_group("how it is repaired").add_argument
+    strength = "share of the way to the repaired positions, 0 to 1 (default: 1)"
+    add("--strength", type=kinds.fraction, default=1.0, metavar="S", help=strength)
+    add("--smooth", **kinds.FLAG, help="remove jitter from the whole motion too")
+    add("--force", **kinds.FLAG, help="repair a motion that is unlike what the model knows")
+    project = "project the whole motion onto the manifold instead, as holden2015 does"
+    add("--project", **kinds.FLAG, help=project)
+    add("--constrain", **kinds.FLAG, help="keep standing feet in place and above the ground")
+    add(
         "--pin",
         type=Path,
         metavar="JSON",
@@ -32,28 +46,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Repair the motion."""
-    manifold = one_motion.load_model(args, sequential=True)
+    """Repair the motions."""
+    manifold = one_motion.load_model(args, sequential=True, motion=False)
+    whole = args.project or isinstance(manifold, SequenceManifold)
+    if whole and (damage_options.is_chosen(args) or args.smooth or args.strength < 1):
+        what = "--project changes" if args.project else f"{args.model}: a sequential model changes"
+        raise ValueError(f"{what} the whole motion: without --joint, --mask, --smooth, --strength")
+    if isinstance(manifold, SequenceManifold) and (args.constrain or args.pin):
+        raise ValueError(f"{args.model}: a sequential model supports no constraints")
+    return change_files.change_files(
+        args, lambda motion, mapping: _repaired(args, manifold, motion, mapping)
+    )
+
+
+def _repaired(
+    args: argparse.Namespace, manifold: Manifold, motion: Motion, mapping: Mappings
+) -> Repaired:
     if isinstance(manifold, SequenceManifold):
-        if args.constrain or args.pin:
-            raise ValueError(f"{args.model}: a sequential model supports no constraints")
-        return one_motion.change(args, partial(repair_sequence, manifold=manifold))
-    if not args.constrain and not args.pin:
-        return one_motion.change(
-            args, lambda motion, mapping: repair(motion, manifold, mapping).motion
-        )
+        return _whole(motion, repair_sequence(motion, manifold, mapping), mapping)
+    if args.project:
+        found = _whole(motion, project_motion(motion, manifold, mapping), mapping)
+    else:
+        damaged = damage_options.chosen_mask(args, motion, mapping)
+        found = repair(motion, manifold, mapping, damaged, args.strength, args.smooth, args.force)
+    if not found.known or not (args.constrain or args.pin):
+        return found
     from numpy_cae.beyond import constrain, read_pins
 
-    def repaired(motion: Motion, mapping: dict[str, str] | None) -> Motion:
-        pins = read_pins(args.pin, motion, mapping) if args.pin else []
-        found = constrain(motion, repair(motion, manifold, mapping), manifold, mapping, pins)
-        result = found.motion
-        for pin in pins:
-            errors = pin.errors(result, mapping) / motion.unit
-            note(
-                f"{pin.joint}, frames {pin.first} to {pin.last}: within {errors.max():.3g} of its "
-                f"pin, {errors.mean():.3g} on average"
-            )
-        return result
+    pins = read_pins(args.pin, motion, mapping) if args.pin else []
+    found = constrain(motion, found, manifold, mapping, pins)
+    for pin in pins:
+        errors = pin.errors(found.motion, mapping) / motion.unit
+        note(
+            f"{pin.joint}, frames {pin.first} to {pin.last}: within {errors.max():.3g} of its "
+            f"pin, {errors.mean():.3g} on average"
+        )
+    return found
 
-    return one_motion.change(args, repaired)
+
+def _whole(motion: Motion, changed: Motion, mapping: Mappings) -> Repaired:
+    """The result of a method that changes everything; it may remove a T-pose at the beginning."""
+    after = body_positions(changed, mapping)
+    before = body_positions(motion, mapping)[-len(after) :]
+    moved = np.linalg.norm(after - before, axis=-1)
+    return Repaired(changed, np.ones(moved.shape, bool), moved)

@@ -87,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material, dict[str, str]]:
     """The model, the takes, and what a reader of the report must know of both."""
-    manifold = one_motion.load_model(args, bvh=False)
+    manifold = one_motion.load_model(args, motion=False)
     patterns = _test_patterns(manifold, args)
     note(f"reading {', '.join(map(str, args.data))}")
     material = read_material(

@@ -2,7 +2,7 @@
 windows of the motions in --data; the uniform prior needs no data, but its samples hardly resemble
 motion. A sequential model has a prior of its own.
 
-example: numpy-cae sample -m model.npz --data motions/ -o new.bvh --number 3 --like take.bvh
+example: numpy-cae sample --data motions/ -o new.bvh --number 3 --like take.bvh --html
 """
 
 import argparse
@@ -11,6 +11,7 @@ import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
+from numpy_cae.cli.output import with_progress
 from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
@@ -40,12 +41,13 @@ def run(args: argparse.Namespace) -> int:
     manifold = one_motion.load_model(args, sequential=True)
     rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
     mapping = kinds.chosen_mapping(args) if args.like else None
+    numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like:
             raise ValueError(
                 f"{args.model}: --data and --like have no effect on a sequential model"
             )
-        made = [sample_sequence(manifold, frames, rng) for _ in range(args.number)]
+        made = [sample_sequence(manifold, frames, rng) for _ in numbers]
     else:
         prior, made = _prior(args, manifold), []
         if args.like:
@@ -53,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
                 load_body(args.like, mapping, kinds.chosen_coordinates(args))[1], frames
             )
             body = manifold.body(rig, mapping)
-        for _ in range(args.number):
+        for _ in numbers:
             features = sample(manifold, frames, rng, prior)
             if args.like:
                 made.append(body.to_rig(features, RootTransform()))
@@ -63,9 +65,13 @@ def run(args: argparse.Namespace) -> int:
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
-    if args.gif:
+    if args.gif or args.html:
         bodies = [body_of(motion, mapping) for motion in made[:MAX_DRAWN]]
-        one_motion.animate(args.gif, "what was drawn", *[(body, "", PROJECTED) for body in bodies])
+        actors = [
+            one_motion.body_actor(body, str(number), PROJECTED)
+            for number, body in enumerate(bodies, start=1)
+        ]
+        one_motion.draw(args, args.output, "what was drawn", actors)
     return 0
 
 

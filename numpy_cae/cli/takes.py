@@ -1,13 +1,12 @@
 """Read motion files as takes and report files and guessed units."""
 
-import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.output import note
+from numpy_cae.cli.output import note, with_progress
 from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import Coordinates, Mappings
 from numpy_cae.motion.io.cache import Body, read_bodies
@@ -70,7 +69,8 @@ def usable_bodies(
     if it is the only one, otherwise it is reported and skipped; ValueError if all are.
     """
     left_out = 0
-    for body in _with_progress(read_bodies(paths, mapping, coordinates, cache), len(paths)):
+    bodies = read_bodies(paths, mapping, coordinates, cache)
+    for body in with_progress(bodies, len(paths), "files read"):
         if body.problem is None:
             yield body
         elif strict or len(paths) == 1:
@@ -80,14 +80,3 @@ def usable_bodies(
             note(f"left out: {body.problem}")
     if left_out == len(paths):
         raise ValueError(f"none of {left_out} files can be used, see above")
-
-
-def _with_progress(bodies: Iterable[Body], files: int) -> Iterator[Body]:
-    """The same bodies; print the remaining time every five seconds."""
-    begun = printed = time.monotonic()
-    for read, body in enumerate(bodies, start=1):
-        now = time.monotonic()
-        if now - printed > 5:
-            printed, left = now, (now - begun) / read * (files - read)
-            note(f"{read} of {files} files read, {left:.0f} s to go")
-        yield body

@@ -1,0 +1,156 @@
+"""Change one motion file, or every one in some folders, and report what was changed."""
+
+import argparse
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli import one_motion
+from numpy_cae.cli.changes import HEADER, changes, row
+from numpy_cae.cli.output import note, with_progress
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.experiments.result import text_table
+from numpy_cae.manifold import Repaired
+from numpy_cae.motion import (
+    Mappings,
+    Motion,
+    UnknownRigError,
+    body_of,
+    find_motion_files,
+    load_motion,
+    write_like,
+    write_motion,
+)
+from numpy_cae.motion.io.amc import find_skeleton
+from numpy_cae.motion.io.write import require_writer
+from numpy_cae.viz import CORRUPTED, PROJECTED, Actor
+
+Change = Callable[[Motion, Mappings], Repaired]
+LIKE = (".bvh", ".amc")
+"""Suffixes of files whose text is kept where nothing changed."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the model, the output and the pictures."""
+    add = parser.add_argument
+    files = "motion files, or folders that are searched with their subfolders"
+    add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=files)
+    output = "file to write, for one motion (its own format keeps the text of what is unchanged; "
+    output += "or .bvh, .glb, .npz, .csv); otherwise folder, created if it does not exist"
+    add("-o", "--output", type=Path, help=output)
+    add("--dry-run", **kinds.FLAG, help="print what would be changed and write nothing")
+    add("--overwrite", **kinds.FLAG, help="allow -o to be the file or the folder that is read")
+    one_motion.add_model_arguments(parser)
+    one_motion.add_pictures(parser, "path of an animation of the motion before and after, overlaid")
+
+
+def change_files(args: argparse.Namespace, change: Change) -> int:
+    """Read, change and write every file; 0 if all could be used, 1 if some, 2 if none."""
+    targets = _targets(args)
+    if len(targets) == 1 and not args.files[0].is_dir():
+        ((source, target),) = targets.items()
+        for line in changes(_change(args, change, source, target)):
+            print(f"  {line}")
+        return 0
+    if args.gif:
+        raise ValueError("--gif draws one motion; --html writes a page for each")
+    rows, unusable = [], []
+    for source, target in with_progress(targets.items(), len(targets), "files done"):
+        name = str(source.relative_to(args.files[0])) if args.files[0].is_dir() else source.name
+        try:
+            rows.append(row(name, _change(args, change, source, target, quiet=True)))
+        except (NumpyCaeError, ValueError) as error:
+            unusable.append(str(error))
+    print(text_table(HEADER, rows))
+    if unusable:
+        print(f"\n{len(unusable)} of {len(targets)} files could not be used:")
+        print("\n".join(unusable))
+    return 0 if not unusable else 1 if rows else 2
+
+
+def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
+    """Each motion file with the file to write, None in a dry run."""
+    single = len(args.files) == 1 and not args.files[0].is_dir()
+    found = {}
+    for path in args.files:
+        for source in find_motion_files(path) if path.is_dir() else [path]:
+            found[source] = source.relative_to(path if path.is_dir() else path.parent)
+    if args.dry_run:
+        return dict.fromkeys(found)
+    if args.output is None:
+        raise ValueError("name the file or folder to write with -o, or use --dry-run")
+    if single and not args.output.is_dir():
+        targets = {args.files[0]: args.output}
+        if _like(args.files[0], args.output) is False:
+            require_writer(args.output)
+    else:
+        targets = {
+            source: args.output / (name if source.suffix.lower() in LIKE else f"{name}.bvh")
+            for source, name in found.items()
+        }
+        if len(set(targets.values())) < len(targets):
+            raise ValueError("several files have one name: give their folder or other outputs")
+    for source, target in targets.items():
+        if not args.overwrite and target.exists() and target.samefile(source):
+            raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
+    return targets
+
+
+def _like(source: Path, target: Path) -> bool:
+    return source.suffix.lower() == target.suffix.lower() in LIKE
+
+
+def _change(
+    args: argparse.Namespace, change: Change, source: Path, target: Path | None, quiet: bool = False
+) -> Repaired:
+    """Change one file."""
+    mapping = kinds.chosen_mapping(args)
+    motion = load_motion(source, mapping=mapping, **vars(kinds.chosen_coordinates(args)))
+    if not quiet:
+        note(f"{source}: {len(motion)} frames, {motion.unit_note}")
+    try:
+        repaired = change(motion, mapping)
+    except UnknownRigError as error:
+        raise UnknownRigError(f"{source}: {error}") from None
+    if target is None:
+        return repaired
+    if quiet:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    if _like(source, target):
+        write_like(source, motion, repaired.motion, target)
+        if target.suffix.lower() == ".amc":
+            _copy_skeleton(source, target)
+    else:
+        write_motion(repaired.motion, target)
+    if not quiet:
+        one_motion.print_written(repaired.motion, target)
+    if args.gif or args.html:
+        one_motion.draw(args, target, "before and after", _actors(motion, repaired, mapping), True)
+    return repaired
+
+
+def _copy_skeleton(source: Path, target: Path) -> None:
+    """Put the skeleton of an .amc file beside its changed copy."""
+    skeleton = find_skeleton(source)
+    beside = target.with_name(skeleton.name)
+    if not beside.exists():
+        shutil.copyfile(skeleton, beside)
+
+
+def _actors(motion: Motion, repaired: Repaired, mapping: Mappings) -> list[Actor]:
+    before, after = body_of(motion, mapping), body_of(repaired.motion, mapping)
+    before = before[-len(after) :]
+    frames = np.minimum(
+        np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int),
+        len(repaired.touched) - 1,
+    )
+    touched = repaired.touched[frames]
+    moved = np.linalg.norm(after - before, axis=-1)
+    return [
+        replace(one_motion.body_actor(before, "before", CORRUPTED), damaged=touched),
+        replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
+    ]

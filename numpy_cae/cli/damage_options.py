@@ -1,0 +1,96 @@
+"""The joints and frames that the user says are damaged or missing: --joint, --limb, --frames and
+--mask.
+
+A mask file is a JSON list of objects with a joint (our name or the rig's) or a limb, and frames,
+first and last, counted from 0. Without a joint or limb all joints are meant, without frames all.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.cli import arguments as kinds
+from numpy_cae.motion import JOINTS, Mappings, Motion, MotionFileError
+from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.retarget.rigs import joint_index
+
+EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
+
+
+def add_arguments(parser: argparse.ArgumentParser, damaged: str) -> None:
+    """The options; `damaged` is what they name, "damaged" or "missing"."""
+    add = parser.add_argument_group(f"what is {damaged}").add_argument
+    joints = f"{damaged} joints, such as left_wrist, by our names or the rig's"
+    add("--joint", nargs="+", metavar="NAME", default=[], help=joints)
+    limbs = f"{damaged} limbs: {', '.join(LIMBS)}"
+    add("--limb", nargs="+", choices=LIMBS, metavar="LIMB", default=[], help=limbs)
+    frames = "first and last frame, counted from 0 (default: all frames), of these joints or, "
+    frames += "without --joint and --limb, of all joints"
+    add("--frames", type=kinds.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
+    mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
+    add("--mask", type=Path, metavar="JSON", help=mask)
+
+
+def is_chosen(args: argparse.Namespace) -> bool:
+    """Whether any of the options was used."""
+    return bool(args.joint or args.limb or args.frames or args.mask)
+
+
+def chosen_mask(args: argparse.Namespace, motion: Motion, mapping: Mappings) -> np.ndarray | None:
+    """The joints and frames of a motion that the options name, (frames, 20) bool; None without
+    options.
+
+    Raises UnknownRigError for an unknown joint, ValueError for frames that the motion does not
+    have, MotionFileError for a mask file that is not as above.
+    """
+    if not is_chosen(args):
+        return None
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    if args.joint or args.limb or args.frames:
+        mask |= _mask(args.joint, args.limb, args.frames, motion, mapping)
+    if args.mask:
+        for number, entry in enumerate(_entries(args.mask), start=1):
+            try:
+                joints, limbs = ([entry[key]] if key in entry else [] for key in ("joint", "limb"))
+                mask |= _mask(joints, limbs, entry.get("frames"), motion, mapping)
+            except ValueError as error:
+                raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
+    return mask
+
+
+def _mask(
+    joints: list[str],
+    limbs: list[str],
+    frames: list[int] | None,
+    motion: Motion,
+    mapping: Mappings,
+) -> np.ndarray:
+    chosen = [JOINTS[joint_index(name, motion.skeleton, mapping)] for name in joints]
+    for limb in limbs:
+        if limb not in LIMBS:
+            raise ValueError(f"there is no limb {limb!r}, expected one of {', '.join(LIMBS)}")
+        chosen += LIMBS[limb]
+    first, last = (0, len(motion) - 1) if frames is None else frames
+    if not 0 <= first <= last < len(motion):
+        raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
+    return joint_mask(len(motion), chosen or JOINTS, slice(first, last + 1))
+
+
+def _entries(path: Path) -> list[dict]:
+    """The objects of a mask file."""
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
+    if not isinstance(entries, list) or not entries:
+        raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
+    for number, entry in enumerate(entries, start=1):
+        valid = isinstance(entry, dict) and set(entry) <= {"joint", "limb", "frames"}
+        valid = valid and all(isinstance(entry.get(key, ""), str) for key in ("joint", "limb"))
+        frames = entry.get("frames", [0, 0]) if valid else None
+        valid = valid and isinstance(frames, list) and [type(n) for n in frames] == [int, int]
+        if not valid:
+            raise MotionFileError(path, None, f"entry {number}: expected one such as in {EXAMPLE}")
+    return entries
