@@ -15,6 +15,7 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.motion import JOINTS, Mappings, Motion, MotionFileError
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.rigs import joint_index
+from numpy_cae.motion.retarget.to_rig import moves_alone
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
@@ -68,6 +69,8 @@ def _mask(
     mapping: Mappings,
 ) -> np.ndarray:
     chosen = [JOINTS[joint_index(name, motion.skeleton, mapping)] for name in joints]
+    if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0], mapping):
+        raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
     for limb in limbs:
         if limb not in LIMBS:
             raise ValueError(f"there is no limb {limb!r}, expected one of {', '.join(LIMBS)}")

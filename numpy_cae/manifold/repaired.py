@@ -70,7 +70,9 @@ def change_joints(
     for joint in np.flatnonzero(touched.any(axis=0)):
         # The resampled curve misses known frames by a little: no jump where it meets them.
         column = [joint]
-        positions[:, column] += spline(own[:, column] - positions[:, column], touched[:, column])
+        if not touched[:, joint].all():
+            miss = own[:, column] - positions[:, column]
+            positions[:, column] += spline(miss, touched[:, column])
         positions[:, joint] = own[:, joint] + strength * (positions[:, joint] - own[:, joint])
     motion = body.retarget(positions, touched)
     joints = find_joints(motion.skeleton, body.mapping)

@@ -121,7 +121,7 @@ def _replaced(
     moved = np.any(before.translations != after.translations, axis=-1)
     changed = np.any(turned | moved, axis=1)
     after = as_in_file(after)
-    needed = np.convolve(changed, [True, True, True], "same") > 0
+    needed = np.convolve(changed, [True, True, True])[1:-1] > 0
     needed[-1] = True
     words = {frame: _PIECES.split(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
     numbers = {frame: found.numbers(pieces) for frame, pieces in words.items()}

@@ -1,0 +1,187 @@
+"""`numpy-cae repair` and `numpy-cae fill`: what is damaged or missing, folders, what is written."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from acclaim_files import write_acclaim
+
+from data_synth import make_take
+from numpy_cae.manifold import save_manifold
+from numpy_cae.motion import load_motion, write_bvh
+
+
+@pytest.fixture(scope="module")
+def take():
+    return make_take("walk", 0, seconds=1.0, rate=120.0).motion
+
+
+@pytest.fixture(scope="module")
+def folder(take, untrained_manifold, tmp_path_factory):
+    """A file in inches, the same person for Acclaim, and a model that learned nothing."""
+    folder = tmp_path_factory.mktemp("fill")
+    write_bvh(take, folder / "walk.bvh", unit=0.0254)
+    write_acclaim(take, folder / "walk.amc")
+    write_bvh(take.at(slice(0, 1)), folder / "one.bvh", unit=0.0254)
+    save_manifold(untrained_manifold, folder / "model.npz")
+    return folder
+
+
+def fill(folder, file, output, *argv):
+    return ["fill", folder / file, "-m", folder / "model.npz", "-o", output, *argv]
+
+
+@pytest.mark.parametrize("file", ["walk.bvh", "walk.amc", "one.bvh"])
+@pytest.mark.parametrize("what", [("--joint", "left_wrist"), ("--keyframes", 15)])
+def test_the_rig_the_rate_and_the_unit_come_back(folder, tmp_path, file, what, capsys, run):
+    gif = tmp_path / "filled.gif"
+    run(*fill(folder, file, tmp_path / "filled.bvh", *what, "--gif", gif, "--html"))
+    came, filled = load_motion(folder / file), load_motion(tmp_path / "filled.bvh")
+    assert set(filled.skeleton.names) == set(came.skeleton.names)
+    assert (filled.rate, len(filled)) == (came.rate, len(came))
+    assert filled.unit == pytest.approx(came.unit)
+    assert f"{len(came)} frames at 120 a second, 31 joints" in capsys.readouterr().out
+    assert gif.read_bytes().startswith(b"GIF")
+    assert "before" in (tmp_path / "filled.html").read_text(encoding="utf-8")
+
+
+def changed_joints(before, after):
+    """(frames, joints) whose rotations differ."""
+    return np.any(before.rotations != after.rotations, axis=-1)
+
+
+def test_only_the_text_of_what_is_missing_changes(folder, tmp_path, capsys, run):
+    out = tmp_path / "f.bvh"
+    run(*fill(folder, "walk.bvh", out, "--joint", "rradius", "--frames", 40, 80))
+    assert "right_elbow: frames 40 to 80: " in capsys.readouterr().out
+    old, new = ((each).read_bytes().splitlines() for each in (folder / "walk.bvh", out))
+    first = len(old) - 120
+    lines = [number - first for number in range(len(old)) if old[number] != new[number]]
+    assert lines and set(lines) <= set(range(40, 81))
+    came, filled = load_motion(folder / "walk.bvh"), load_motion(out)
+    names = np.array(came.skeleton.names)[changed_joints(came, filled).any(axis=0)]
+    assert set(names) <= {"rhumerus", "rradius", "rwrist"}
+
+
+def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
+    mask, out = tmp_path / "mask.json", tmp_path / "m.bvh"
+    entries = [{"joint": "lhand", "frames": [9, 9]}, {"limb": "right_leg"}, {"frames": [5, 6]}]
+    entries[0]["joint"] = "left_wrist"
+    mask.write_text(json.dumps(entries))
+    run(*fill(folder, "walk.bvh", out, "--mask", mask))
+    told = capsys.readouterr().out
+    assert "left_wrist: frames 5 to 6, 9: " in told
+    assert "right_knee, right_ankle, right_toe: frames 0 to 119: " in told
+    run(*fill(folder, "walk.bvh", out, "--limb", "left_arm", "--frames", 3, 3))
+    assert "left_elbow, left_wrist: frame 3: " in capsys.readouterr().out
+    run(*fill(folder, "walk.bvh", out, "--keyframes", 15))
+    came, filled = (load_motion(path).rotations for path in (folder / "walk.bvh", out))
+    np.testing.assert_array_equal(filled[::15], came[::15])
+    np.testing.assert_array_equal(filled[105:], came[105:])  # after the last keyframe
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        ((), "say what is missing"),
+        (("--joint", "head", "--keyframes", 15), "say what is missing"),
+        (("--joint", "nose"), "there is no joint 'nose'"),
+        (("--joint", "left_hip"), "left_hip is fixed"),
+        (("--joint", "left_wrist", "--frames", 80, 400), "the motion has 0 to 119"),
+        (("--mask", "MASK"), "entry 2: there is no limb 'tail'"),
+    ],
+)
+def test_an_error_says_what_is_wrong(folder, tmp_path, argv, message, error_of):
+    mask = tmp_path / "mask.json"
+    mask.write_text('[{"joint": "head"}, {"limb": "tail"}]')
+    argv = [mask if word == "MASK" else word for word in argv]
+    assert message in error_of(*fill(folder, "walk.bvh", tmp_path / "x.bvh", *argv))
+    assert list(tmp_path.iterdir()) == [mask]
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "[1]", '[{"joint": 3}]', '[{"frames": [1]}]'])
+def test_a_mask_file_of_another_form(folder, tmp_path, text, error_of):
+    mask = tmp_path / "mask.json"
+    mask.write_text(text)
+    line = error_of(*fill(folder, "walk.bvh", tmp_path / "x.bvh", "--mask", mask))
+    assert "mask.json" in line and ("expected" in line or "not JSON" in line)
+
+
+def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, run):
+    copy = tmp_path / "walk.bvh"
+    copy.write_bytes((folder / "walk.bvh").read_bytes())
+    words = ["fill", copy, "-m", folder / "model.npz", "--joint", "left_wrist"]
+    for output in (copy, tmp_path):
+        assert "--overwrite allows this" in error_of(*words, "-o", output)
+    assert "-o, or use --dry-run" in error_of(*words)
+    run(*words, "--dry-run")
+    assert copy.read_bytes() == (folder / "walk.bvh").read_bytes()
+    run(*words, "-o", copy, "--overwrite")
+    assert copy.read_bytes() != (folder / "walk.bvh").read_bytes()
+
+
+def test_an_acclaim_file_stays_one_with_its_skeleton(folder, tmp_path, run):
+    run(*fill(folder, "walk.amc", tmp_path / "walk.amc", "--joint", "left_wrist"))
+    came, filled = (load_motion(path / "walk.amc") for path in (folder, tmp_path))
+    changed = changed_joints(came, filled)
+    assert {came.skeleton.names[joint] for joint in np.flatnonzero(changed.any(axis=0))} <= {
+        "lhumerus",
+        "lradius",
+    }
+
+
+@pytest.fixture(scope="module")
+def takes(tmp_path_factory):
+    """A folder of two takes, one with a spike, and a file that is damaged beyond use."""
+    takes = tmp_path_factory.mktemp("takes") / "in"
+    (takes / "more").mkdir(parents=True)
+    clean = make_take("walk", 3, seconds=3.0, rate=30.0).motion
+    write_bvh(clean, takes / "clean.bvh", unit=0.01)
+    rotations = clean.rotations.copy()
+    rotations[40, clean.skeleton.index("lhumerus")] = (0.0, 0.0, 0.0, 1.0)
+    rotations[40, clean.skeleton.index("lradius")] = (0.6, 0.0, 0.0, 0.8)
+    write_bvh(replace(clean, rotations=rotations), takes / "more" / "spike.bvh", unit=0.01)
+    return takes
+
+
+def test_repair_of_a_folder(takes, tmp_path, capsys, run):
+    out = tmp_path / "out"
+    run("repair", takes, "-o", out, "--force", "--html")
+    table = capsys.readouterr().out
+    assert "| clean.bvh " in table and "| more/spike.bvh " in table
+    assert {path.name for path in out.rglob("*.html")} == {"clean.html", "spike.html"}
+    before, after = (load_motion(each / "more" / "spike.bvh") for each in (takes, out))
+    assert changed_joints(before, after)[40, before.skeleton.index("lradius")]
+
+
+def test_unusable_files_of_a_folder_are_listed(takes, tmp_path, capsys):
+    from numpy_cae.cli import main
+
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "bad.bvh").write_text("HIERARCHY\n")
+    words = ["repair", str(tmp_path / "in"), "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert "1 of 1 files could not be used" in capsys.readouterr().out
+    (tmp_path / "in" / "good.bvh").write_bytes((takes / "clean.bvh").read_bytes())
+    assert main([*words, "--dry-run"]) == 1
+    assert "1 of 2 files could not be used" in capsys.readouterr().out
+    assert not list((tmp_path / "out").rglob("*.bvh"))
+
+
+def test_what_the_model_does_not_know_stays_as_it_is(folder, tmp_path, capsys, run):
+    out = tmp_path / "out.bvh"
+    words = ["repair", folder / "walk.bvh", "-m", folder / "model.npz", "-o", out]
+    run(*words)
+    assert "left unchanged (--force" in capsys.readouterr().out
+    assert out.read_bytes() == (folder / "walk.bvh").read_bytes()
+    run(*words, "--force", "--joint", "left_wrist", "--frames", 3, 50, "--strength", 0)
+    assert out.read_bytes() == (folder / "walk.bvh").read_bytes()
+    run(*words, "--project")
+    assert "all joints: frames 0 to 119: " in capsys.readouterr().out
+
+
+def test_options_that_exclude_each_other(folder, tmp_path, error_of):
+    words = ["repair", folder / "walk.bvh", "-o", tmp_path / "x.bvh", "--project"]
+    assert "without --joint" in error_of(*words, "--limb", "left_leg")
+    assert not list(tmp_path.iterdir())
