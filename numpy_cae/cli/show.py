@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
-    args.output.mkdir(parents=True, exist_ok=True)
     drawn = [_read(path, kinds.chosen_coordinates(args)) for path in args.files]
+    args.output.mkdir(parents=True, exist_ok=True)
     if args.html:
         return _write_page(args, drawn)
     for actor, rate in drawn:
