@@ -19,6 +19,7 @@ from numpy_cae.motion import (
     read_amc,
     read_bvh,
     write_bvh,
+    write_like,
 )
 from numpy_cae.motion.io.coordinates import TO_Y_UP, as_in_file, in_y_up, to_y_up
 
@@ -53,6 +54,22 @@ def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(up, floor, t
             assert np.abs(np.subtract(*numbers)).max() < 2e-5
     given = load_motion(path, unit=walk.unit, up=up, floor=floor)
     assert np.abs(given.positions() - walk.positions()).max() < 1e-5
+
+
+def test_a_changed_file_of_another_axis_keeps_the_text_of_its_other_frames(tmp_path):
+    path, out = tmp_path / "a.bvh", tmp_path / "b.bvh"
+    write_bvh(in_file(make_take("walk", 1, 2.0, 30.0).motion, "z", 1.0), path, unit=0.01)
+    motion = load_motion(path)
+    translations, targets = motion.translations.copy(), motion.positions()
+    translations[20:30, 0] += [0.1, 0.2, 0.3]
+    targets[20:30] += [0.1, 0.2, 0.3]
+    write_like(path, motion, replace(motion, translations=translations), out)
+    own, changed = path.read_text().splitlines(), out.read_text().splitlines()
+    assert [n for n, line in enumerate(own) if changed[n] != line] == list(
+        range(len(own) - 60 + 20, len(own) - 60 + 30)
+    )
+    again = load_motion(out, up="z", floor=motion.floor)
+    np.testing.assert_allclose(again.positions(), targets, atol=1e-5)
 
 
 def test_a_floor_above_and_below_stairs_stays():
