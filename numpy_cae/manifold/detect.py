@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, binary_propagation, median_filter
 
@@ -30,8 +28,10 @@ MARGIN = 2
 """Frames on both sides of damage that are taken for damaged."""
 JUMP, JUMP_RATIO = 0.05, 3.0
 """Metres from one frame to the next, and times the median of seven frames, that are a jump."""
-SPIKE_FRAMES = 3
-"""Frames of the longest stretch between two jumps that is a spike."""
+OPPOSITE = -0.3
+"""Cosine of the angle between a jump and the jump back, at most."""
+SPIKE_FRAMES, LONGEST = 3, 150
+"""Frames of the longest stretch between two jumps that is a spike, and that is tested."""
 STRETCHED = 0.15
 """Share of its length by which a bone of wrong length differs from the usual one."""
 STILL, STILL_FRAMES, LEAST_JUMP = 3e-4, 6, 0.03
@@ -56,7 +56,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     direct = at_thirty(body.motion, direct_damage(body))
     direct |= find_frozen(body)
     found = direct.copy()
-    displaced = between_jumps(_local(body.features), len(found))
+    displaced = between_jumps(_local(body.features), LONGEST)
     features, _ = whole_features(body, found)
     for _ in range(ROUNDS):
         difference = residual(manifold, features, found)
@@ -70,7 +70,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
             break
         found |= binary_dilation(far, np.ones((2 * MARGIN + 1, 1), bool))
         features, _ = whole_features(body, found)
-    found &= direct | (found.sum(axis=1, keepdims=True) <= MOST_JOINTS)
+    found &= direct | displaced | (found.sum(axis=1, keepdims=True) <= MOST_JOINTS)
     change = np.linalg.norm(_local(fill(manifold, features, found) - body.features), axis=-1)
     return binary_propagation(found & (change > LEAST), _ALONG_TIME, mask=found)
 
@@ -97,21 +97,26 @@ def direct_damage(body: Body) -> np.ndarray:
 
 
 def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
-    """Joints between two jumps, where they may be displaced: (F, 20, 3) to (F, 20) bool.
+    """Joints between a jump and a jump back, where they are displaced: (F, 20, 3) to (F, 20) bool.
 
-    Of the stretches between jumps, the longest is taken for right, those at the ends of the clip
-    too, and those of more than `longest` frames.
+    The jumps have opposite directions, their lengths differ by less than a factor of two, and at
+    most `longest` frames are between them.
     """
     displaced = np.zeros(points.shape[:2], bool)
     step = _distances(points)[:-1]
     usual = median_filter(step, (7, 1), mode="nearest")
     jumps = (step > JUMP) & (step > JUMP_RATIO * usual)
     for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
-        ends = [0, *(np.flatnonzero(jumps[:, joint]) + 1), len(points)]
-        right = np.argmax(np.diff(ends))
-        for number, (first, last) in enumerate(pairwise(ends)):
-            inner = 0 < number < len(ends) - 2 and number != right
-            displaced[first:last, joint] = inner and last - first <= longest
+        jump, away = np.diff(points[:, joint], axis=0), None
+        for back in np.flatnonzero(jumps[:, joint]):
+            if away is not None and back - away <= longest:
+                one, other = jump[away], jump[back]
+                sizes = step[away, joint], step[back, joint]
+                if one @ other < OPPOSITE * sizes[0] * sizes[1] and max(sizes) < 2 * min(sizes):
+                    displaced[away + 1 : back + 1, joint] = True
+                    away = None
+                    continue
+            away = back
     return displaced
 
 

@@ -27,11 +27,13 @@ from numpy_cae.motion.lengths import change_lengths
 from numpy_cae.motion.motion import Motion, slerp
 from numpy_cae.motion.retarget.to_body import RATE
 
-REPEATS = 3
-"""Projections of a hole, chosen on subjects left out of training (docs/lab_book.md)."""
+REPEATS, LONG = 3, 30
+"""Projections of a joint of the legs in a hole of `LONG` frames or more; others are projected once.
+Chosen on sources left out of training (docs/lab_book.md)."""
 SHORT = 16
 """Frames of a hole from which on the spline, which is better in the shortest holes, has no weight.
 Chosen likewise."""
+_LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 
 
 def fill(
@@ -47,7 +49,7 @@ def fill(
     missing : (F, 20) array of bool
         A joint that is missing in all frames starts where it is in the mean pose.
     repeats : int
-        Number of projections. With 0 it is the spline alone.
+        Number of projections of long holes in the legs. With 0 it is the spline alone.
 
     Returns
     -------
@@ -67,12 +69,13 @@ def fill(
     points[...] = spline(points, missing)
     if repeats == 0 or not missing.any():
         return filled
-    start = points[missing]
-    for _ in range(repeats):
+    start, lengths = points[missing], hole_lengths(missing)
+    again = missing & (lengths >= LONG) & np.isin(np.arange(len(JOINTS)), _LEGS)
+    for unknown in [missing, *[again] * (repeats - 1 if again.any() else 0)]:
         projected = manifold.project(filled, manifold.shifts)[:, POSITIONS].reshape(points.shape)
         error = np.where(never[:, None], 0.0, points - projected)
-        points[missing] = (projected + spline(error, missing))[missing]
-    share = np.minimum(1.0, 0.2 + 0.8 * hole_lengths(missing)[missing] / SHORT)[:, None]
+        points[unknown] = (projected + spline(error, missing))[unknown]
+    share = np.minimum(1.0, 0.2 + 0.8 * lengths[missing] / SHORT)[:, None]
     points[missing] = start + share * (points[missing] - start)
     return filled
 
