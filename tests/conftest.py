@@ -14,6 +14,17 @@ settings.register_profile("thorough", max_examples=1000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "quick"))
 
 
+@pytest.fixture
+def counted(capsys):
+    """Print what a thorough test has tried, whether or not output is captured."""
+
+    def counted(text: str) -> None:
+        with capsys.disabled():
+            print(f"\n{text}")
+
+    return counted
+
+
 @pytest.fixture(scope="session")
 def data_folder() -> Path:
     """The folder of real motion files; where there is none, the test is skipped."""
