@@ -6,6 +6,7 @@ the folder ("zip slip"). Of an archive with such a name nothing is extracted.
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import zipfile
@@ -15,14 +16,18 @@ from pathlib import Path, PurePosixPath
 
 from numpy_cae.download.fetch import DownloadError
 
-MAX_FILE_BYTES = 1 << 28
-"""Ten times the longest take of the CMU database."""
+MAX_FILE_BYTES = 1 << 26
+"""Twice the longest take of the CMU database."""
+MAX_EXPANSION, FREE_BYTES = 50, 1 << 20
+"""A member, and all wanted ones together, may unpack to so many times their packed size; motions
+pack to a fourth. What is below `FREE_BYTES` does no harm."""
 
 
 def find_members(archive: zipfile.ZipFile, wanted: re.Pattern) -> dict[str, zipfile.ZipInfo]:
     """The members whose file name matches, by file name.
 
-    Raises DownloadError if any name leaves the folder or a wanted member is too large.
+    Raises BadZipFile if any name leaves the folder, a wanted member is too large or unpacks to
+    implausibly many bytes, or none is wanted.
     """
     found = {}
     for info in archive.infolist():
@@ -34,11 +39,21 @@ def find_members(archive: zipfile.ZipFile, wanted: re.Pattern) -> dict[str, zipf
         elif not info.is_dir() and wanted.fullmatch(path.name):
             if info.file_size > MAX_FILE_BYTES:
                 problem = f"has {info.file_size} bytes, expected at most {MAX_FILE_BYTES}"
+            elif _expands(info.file_size, info.compress_size):
+                problem = f"unpacks to more than {MAX_EXPANSION} times its size"
             found[path.name] = info
         if problem is not None:
-            name = f"{archive.filename}: {info.filename!r}"
-            raise DownloadError(f"{name} {problem}; nothing was extracted")
+            raise zipfile.BadZipFile(f"{info.filename!r} {problem}; nothing was extracted")
+    packed = os.path.getsize(archive.filename or "")
+    if not found:
+        raise zipfile.BadZipFile("holds no motion file")
+    if _expands(sum(info.file_size for info in found.values()), packed):
+        raise zipfile.BadZipFile(f"unpacks to more than {MAX_EXPANSION} times its size")
     return found
+
+
+def _expands(size: int, packed: int) -> bool:
+    return size > FREE_BYTES + MAX_EXPANSION * packed
 
 
 def extract(

@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from numpy_cae.download.archive import extract, find_members
-from numpy_cae.download.fetch import DownloadError, fetch
+from numpy_cae.download.archive import MAX_FILE_BYTES, extract, find_members
+from numpy_cae.download.fetch import MAX_BYTES, DownloadError, fetch
 from numpy_cae.lock import lock
 from numpy_cae.motion import MotionFileError, read_amc, read_asf
 
@@ -31,6 +31,8 @@ in commercially-sold products, but you may not resell this data directly, even i
 It asks to be acknowledged so: "The data used in this project was obtained from mocap.cs.cmu.edu.
 The database was created with funding from NSF EIA-0196217."
 """
+MAX_PAGE = 4_000_000
+"""Bytes of a page that links a subject's files."""
 _FILE = re.compile(r"(?P<subject>\d{2,3})(?:_\d{2,3})?\.(?:asf|amc)", re.IGNORECASE)
 
 Progress = Callable[[str, int, "int | None"], None]
@@ -60,11 +62,13 @@ class CmuSite:
         if urllib.parse.urlsplit(self.address).scheme not in ("http", "https"):
             raise ValueError(f"{self.address!r} is not the address of a site, expected http://…")
 
-    def fetch(self, path: str, part: Path, name: str, progress: Progress) -> None:
-        """Download one file of the site into `part`."""
+    def fetch(
+        self, path: str, part: Path, name: str, progress: Progress, most: int = MAX_FILE_BYTES
+    ) -> None:
+        """Download one file of the site, of at most so many bytes, into `part`."""
         time.sleep(self.pause)
         url = f"{self.address.rstrip('/')}/{path}"
-        fetch(url, part, lambda done, total: progress(name, done, total), self.pause)
+        fetch(url, part, lambda done, total: progress(name, done, total), self.pause, most)
 
 
 def download_cmu(
@@ -102,16 +106,19 @@ def download_cmu(
 def _download_subject(
     folder: Path, site: CmuSite, subject: str, tally: Tally, progress: Progress
 ) -> None:
-    target = _subject_folder(folder, subject)
-    page = target / ".page.part"
+    page = folder / ".page.part"
     page.unlink(missing_ok=True)
-    site.fetch(f"search.php?subjectnumber={int(subject)}", page, "", lambda *_: None)
-    linked = _FILE.finditer(page.read_text(encoding="latin-1"))
-    page.unlink()
+    try:
+        address = f"search.php?subjectnumber={int(subject)}"
+        site.fetch(address, page, "", lambda *_: None, MAX_PAGE)
+        linked = _FILE.finditer(page.read_text(encoding="latin-1"))
+    finally:
+        page.unlink(missing_ok=True)
     names = {match.group().lower() for match in linked if match["subject"] == subject}
     takes = sorted(name for name in names if name.endswith(".amc"))
     if not takes:
         raise DownloadError(f"{site.address}: has no takes of subject {int(subject)}")
+    target = _subject_folder(folder, subject)
     for name in [f"{subject}.asf", *takes]:  # the takes are read with the skeleton
         if (target / name).exists():
             tally.known += 1
@@ -125,7 +132,7 @@ def _download_archive(folder: Path, site: CmuSite, tally: Tally, progress: Progr
     path = folder / ARCHIVE
     if not path.exists():
         part = folder / f".{ARCHIVE}.part"
-        site.fetch(ARCHIVE, part, ARCHIVE, progress)
+        site.fetch(ARCHIVE, part, ARCHIVE, progress, MAX_BYTES)
         if not zipfile.is_zipfile(part):
             part.unlink()
             raise DownloadError(f"{site.address}/{ARCHIVE}: the received file is no zip archive")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 
@@ -17,6 +17,7 @@ class Site:
     cut : bytes after which each answer's connection is cut; None for never
     ranges : False answers 200 and everything, whatever part was asked for
     promised : what is added to the Content-Length that is announced
+    answer : function (handler) that answers instead
     requests : (path, Range header or None) of every request
     """
 
@@ -26,6 +27,7 @@ class Site:
         self.ranges = True
         self.promised = 0
         self.failing = 0
+        self.answer = None
         self.requests: list[tuple[str, str | None]] = []
         self.address = ""
 
@@ -36,6 +38,10 @@ def serve(site: Site):
         def do_GET(self):
             asked = self.headers.get("Range")
             site.requests.append((self.path, asked))
+            if site.answer is not None:
+                with suppress(OSError):
+                    site.answer(self)
+                return None
             if site.failing:
                 site.failing -= 1
                 return self.send_error(503)
@@ -60,6 +66,7 @@ def serve(site: Site):
             pass
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    server.daemon_threads, server.block_on_close = True, False
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
     thread.start()
     site.address = f"http://127.0.0.1:{server.server_port}"

@@ -115,7 +115,7 @@ def test_an_archive_that_climbs_out(site, tmp_path, acclaim, climbing):
     folder.mkdir(parents=True)
     with pytest.raises(DownloadError, match="leaves the folder"):
         download_cmu(folder, None, polite(site))
-    assert names(tmp_path) == ["inner/cmu/allasfamc.zip"]
+    assert names(tmp_path) == []
 
 
 def test_an_archive_that_is_damaged_or_none(site, tmp_path, acclaim):
@@ -132,6 +132,29 @@ def test_an_archive_that_is_damaged_or_none(site, tmp_path, acclaim):
         download_cmu(tmp_path / "b", None, polite(site))
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
     assert names(tmp_path / "b") == []
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ({"07/07_01.amc": bytes(40_000_000)}, "more than 50 times"),
+        ({f"07/07_{n:02d}.amc": bytes(900_000) for n in range(60)}, "more than 50 times"),
+        ({"07/07_01.amc": bytes(70_000_000)}, "expected at most"),
+        ({"README": b"read me"}, "no motion file"),
+    ],
+)
+def test_an_archive_that_expands_or_holds_nothing_is_removed(site, tmp_path, body, message):
+    site.files["/allasfamc.zip"] = packed(body)
+    with pytest.raises(DownloadError, match=message):
+        download_cmu(tmp_path, None, polite(site))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_of_any_length_is_not_read(site, tmp_path):
+    site.files["/search.php?subjectnumber=7"] = bytes(4_100_000)
+    with pytest.raises(DownloadError, match="more than 4000000 bytes"):
+        download_cmu(tmp_path, [7], polite(site))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_link_in_the_folder_is_not_followed(site, tmp_path):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import time
+
 import numpy as np
 import pytest
 from misbehaving_site import Site, serve
@@ -70,3 +73,63 @@ def test_what_is_not_there(site, tmp_path):
     with pytest.raises(DownloadError, match="refused"):
         fetch("http://127.0.0.1:9/file", tmp_path / "part", pause=0)
     assert not list(tmp_path.iterdir())
+
+
+def answering(status, headers, body=b"", seconds=0.0, times=1):
+    """Sends the body so many times, with a pause after each."""
+
+    def answer(handler):
+        handler.wfile.write(f"HTTP/1.0 {status} X\r\n".encode())
+        for name, value in headers.items():
+            handler.wfile.write(f"{name}: {value}\r\n".encode())
+        handler.wfile.write(b"\r\n")
+        for _ in range(times):
+            handler.wfile.write(body)
+            time.sleep(seconds)
+
+    return answer
+
+
+def slow_headers(handler):
+    handler.wfile.write(b"HTTP/1.0 200 OK\r\nX: ")
+    for _ in range(100):
+        handler.wfile.write(b"x")
+        time.sleep(0.1)
+
+
+def go(address):
+    return answering(302, {"Location": address})
+
+
+HOSTILE = {
+    "a length of 5000 digits": answering(200, {"Content-Length": "9" * 5000}, b"x", times=10**7),
+    "a length that is no number": answering(200, {"Content-Length": "-1e9"}, b"x" * 65536, 0, 999),
+    "a range of 5000 digits": answering(206, {"Content-Range": f"bytes 0-1/{'9' * 5000}"}, b"xx"),
+    "a range elsewhere": answering(206, {"Content-Range": "bytes 7-9/10"}, b"xxx"),
+    "a length above the limit": answering(200, {"Content-Length": "1" + "0" * 15}, b"x"),
+    "an endless body": answering(200, {}, bytes(65536), times=10**6),
+    "a slow body": answering(200, {"Content-Length": 10**5}, b"x", 0.1, 100),
+    "slow headers": slow_headers,
+    "silence": lambda handler: time.sleep(10),
+    "4 KB at a time": answering(200, {"Content-Length": 10**5}, bytes(4096)),
+    "no address": go("http://[bad"),
+    "a port that is none": go("http://127.0.0.1:99999/"),
+    "a name that is too long": go(f"http://{'a' * 300}.example/"),
+    "a local file": go("file:///etc/passwd"),
+    "itself": go("/file"),
+    "not HTTP": lambda handler: handler.wfile.write(b"SSH-2.0-x\r\n" * 99),
+    "too many headers": answering(200, {f"X{n}": "x" for n in range(500)}, b"x"),
+    "a header line without end": answering(200, {"X": "x" * 200_000}, b"x"),
+}
+
+
+@pytest.mark.parametrize("how", HOSTILE)
+def test_a_hostile_server_ends_in_one_clear_error(site, tmp_path, monkeypatch, how):
+    monkeypatch.setattr(sys.modules["numpy_cae.download.fetch"], "PATIENCE", 1.0)
+    site.answer = HOSTILE[how]
+    with pytest.raises(DownloadError) as refused:
+        fetch(f"{site.address}/file", tmp_path / "part", pause=0, most=1_000_000)
+    message = str(refused.value)
+    assert message.startswith(f"{site.address}/file: ") and len(message) < 1000
+    size = (tmp_path / "part").stat().st_size if (tmp_path / "part").exists() else 1
+    assert 0 < size <= 1_000_000
