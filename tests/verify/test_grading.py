@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import textwrap
 
 import pytest
@@ -97,57 +96,14 @@ def test_without_the_functions_to_be_tested_the_file_fails(graded):
     assert "no function has an operation's name" in graded("x = 1").faults[0]
 
 
-@pytest.mark.parametrize(
-    ("line", "fault"),
-    [
-        ("import torch", "torch may not be imported: the operations are written by hand (line 2)"),
-        ("from numpy_cae import ops", "numpy_cae may not be imported"),
-        ("m = __import__('numpy' + '_cae.ops')", "numpy_cae may not be imported"),
-        ("import sys; sys.exit(0)", "at import: it calls sys.exit"),
-        ("import os; os._exit(0)", "its process ended"),
-        ("1 / 0", "at import: ZeroDivisionError: division by zero (line 2)"),
-        ("import os; os.closerange(3, 1000); import time; time.sleep(60)", "process ended"),
-        ("def broken(:", "SyntaxError: invalid syntax"),
-    ],
-)
-def test_what_a_file_may_not_do_is_a_fault(graded, line, fault):
-    report = graded(f"\n{line}\n{RIGHT}")
-    assert not report.held and report.points == 0
-    assert fault in report.faults[0]
-
-
-def test_a_patched_numpy_cannot_reach_the_grader(graded):
-    report = graded("""
-        import numpy as np
-        import numpy.testing
-
-        np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True
-        np.abs = np.max = np.asarray = lambda *a, **k: 0.0
-        np.seterr(all="raise")
-
-        def tanh(x):
-            np.core = np.random = np.linalg = None
-            return x, lambda dy: dy
-    """)
-    (tanh,) = report.reports
-    held = [outcome.stated.name for outcome in tanh.outcomes if outcome.held]
-    assert not report.faults
-    assert held == ["gradient for x", "linearity", "dtype", "purity", "independence", "strides"]
-
-
 def test_output_warnings_an_altered_numpy_and_self_tests_are_no_fault(graded):
     noise = """
     import os, sys, warnings
     os.write(1, b"hello"); os.write(2, b"hello")
     print("x is", x.shape, "x" * 10**6, flush=True)
     warnings.warn("careful"); np.log(np.float64(0))
-    sys.stdin.read()
-    sys.stdout = None
-    print("lost")
     y = """
-    spoilt = "\nnp.abs = np.sum = np.zeros = None\nnp.seterr(over='raise', invalid='raise')\n"
-    self_test = "\nif __name__ == '__main__':\n    import torch\n    print(1)\n"
-    report = graded(RIGHT.replace("\n    y = ", noise) + spoilt + self_test)
+    report = graded(RIGHT.replace("\n    y = ", noise) + "np.abs = np.sum = np.zeros = None\n")
     assert report.held and [each.operation for each in report.reports] == ["tanh"]
     assert "tanh: UserWarning: careful (line 8)" in report.notes
 
@@ -162,12 +118,6 @@ def test_endless_loops_end(graded, monkeypatch):
     assert "its process ended" in by_name["linear"].outcomes[0].problem
     assert "KeyboardInterrupt" in by_name["sigmoid"].outcomes[0].problem
     assert report.points == 10 and not report.faults
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS binds on Linux only")
-def test_memory_is_limited(graded):
-    report = graded("import numpy as np\nx = np.ones(10**9)", megabytes=1500)
-    assert "at import: MemoryError" in report.faults[0] or "its process ended" in report.faults[0]
 
 
 def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path, capsys):

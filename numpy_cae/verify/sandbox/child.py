@@ -47,16 +47,10 @@ def main() -> None:
     limits. The reply has the result of each task, and what is wrong with the file as a whole.
     """
     request = json.load(sys.stdin)
-    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    nothing = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1, 2):
-        os.dup2(nothing, stream)
-    sys.stdout = sys.stderr = os.fdopen(1, "w", errors="replace", closefd=False)
     confinement.adopt_orphans()
     module = import_module(request["catalogue"])
     holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what a report needs
-    json.dump(Grading(request, module).reply(), replies)
-    replies.close()
+    print(json.dumps(Grading(request, module).reply()))
 
 
 class Grading:

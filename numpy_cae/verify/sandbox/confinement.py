@@ -51,7 +51,7 @@ def adopt_orphans() -> None:
 
 
 def confine(seconds: float, megabytes: int, folder: str) -> list[ModuleType]:
-    """Limit this process for the rest of its life.
+    """Limit this process for the rest of its life; it reads and prints nothing.
 
     Parameters
     ----------
@@ -66,6 +66,11 @@ def confine(seconds: float, megabytes: int, folder: str) -> list[ModuleType]:
     list
         The modules that the tests use, to be kept: what is imported from now on gets copies.
     """
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(nothing, stream)
+    sys.stdin = open(0, closefd=False)
+    sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
     _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     cpu = math.ceil(time.process_time() + seconds)
     limits = {"CPU": (cpu, cpu + 1), "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}

@@ -1,0 +1,224 @@
+"""Files that are broken or disturb their grading: none reaches the tests, and each is told so."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from importlib import import_module
+
+import pytest
+
+from numpy_cae.verify import grading
+from numpy_cae.verify.sandbox import confinement
+from numpy_cae.verify.sandbox.apart import do_apart
+from numpy_cae.verify.sandbox.child import Grading
+from numpy_cae.verify.submission import SubmissionError, read_submission
+
+COURSE = "numpy_cae.course.catalogue"
+IMPORTS = "import atexit, builtins, ctypes, json, os, socket, subprocess, sys, threading, time\n"
+IMPORTS += "import warnings\nimport numpy as np\n"
+TANH = """
+def tanh(x):
+    y = np.tanh(x)
+    {0}
+    return y, lambda dy: dy * (1 - y * y)
+"""
+RIGHT = IMPORTS + TANH.format("")
+WRONG = RIGHT.replace("1 - y * y", "1 - x * x")
+TO_ALL = "[os.write(i, {!r}) for i in range(3, 60) if os.path.exists(f'/proc/self/fd/{{i}}')]"
+EVIL = "type('Evil', (Exception,), {'__str__': lambda self: 1 / 0})()"
+CHEAT = """
+class Cheat(np.ndarray):
+    __sub__ = __rsub__ = lambda self, other: np.zeros(self.shape)
+    __abs__ = __eq__ = __sub__
+right = tanh
+def tanh(x):
+    y, pullback = right(x)
+    return y.view(Cheat), lambda dy: pullback(dy).view(Cheat)
+"""
+GRANDCHILD = """
+pid = ctypes.CDLL(None).fork()
+if pid == 0:
+    os.setsid()
+    time.sleep(100)
+open('pid', 'w').write(str(pid))
+"""
+
+
+@pytest.fixture
+def graded(tmp_path, monkeypatch):
+    """Grades a file by a process that is forked from this one, which saves starting Python."""
+    monkeypatch.chdir(tmp_path)
+
+    def grade(content, name="student.py", lesson="", cpu_seconds=5.0, seconds=60.0):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        request = {"path": str(path), "named": {}, "lesson": lesson, "any_convention": False}
+        request |= {"seconds": seconds, "exercise_seconds": cpu_seconds, "megabytes": 4096}
+
+        def work():
+            confinement.adopt_orphans()
+            return Grading(request, import_module(COURSE)).reply()
+
+        monkeypatch.setattr(grading, "run", lambda request: do_apart(work, 100))
+        return grading.grade(path, COURSE)
+
+    return grade
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("def broken(:", "SyntaxError: invalid syntax"),
+        ("x = " + "(" * 5000 + ")" * 5000, "nested parentheses"),
+        ("x = " + "-" * 50_000 + "1", "Error"),
+        (b"x = 1\0", "null bytes"),
+        (RIGHT.encode("utf-16"), "Error"),
+        (b"# coding: nonsense\n", "unknown encoding"),
+        (b"#" * 2**21, "larger than 1 MB"),
+        (b"", "no function has an operation's name"),
+        ("raise SystemExit", "it calls sys.exit"),
+        ("os._exit(0)", "its process ended"),
+        ("raise KeyboardInterrupt", "at import: KeyboardInterrupt"),
+        (f"raise {EVIL}", "Evil, whose message cannot be printed"),
+        ("atexit.register(os._exit, 0); 1 / 0", "ZeroDivisionError: division by zero (line 4)"),
+        ("f = lambda: f()\nf()", "RecursionError"),
+        ("ctypes.string_at(0)", "its process ended"),
+        ("x = np.ones(10**12)", "Unable to allocate"),
+        ("m = __import__('to' + 'rch')", "torch may not be imported"),
+        ("from numpy_cae.ops import tanh", "numpy_cae may not be imported"),
+        ("os.fork()", "os.fork is not allowed"),
+        ("subprocess.run(['ls'])", "subprocess.Popen is not allowed"),
+        ("os.kill(os.getppid(), 9)", "os.kill is not allowed"),
+        ("socket.create_connection(('127.0.0.1', 9))", "is not allowed"),
+        ("os.remove(__file__[:-3] + 'x')", "FileNotFoundError"),
+        ("os.rename(__file__, '/x')", "os.rename is not allowed"),
+        ("open('/x', 'w')", "open is not allowed"),
+        ("os.closerange(3, 1000); time.sleep(60)", "its process ended"),
+        (TO_ALL.format(b'{"found": ["tanh"]}\n'), "something that is no reply"),
+        (TO_ALL.format(b"[" * 10**6 + b"\n"), "something that is no reply"),
+        (TO_ALL.format(b"{") + "; time.sleep(60)", "did not finish"),
+        ("time.sleep(60)", "did not finish"),
+        ("while True: pass", "an endless loop?"),
+        ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\x202e"),
+    ],
+    ids=range(32),
+)
+def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
+    if isinstance(content, str):
+        content = IMPORTS + content + TANH.format("")
+    file = graded(content, cpu_seconds=1.0)
+    assert len(file.faults) == 1 and fault in file.faults[0]
+    assert not file.held and file.points == 0
+    assert file.possible == 10 or not isinstance(content, str)
+    assert "\x1b" not in str(file)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\xef\xbb\xbf" + RIGHT.encode(),
+        b"# coding: latin-1\n# \xe9\n" + RIGHT.encode(),
+        RIGHT.replace("\n", "\r\n").encode(),
+        IMPORTS + TANH.format("print('x' * 10**6, chr(0xd800), file=sys.stderr)"),
+        IMPORTS + TANH.format("os.write(1, b'x' * 10**5)") + "print('hello'); sys.stdin.read()",
+        RIGHT + "warnings.simplefilter('error'); np.seterr(all='raise')",
+        RIGHT + "np.abs = np.sum = np.asarray = np.random = np.linalg = None",
+        RIGHT + "builtins.len = builtins.isinstance = builtins.AssertionError = None",
+        RIGHT + "json.dumps = json.dump = os.write = os._exit = time.monotonic = None",
+        RIGHT + "sys.stdout = sys.stderr = sys.excepthook = None",
+        RIGHT + "atexit.register(time.sleep, 100)",
+        RIGHT + "if __name__ == '__main__':\n    import torch\n",
+        RIGHT + "try:\n    threading.Thread(target=time.sleep, args=(100,)).start()\n"
+        "except RuntimeError:\n    pass\n",
+    ],
+    ids=range(13),
+)
+def test_what_harms_nobody_costs_no_points(graded, content):
+    file = graded(content)
+    assert file.held and (file.points, file.possible) == (10, 10), str(file)
+
+
+@pytest.mark.parametrize(
+    "attempt",
+    [
+        "np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True",
+        "builtins.all = builtins.AssertionError = builtins.max = lambda *a: True",
+        "json.dumps = lambda *a, **k: '{\"report\": {}}'",
+        CHEAT,
+        "del tanh; tanh = type('T', (), {'__call__': lambda s, x: (x, lambda dy: dy)})()",
+    ],
+)
+def test_a_wrong_function_gets_no_points_by_replacing_what_tests_use(graded, attempt):
+    file = graded(WRONG + attempt)
+    assert not file.held and file.points <= 2 and file.possible == 10, str(file)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="orphans are adopted on Linux only")
+def test_a_forked_process_does_not_outlive_the_grading(graded, tmp_path):
+    assert graded(RIGHT + GRANDCHILD).points == 10
+    pid = int((tmp_path / "pid").read_text())
+    if pid > 0:  # users other than root may not even fork
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+
+
+def notebook(**sources) -> str:
+    """A notebook of lesson 03 with an exercise cell of each name, and the check of conv1d."""
+    cells = [{"grade_id": name, "solution": True} for name in sources]
+    cells.append({"grade_id": "conv1d_check", "grade": True})
+    made = [
+        {"cell_type": "code", "metadata": {"nbgrader": marks}, "source": source}
+        for marks, source in zip(cells, [*sources.values(), "1 / 0"], strict=True)
+    ]
+    return json.dumps({"cells": made})
+
+
+def test_each_exercise_of_a_notebook_counts_whatever_the_others_do(graded):
+    unfold = "def unfold(x, taps):\n    half = taps // 2\n    frames = x.shape[1]\n"
+    unfold += "    x = np.pad(x, ((0, 0), (half, half), (0, 0)))\n"
+    unfold += "    windows = [x[:, t : t + taps].reshape(len(x), -1) for t in range(frames)]\n"
+    unfold += "    return np.stack(windows, axis=1)\n"
+    hostile = "def transpose_filters(w):\n    while True: pass\n"
+    content = notebook(
+        conv1d_by_loops="def conv1d_by_loops(", unfold=f"%time\n{unfold}", transpose_filters=hostile
+    )
+    file = graded(content, "week3.ipynb", cpu_seconds=1.0)
+    points = {report.operation: (report.points, report.possible) for report in file.reports}
+    assert points["unfold"] == (4, 4)
+    assert [points[n][0] for n in ("conv1d_by_loops", "transpose_filters", "conv1d")] == [0, 0, 0]
+    assert file.possible == 35  # although the cell of conv1d was deleted
+    assert file.faults[0].startswith("cell conv1d_by_loops: SyntaxError")
+    broken = graded("{", "03_convolution_by_hand.ipynb")
+    assert (broken.points, broken.possible) == (0, 35)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        ("[" * 10**5, "not a Jupyter notebook"),
+        ('{"cells": [{"cell_type": "code", "metadata": null, "source": ""}]}', "not a Jupyter"),
+        ('{"cells": {"a": 1}}', "not a Jupyter"),
+        (b"\xff\xfe{}", "not a Jupyter"),
+        (notebook(tanh=5), "not a Jupyter"),
+        (" " * (2**25 + 1), "larger than 32 MB"),
+    ],
+)
+def test_what_is_no_notebook_is_refused(tmp_path, content, problem):
+    path = tmp_path / "lesson.ipynb"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(SubmissionError, match=problem):
+        read_submission(path)
+
+
+def test_a_notebook_may_begin_with_a_mark_and_hold_half_of_a_character(graded):
+    content = notebook(conv1d="x = '\ud800'", unfold="def unfold(x, taps):\n    return x")
+    file = graded(b"\xef\xbb\xbf" + content.encode(), "week3.ipynb")
+    assert file.possible == 35 and "cell conv1d: UnicodeEncodeError" in file.faults[0]
+
+
+def test_a_folder_and_a_device_are_no_files(tmp_path):
+    assert grading.grade(tmp_path).faults == ["it is no file"]
+    os.mkfifo(tmp_path / "pipe.py")
+    assert grading.grade(tmp_path / "pipe.py").faults == ["it is no file"]
