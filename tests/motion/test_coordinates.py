@@ -92,11 +92,10 @@ def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
 
 
 def test_coordinates_that_are_none():
-    walk = make_take("walk", 1, 1.0, 30.0).motion
     with pytest.raises(ValueError, match="up is 'w', expected one of y, z"):
-        in_y_up(walk, Coordinates(up="w"))
+        Coordinates(up="w")
     with pytest.raises(ValueError, match="floor is nan"):
-        in_y_up(walk, Coordinates(floor=float("nan")))
+        Coordinates(floor=float("nan"))
 
 
 def real_files(folder, step):

@@ -78,11 +78,15 @@ def test_a_joint_is_named_as_ours_or_as_the_rigs():
         joint_index("tail", skeleton)
 
 
-@pytest.mark.parametrize("text", ["{", "[1]", '{"hips": 3}', '{"tail": "x"}'])
+@pytest.mark.parametrize(
+    "text", ["{", "[1]", '{"hips": 3}', '{"tail": "x"}', '{"spine": "a", "chest": "a"}']
+)
 def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
     file = tmp_path / "rig.json"
     file.write_text(text)
-    with pytest.raises(UnknownRigError, match=r"rig\.json: (not JSON|expected an obj|not among)"):
+    with pytest.raises(
+        UnknownRigError, match=r"rig\.json: (not JSON|expected an obj|not among|a stands)"
+    ):
         read_mapping(file)
 
 

@@ -39,7 +39,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     Returns
     -------
     Motion
-        In metres, its joints in the order of the file.
+        In metres, its joints in the order and its axes as in the file: `load_motion` turns Y up.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.completed import without_added
@@ -66,11 +67,24 @@ class Coordinates:
         The axis that is up, a key of `TO_Y_UP`.
     floor : float, optional
         Height of the floor in the file along that axis, in metres.
+
+    Raises
+    ------
+    ValueError
+        If one is not valid.
     """
 
     unit: float | None = None
     up: str | None = None
     floor: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.unit is not None:
+            require_unit(self.unit)
+        if self.up is not None and self.up not in TO_Y_UP:
+            raise ValueError(f"up is {self.up!r}, expected one of {', '.join(TO_Y_UP)}")
+        if self.floor is not None and not np.isfinite(self.floor):
+            raise ValueError(f"floor is {self.floor}, expected its height in metres")
 
 
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
@@ -119,14 +133,8 @@ def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) 
 
     What `coordinates` leaves open is detected; in a rig in which the twenty joints cannot be found
     and are not suggested by the hierarchy either, Y is taken to be up and the floor to be at 0.
-
-    Raises ValueError if the coordinates are not valid.
     """
     up, floor = coordinates.up, coordinates.floor
-    if up is not None and up not in TO_Y_UP:
-        raise ValueError(f"up is {up!r}, expected one of {', '.join(TO_Y_UP)}")
-    if floor is not None and not np.isfinite(floor):
-        raise ValueError(f"floor is {floor}, expected its height in metres")
     reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
     found = match_rig(motion.skeleton, mapping)[1]
     if len(found) < len(JOINTS):

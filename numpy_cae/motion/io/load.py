@@ -11,7 +11,6 @@ from numpy_cae.motion.io.c3d import read_c3d
 from numpy_cae.motion.io.coordinates import Coordinates, in_y_up
 from numpy_cae.motion.io.error import MotionFileError, naming
 from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
-from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.rigs import Mappings
@@ -78,7 +77,7 @@ def load_motion(
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
     if problem is not None:
         raise MotionFileError(path, None, problem)
-    unit = None if unit is None else require_unit(unit)
+    coordinates = Coordinates(unit, up, floor)
     with naming(path):
         if suffix == ".amc":
             motion = read_amc(path, unit=unit, max_rate=max_rate)
@@ -86,7 +85,7 @@ def load_motion(
             motion = read_c3d(path, unit)
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
-        return in_y_up(completed(motion, mapping), Coordinates(unit, up, floor), mapping)
+        return in_y_up(completed(motion, mapping), coordinates, mapping)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:

@@ -27,6 +27,8 @@ Mapping = dict[str, str]
 Mappings = Mapping | Sequence[Mapping] | None
 """One mapping, or several of which each rig takes the first that fits."""
 
+_LISTED = 80
+"""Names in a message; some rigs have hundreds of joints."""
 ADDED = " (added)"
 """The end of the name of a joint that the file lacks and that `completed` added."""
 
@@ -49,7 +51,8 @@ def find_joints(skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
     single = mapping if isinstance(mapping, dict) else {}
     names = {joint: RIGS[rig].get(joint, (joint,))[0] for joint in JOINTS} | single
     sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in JOINTS if joint not in found)
-    problem = f"the rig has no {sought}; it has {', '.join(skeleton.names)}. "
+    listed = ", ".join([*skeleton.names[:_LISTED], *(["…"] if skeleton.names[_LISTED:] else [])])
+    problem = f"the rig has no {sought}; it has {listed}. "
     suggestion = suggest_mapping(skeleton)
     if suggestion:
         problem += f"Its hierarchy suggests {json.dumps(suggestion, ensure_ascii=False)}: "
@@ -129,6 +132,12 @@ def read_mapping(path: str | Path) -> Mapping:
         raise UnknownRigError(
             f"{path}: not among the twenty joints: {', '.join(unknown)}; "
             f"they are {', '.join(JOINTS)}"
+        )
+    twice = {name for name in mapping.values() if list(mapping.values()).count(name) > 1}
+    if twice:
+        raise UnknownRigError(
+            f"{path}: {', '.join(sorted(twice))} stands for several joints; leave out a joint that "
+            "the rig lacks"
         )
     return mapping
 
