@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from acclaim_files import write_acclaim
 
 from data_synth import make_take
-from numpy_cae.motion import Coordinates, load_body, load_motion, write_bvh
-from numpy_cae.motion.io.cache import read_bodies
+from numpy_cae.array_file import save_arrays
+from numpy_cae.motion import Coordinates, Motion, load_body, load_motion, write_bvh
+from numpy_cae.motion.io.cache import VERSION, default_cache, read_bodies
 
 
 @pytest.fixture(scope="module")
@@ -70,15 +75,75 @@ def test_the_cache_knows_content_and_settings(paths, tmp_path):
     assert len(list(cache.iterdir())) == 3
 
 
-def test_a_damaged_cache_and_one_that_cannot_be_written(paths, tmp_path):
+def test_an_entry_that_is_damaged_or_poisoned_is_not_used(paths, tmp_path, caplog):
     cache = tmp_path / "cache"
     (first,) = read_bodies(paths[:1], cache=cache)
     (file,) = cache.iterdir()
-    data = file.read_bytes()
-    for damaged in (b"", data[: len(data) // 2], data[:3000] + b"xxxxxxxx" + data[3008:]):
-        file.write_bytes(damaged)
+    data, good = file.read_bytes(), {"format": np.array(VERSION), "note": np.array("")}
+    wrong = ("text", first.positions * 1j, first.positions * 1e300, first.positions[:, :19])
+    for poison in (b"", data[: len(data) // 2], data[:3000] + b"xxxxxxxx" + data[3008:], *wrong):
+        if isinstance(poison, bytes):
+            file.write_bytes(poison)
+        else:
+            save_arrays(good | {"positions": np.array(poison)}, file)
         (again,) = read_bodies(paths[:1], cache=cache)
         np.testing.assert_array_equal(first.positions, again.positions)
+        assert "this entry of the cache is not used" in caplog.records[-1].getMessage()
+    file.unlink()
+    os.mkfifo(file)
+    (again,) = read_bodies(paths[:1], cache=cache)
+    assert "is not a regular file" in caplog.records[-1].getMessage()
+    assert file.is_file()
+
+
+def test_a_cache_of_another_user_or_that_cannot_be_written_is_not_used(
+    paths, tmp_path, caplog, monkeypatch
+):
     (tmp_path / "file").write_text("")
-    (again,) = read_bodies(paths[:1], cache=tmp_path / "file")
-    np.testing.assert_array_equal(first.positions, again.positions)
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "others").mkdir()
+    monkeypatch.setattr(os, "getuid", lambda: (tmp_path / "others").stat().st_uid + 1)
+    for name in ("file", "pipe", "others"):
+        (body,) = read_bodies(paths[:1], cache=tmp_path / name)
+        assert body.positions is not None
+        assert "this cache is not used" in caplog.records[-1].getMessage()
+    assert not list((tmp_path / "others").iterdir())
+
+
+def test_without_a_home_there_is_no_cache(monkeypatch):
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", lambda: Path("~nobody-of-this-name").expanduser())
+    assert default_cache() is None
+
+
+def test_bodies_that_are_no_persons_and_jumps_are_named(paths, tmp_path):
+    motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    joint = motion.skeleton.index("lfemur")
+
+    def changed(factor: float, joints: slice) -> Motion:
+        offsets, translations = motion.skeleton.offsets.copy(), motion.translations.copy()
+        offsets[joints] *= factor
+        translations[:, joints] *= factor
+        skeleton = replace(motion.skeleton, offsets=offsets)
+        return replace(motion, skeleton=skeleton, translations=translations)
+
+    jump = motion.translations.copy()
+    jump[10, 0] += 1e9
+    for name, take, message in (
+        ("hip", changed(0.0, slice(joint - 1, joint + 1)), "bone to left_hip has no length"),
+        ("giant", changed(1e5, slice(None)), "expected 0.05 to 20 m; is the unit another"),
+        ("jump", replace(motion, translations=jump), "of 30 a second"),
+    ):
+        write_bvh(take, tmp_path / f"{name}.bvh", unit=0.01)
+        (body,) = read_bodies([tmp_path / f"{name}.bvh"])
+        assert f"{name}.bvh: " in str(body.problem) and message in str(body.problem)
+
+
+def test_an_unexpected_exception_names_the_file_and_the_others_are_read(paths, monkeypatch):
+    def broken(path, *_):
+        raise IndexError("index 7 is out of bounds")
+
+    monkeypatch.setattr("numpy_cae.motion.io.load.read_bvh", broken)
+    problems = [body.problem for body in read_bodies(paths)]
+    assert sum(problem is None for problem in problems) == 1
+    assert "0.bvh: cannot be read: IndexError: index 7" in str(problems[0])
