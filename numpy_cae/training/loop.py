@@ -75,9 +75,13 @@ class Loop:
         ValueError if a weight, the order of the examples or the history is not one of this loop.
         """
         at = position
-        if min(at.stage, at.epoch, at.step) < 0 or not np.isfinite([at.total, at.seconds]).all():
+        counts = at.stage, at.epoch, at.step
+        whole = all(isinstance(count, int) and count >= 0 for count in counts)
+        if not whole or not np.isfinite([at.total, at.seconds]).all():
             raise ValueError("the position is not one of a training")
-        if not np.array_equal(np.sort(at.order), np.arange(at.order.size)):
+        if at.order.dtype.kind != "i" or not np.array_equal(
+            np.sort(at.order), np.arange(at.order.size)
+        ):
             raise ValueError("the order of the examples is not one of a training")
         if set(history) != set(vars(self.history)):
             raise ValueError("the history is of another training")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import gc
+import json
 import os
 import sys
 import zipfile
@@ -11,6 +12,7 @@ import zipfile
 import numpy as np
 import pytest
 
+from numpy_cae.array_file import DIGEST, digest_of
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
     Checkpoint,
@@ -122,6 +124,61 @@ def test_a_checkpoint_that_is_damaged(tmp_path):
         path.write_bytes(changed)
         with pytest.raises(CheckpointError, match="not a checkpoint of this version"):
             train_conv(path, resume=True)
+
+
+def edited(arrays, rng):
+    """One array or a value in the JSON text replaced, removed or renamed."""
+    names = sorted(arrays)
+    name = names[rng.integers(len(names))]
+    array = arrays[name]
+    if name == "about":
+        about = json.loads(str(array))
+        part = rng.choice(["run", "rng", "position", "history"])
+        values = (None, [], {}, 10**400, -1, "text", 1e300, [[]], {"stage": -5})
+        about[part] = values[rng.integers(len(values))]
+        return arrays | {name: np.array(json.dumps(about))}
+    number = rng.normal() * 10.0 ** rng.integers(-3, 300)
+    choices = [
+        lambda: array.astype("U20"),
+        lambda: array.astype(complex),
+        lambda: array[..., :1] if array.ndim else np.zeros(3),
+        lambda: np.zeros(array.shape, np.float16),
+        lambda: np.full(array.shape, np.nan),
+        lambda: array.astype(float) + number if array.dtype.kind in "if" else np.array(number),
+        lambda: np.zeros((0, 3)),
+    ]
+    new = {} if rng.random() < 0.2 else {name: choices[rng.integers(len(choices))]()}
+    return {key: value for key, value in arrays.items() if key != name} | new
+
+
+@pytest.mark.parametrize("count", [30, pytest.param(2000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("digested", [False, True])
+def test_an_edited_checkpoint_is_refused_or_gives_the_same_bits(
+    tmp_path, monkeypatch, count, digested, counted
+):
+    """With the old digest every edit is refused; with a new one what cannot be of this run."""
+    path, whole, refused = tmp_path / "c.npz", train_conv(None), 0
+    with monkeypatch.context() as patch, pytest.raises(Interrupted):
+        interrupt(patch, layerwise, 18)
+        train_conv(path)
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    for number in range(count):
+        changed = edited(arrays, np.random.default_rng(number))
+        if digested:
+            changed[DIGEST] = np.array(digest_of(changed))
+        np.savez(path, **changed)
+        try:
+            result = train_conv(path, resume=True)
+        except (CheckpointError, ValueError) as error:
+            refused += 1
+            assert "\n" not in str(error), number
+        else:
+            assert digested or same(whole, result), number
+            assert all(np.isfinite(array).all() for array in result[0]), number
+    assert refused > count / 2
+    if count > 1000:
+        counted(f"{count} edited checkpoints (new digest: {digested}): {refused} refused")
 
 
 def test_a_full_disk_leaves_the_last_good_state(tmp_path, monkeypatch):
