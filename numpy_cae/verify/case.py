@@ -68,8 +68,17 @@ def _huge(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.
     return rng.choice([-1000.0, -1000.0, -100.0, -30.0, 30.0, 100.0, 1000.0, 1000.0], shape)
 
 
+def extreme(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    """Numbers whose squares or sums float32 cannot hold, beside ordinary ones."""
+    return rng.choice([-1e30, 1e30, 1e-30, -1e-30, 1.0], shape) * reach
+
+
 def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
-    kinds = [VALUES[name](rng, shape, reach) for name in VALUES if name not in ("mixed", "huge")]
+    kinds = [
+        VALUES[name](rng, shape, reach)
+        for name in VALUES
+        if name not in ("mixed", "huge", "offset")
+    ]
     return np.choose(rng.integers(len(kinds), size=shape), kinds)
 
 
@@ -84,6 +93,7 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "positive": lambda rng, shape, reach: np.abs(spread(rng, shape, reach)),
     "negative": lambda rng, shape, reach: -np.abs(spread(rng, shape, reach)),
     "large": lambda rng, shape, reach: spread(rng, shape, 5 * reach),
+    "offset": lambda rng, shape, reach: 1e4 + spread(rng, shape, reach),
     "huge": _huge,
     "mixed": _mixed,
 }
@@ -116,7 +126,7 @@ LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) -> dict:
     """Arrays by name, of which one or all are of the case's class of values."""
     special = rng.integers(-1, len(shapes))
-    draw = VALUES[case.get("values")]
+    draw = VALUES.get(case.get("values"), extreme)
     return {
         name: (draw if special in (-1, number) else spread)(rng, shape, reach)
         for number, (name, shape) in enumerate(shapes.items())

@@ -39,6 +39,9 @@ class Operation:
         Its value and pullback. Without it gradients are compared with central differences.
     saturates : bool
         Whether a derivative may be far smaller than the numbers that it is computed from.
+    selects : bool
+        Whether each result is one of the arguments' numbers, up to a factor: compared entry by
+        entry however much larger the others are.
     alike : callable, optional
         Maps a gradient to one that is the same for all gradients that are right.
     """
@@ -51,17 +54,22 @@ class Operation:
     linear_in: tuple[str, ...] = ()
     reference: Callable | None = None
     saturates: bool = False
+    selects: bool = False
     alike: Alike = lambda arguments, gradient: gradient
 
 
 CLASSES = {"values": tuple(VALUES)}
-WINDOW = {"batch": (1, 2, 3, 4, 6), "frames": (1, 2, 3, 4, 5, 6, 9), "channels": (1, 2, 3)}
+WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 6, 9), "channels": (1, 2, 3)}
 FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3, 4), "taps": (1, 3, 5, 7, 9)}
 ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)} | CLASSES
 LINEAR = {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)}
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6), "channels": (1, 2, 3), "hidden": (1, 2, 3)} | STATE | CLASSES
-POINTS = {"points": (1, 2, 3, 4, 5, 7, 8, 13), "dimensions": (1, 2, 3), "directions": (1, 2, 5)}
+POINTS = {
+    "points": (1, 2, 3, 4, 5, 7, 8, 13, 300),
+    "dimensions": (1, 2, 3),
+    "directions": (1, 2, 5),
+}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31
@@ -163,16 +171,19 @@ def _operation(
     return Operation(name, sizes, arguments, names, definition, linear, reference, **others)
 
 
-ARRAYS, FILTERED = WINDOW | CLASSES, WINDOW | FILTERS | CLASSES
+FILTERED = WINDOW | FILTERS | CLASSES
 AT_BOUNDS = {"values": (*VALUES, "bound")}
+EXTREME = {"values": (*VALUES, "extreme")}
 OPERATIONS: dict[str, Operation] = {
     operation.name: operation
     for operation in (
         _operation("conv1d", FILTERED, _conv1d, "x w b", "x w"),
-        _operation("transpose_filters", FILTERS | CLASSES, _transpose_filters, "w", "w"),
-        _operation("max_pool", ARRAYS, _pool, "x"),
-        _operation("unpool_even", ARRAYS, _window_y, "y", "y"),
-        _operation("unpool_random", ARRAYS, _unpool_random, "y", "y"),
+        _operation(
+            "transpose_filters", FILTERS | EXTREME, _transpose_filters, "w", "w", selects=True
+        ),
+        _operation("max_pool", WINDOW | EXTREME, _pool, "x", selects=True),
+        _operation("unpool_even", WINDOW | EXTREME, _window_y, "y", "y", selects=True),
+        _operation("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", selects=True),
         _operation("tanh", ANY_SHAPE, _window_x, "x", saturates=True),
         _operation("sigmoid", ANY_SHAPE, _window_x, "x", saturates=True),
         _operation("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y"),
@@ -180,7 +191,7 @@ OPERATIONS: dict[str, Operation] = {
         _operation("gru_step", GRU, _gru, "x h w u b c", saturates=True),
         _operation("gru", GRU | {"frames": (1, 2, 3, 4, 9)}, _gru, "x h0 w u b c", saturates=True),
         _operation("mean_squared_error", ANY_SHAPE, _mean_squared_error, "x_hat"),
-        _operation("mean_absolute", ANY_SHAPE, _window_y, "y"),
+        _operation("mean_absolute", ANY_SHAPE | EXTREME, _window_y, "y", selects=True),
         _operation("tied_layer", FILTERED, _conv1d, "x w b", saturates=True),
         _operation(
             "sliced_wasserstein",

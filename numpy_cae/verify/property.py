@@ -151,12 +151,18 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     return np.broadcast_to(2.0, shape) if kind == "constant" else dy
 
 
-def require_equal(what: str, found, expected, tolerance: float = EXACT) -> None:
-    """Raise unless two arrays agree in shape and, to rounding, in every entry."""
+def require_equal(
+    what: str, found, expected, tolerance: float = EXACT, entrywise: bool = False
+) -> None:
+    """Raise unless two arrays agree in shape and, to rounding, in every entry.
+
+    The tolerance is relative to the largest entry, or to each if `entrywise`.
+    """
     found, expected = np.asarray(found), np.asarray(expected)
     if found.shape != expected.shape:
         raise AssertionError(f"{what} has shape {found.shape}, expected {expected.shape}")
-    allowed = tolerance * max(1.0, float(np.max(np.abs(expected), initial=0.0)))
+    largest = max(1.0, float(np.max(np.abs(expected), initial=0.0)))
+    allowed = tolerance * (np.abs(expected) if entrywise else largest)
     wrong = ~(np.abs(found - expected) <= allowed)
     if wrong.any():
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
@@ -202,7 +208,8 @@ def _value(operation: Operation, implementation: Callable, case: Case) -> Findin
     if operation.reference is None:
         yield "the value", value, operation.definition(**arguments)
     else:
-        yield "the value", value, operation.reference(*copies(arguments))[0]
+        expected, _ = operation.reference(*copies(arguments))
+        yield "the value", value, expected, EXACT, operation.selects
 
 
 def _gradient_for(argument: str) -> Callable:
@@ -216,7 +223,7 @@ def _gradient_for(argument: str) -> Callable:
                 dy = drawn_upstream(case, expected)
                 both = (differentiated(operation, f(copied(dy))) for f in (pullback, reference))
                 alike = (operation.alike(arguments, gradients[argument]) for gradients in both)
-                yield f"the gradient for {argument}", *alike
+                yield f"the gradient for {argument}", *alike, EXACT, operation.selects
                 return
         if not case.get("values") == case.get("state") == ORDINARY:
             return
