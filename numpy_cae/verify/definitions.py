@@ -9,8 +9,6 @@ import math
 
 import numpy as np
 
-from numpy_cae.verify.convention import PYTORCH, Convention
-
 
 def conv1d(x, w, b):
     (batch, frames, channels), (taps, _, filters) = x.shape, w.shape
@@ -81,40 +79,24 @@ def linear(x, w, b):
     return y
 
 
-def gru_step(x, h, w, u, b, c, convention: Convention = PYTORCH):
+def gru_step(x, h, w, u, b, c):
     batch, hidden = h.shape
     h_next = np.zeros((batch, hidden))
-    reset, update, new = (convention.order.index(gate) for gate in ("reset", "update", "new"))
-
-    def from_input(i, column):
-        return b[column] + sum(x[i, k] * w[k, column] for k in range(x.shape[1]))
-
-    def from_state(state, column):
-        return c[column] + sum(state[k] * u[k, column] for k in range(hidden))
-
-    for i in range(batch):
-        r = np.zeros(hidden)
-        for j in range(hidden):
-            column = reset * hidden + j
-            r[j] = _sigmoid(from_input(i, column) + from_state(h[i], column))
-        for j in range(hidden):
-            column = update * hidden + j
-            z = _sigmoid(from_input(i, column) + from_state(h[i], column))
-            column = new * hidden + j
-            if convention.reset_after:
-                n = math.tanh(from_input(i, column) + r[j] * from_state(h[i], column))
-            else:
-                n = math.tanh(from_input(i, column) + from_state(r * h[i], column))
-            kept = z if convention.update_keeps else 1 - z
-            h_next[i, j] = (1 - kept) * n + kept * h[i, j]
+    for i, j in np.ndindex(h_next.shape):
+        reset, update, new = j, hidden + j, 2 * hidden + j
+        a = {g: b[g] + sum(x[i] * w[:, g]) for g in (reset, update, new)}
+        s = {g: c[g] + sum(h[i] * u[:, g]) for g in (reset, update, new)}
+        r, z = _sigmoid(a[reset] + s[reset]), _sigmoid(a[update] + s[update])
+        n = math.tanh(a[new] + r * s[new])
+        h_next[i, j] = (1 - z) * n + z * h[i, j]
     return h_next
 
 
-def gru(x, h0, w, u, b, c, convention: Convention = PYTORCH):
+def gru(x, h0, w, u, b, c):
     y = np.zeros((*x.shape[:2], h0.shape[1]))
     h = h0
     for t in range(x.shape[1]):
-        h = y[:, t] = gru_step(x[:, t], h, w, u, b, c, convention)
+        h = y[:, t] = gru_step(x[:, t], h, w, u, b, c)
     return y
 
 

@@ -1,8 +1,4 @@
-"""What the properties of an operation are stated with, as a table: `OPERATIONS`.
-
-The sizes of its arguments, their names, which of them get a gradient, in which of them it is
-linear, the definition of its value, and the definition of value and pullback together.
-"""
+"""What the properties of an operation are stated with, as a table: `OPERATIONS`."""
 
 from __future__ import annotations
 
@@ -16,55 +12,33 @@ from numpy_cae.verify import definitions
 from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn
 from numpy_cae.verify.tied import tied_layer
 
-Alike = Callable[[dict[str, object], np.ndarray], np.ndarray]
-
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation as its properties see it.
-
-    Parameters
-    ----------
-    name : str
-    sizes : mapping of str to tuple
-        The sizes and classes to draw from, the simplest first.
-    arguments : callable
-        Makes the arguments of a case, by name, in the order of the call.
-    differentiated : tuple of str
-        The arguments that get a gradient.
-    definition : callable
-        Its value.
-    linear_in : tuple of str
-    reference : callable, optional
-        Its value and pullback. Without it gradients are compared with central differences.
-    saturates : bool
-        Whether a derivative may be far smaller than the numbers that it is computed from.
-    selects : bool
-        Whether each result is one of the arguments' numbers, up to a factor: compared entry by
-        entry however much larger the others are.
-    alike : callable, optional
-        Maps a gradient to one that is the same for all gradients that are right.
-    """
+    """An operation as its properties see it; without `reference`, by differences of its value."""
 
     name: str
-    sizes: Sizes
-    arguments: Callable[[Case], dict[str, object]]
+    sizes: Sizes  # the sizes and classes to draw from, the simplest first
+    arguments: Callable[[Case], dict[str, object]]  # by name, in the order of the call
     differentiated: tuple[str, ...]
     definition: Callable[..., np.ndarray | float]
     linear_in: tuple[str, ...] = ()
-    reference: Callable | None = None
-    saturates: bool = False
-    selects: bool = False
-    alike: Alike = lambda arguments, gradient: gradient
+    reference: Callable | None = None  # its value and pullback
+    saturates: bool = False  # a derivative may be far smaller than what it is computed from
+    selects: bool = False  # results are arguments' entries up to a factor: compared one by one
+    alike: Callable = lambda arguments, gradient: gradient  # the same for all right gradients
 
 
 CLASSES = {"values": tuple(VALUES)}
+EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 6, 9), "channels": (1, 2, 3)}
 FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3, 4), "taps": (1, 3, 5, 7, 9)}
-ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)} | CLASSES
-LINEAR = {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)}
+FILTERED = WINDOW | FILTERS | CLASSES
+ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)}
+LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6), "channels": (1, 2, 3), "hidden": (1, 2, 3)} | STATE | CLASSES
+FRAMES = {"frames": (1, 2, 3, 4, 9)}
 POINTS = {
     "points": (1, 2, 3, 4, 5, 7, 8, 13, 300),
     "dimensions": (1, 2, 3),
@@ -75,32 +49,28 @@ WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31
 
 
+def _shaped(**shapes: str) -> Callable[[Case], dict[str, object]]:
+    """Arguments whose shapes are sizes, such as w="taps channels filters"."""
+
+    def arguments(case: Case) -> dict[str, object]:
+        sizes = {name: tuple(case[s] for s in shape.split()) for name, shape in shapes.items()}
+        return drawn(case, case.rng(), **sizes)
+
+    return arguments
+
+
+def _any_shape(*names: str) -> Callable[[Case], dict[str, object]]:
+    """Arguments of one shape, which has one to four axes."""
+    return lambda case: drawn(case, case.rng(), **dict.fromkeys(names, _window(case)))
+
+
 def _window(case: Case) -> tuple[int, ...]:
-    """(batch, frames, channels), with fewer or more axes where the operation takes any shape."""
     return (case["batch"], case["frames"], case["channels"], 2)[: case.get("axes", 3)]
 
 
-def _conv1d(case: Case) -> dict[str, object]:
-    channels, filters = case["channels"], case["filters"]
-    w, x = (case["taps"], channels, filters), (case["batch"], case["frames"], channels)
-    return drawn(case, case.rng(), x=x, w=w, b=(filters,))
-
-
-def _transpose_filters(case: Case) -> dict[str, object]:
-    return drawn(case, case.rng(), w=(case["taps"], case["channels"], case["filters"]))
-
-
 def _pool(case: Case) -> dict[str, object]:
-    batch, frames, channels = _window(case)
-    return drawn(case, case.rng(), x=(batch, 2 * frames, channels))
-
-
-def _window_x(case: Case) -> dict[str, object]:
-    return drawn(case, case.rng(), x=_window(case))
-
-
-def _window_y(case: Case) -> dict[str, object]:
-    return drawn(case, case.rng(), y=_window(case))
+    shape = (case["batch"], 2 * case["frames"], case["channels"])
+    return drawn(case, case.rng(), x=shape)
 
 
 def _unpool_random(case: Case) -> dict[str, object]:
@@ -138,7 +108,7 @@ def _gru(case: Case) -> dict[str, object]:
 
 
 def _mean_squared_error(case: Case) -> dict[str, object]:
-    arrays = drawn(case, case.rng(), x_hat=_window(case), x=_window(case))
+    arrays = _any_shape("x_hat", "x")(case)
     if case.get("values") == "zeros":  # of the difference
         arrays["x_hat"] = arrays["x"].copy()
     return arrays
@@ -162,43 +132,37 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
     return (member / member.sum(axis=1, keepdims=True)) @ gradient
 
 
-def _operation(
-    name: str, sizes: Sizes, arguments: Callable, differentiated: str, linear_in: str = "", **others
-) -> Operation:
-    names, definition = tuple(differentiated.split()), getattr(definitions, name)
-    reference = getattr(ops, name, tied_layer)
-    linear = tuple(linear_in.split())
-    return Operation(name, sizes, arguments, names, definition, linear, reference, **others)
-
-
-FILTERED = WINDOW | FILTERS | CLASSES
-AT_BOUNDS = {"values": (*VALUES, "bound")}
-EXTREME = {"values": (*VALUES, "extreme")}
+SELECTS, SATURATES = {"selects": True}, {"saturates": True}
+POINTS_ALIKE = {"alike": _mean_of_equal_points}
+_WINDOW = "batch frames channels"
+_conv1d = _shaped(x=_WINDOW, w="taps channels filters", b="filters")
+_TABLE = (
+    ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
+    ("transpose_filters", FILTERS | EXTREME, _shaped(w="taps channels filters"), "w", "w", SELECTS),
+    ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS),
+    ("unpool_even", WINDOW | EXTREME, _shaped(y=_WINDOW), "y", "y", SELECTS),
+    ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
+    ("tanh", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES),
+    ("sigmoid", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES),
+    ("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y", "", {}),
+    ("linear", LINEAR, _linear, "x w b", "x w", {}),
+    ("gru_step", GRU, _gru, "x h w u b c", "", SATURATES),
+    ("gru", GRU | FRAMES, _gru, "x h0 w u b c", "", SATURATES),
+    ("mean_squared_error", ANY_SHAPE | CLASSES, _mean_squared_error, "x_hat", "", {}),
+    ("mean_absolute", ANY_SHAPE | EXTREME, _any_shape("y"), "y", "", SELECTS),
+    ("tied_layer", FILTERED, _conv1d, "x w b", "", SATURATES),
+    ("sliced_wasserstein", POINTS | CLASSES, _sliced_wasserstein, "z", "", POINTS_ALIKE),
+)
 OPERATIONS: dict[str, Operation] = {
-    operation.name: operation
-    for operation in (
-        _operation("conv1d", FILTERED, _conv1d, "x w b", "x w"),
-        _operation(
-            "transpose_filters", FILTERS | EXTREME, _transpose_filters, "w", "w", selects=True
-        ),
-        _operation("max_pool", WINDOW | EXTREME, _pool, "x", selects=True),
-        _operation("unpool_even", WINDOW | EXTREME, _window_y, "y", "y", selects=True),
-        _operation("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", selects=True),
-        _operation("tanh", ANY_SHAPE, _window_x, "x", saturates=True),
-        _operation("sigmoid", ANY_SHAPE, _window_x, "x", saturates=True),
-        _operation("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y"),
-        _operation("linear", WINDOW | LINEAR | CLASSES, _linear, "x w b", "x w"),
-        _operation("gru_step", GRU, _gru, "x h w u b c", saturates=True),
-        _operation("gru", GRU | {"frames": (1, 2, 3, 4, 9)}, _gru, "x h0 w u b c", saturates=True),
-        _operation("mean_squared_error", ANY_SHAPE, _mean_squared_error, "x_hat"),
-        _operation("mean_absolute", ANY_SHAPE | EXTREME, _window_y, "y", selects=True),
-        _operation("tied_layer", FILTERED, _conv1d, "x w b", saturates=True),
-        _operation(
-            "sliced_wasserstein",
-            POINTS | CLASSES,
-            _sliced_wasserstein,
-            "z",
-            alike=_mean_of_equal_points,
-        ),
+    name: Operation(
+        name,
+        sizes,
+        arguments,
+        tuple(differentiated.split()),
+        getattr(definitions, name),
+        tuple(linear_in.split()),
+        getattr(ops, name, tied_layer),
+        **others,
     )
+    for name, sizes, arguments, differentiated, linear_in, others in _TABLE
 }
