@@ -23,25 +23,13 @@ CONTRACT = "that of numpy_cae.ops"
 
 @dataclass(frozen=True)
 class Task:
-    """One function to be written, and the properties that it is tested for.
-
-    Parameters
-    ----------
-    name : str
-    solution : callable
-        The project's own implementation.
-    properties : tuple of Property
-    hint : str
-        Shown where a property does not hold.
-    given : tuple of str
-        Names in the catalogue that an implementation may call without defining them.
-    """
+    """One function to be written, and the properties that it is tested for."""
 
     name: str
-    solution: Callable = field(repr=False)
+    solution: Callable = field(repr=False)  # the project's own implementation
     properties: tuple[Property, ...] = field(repr=False)
-    hint: str = ""
-    given: tuple[str, ...] = ()
+    hint: str = ""  # shown where a property does not hold
+    given: tuple[str, ...] = ()  # names that an implementation may call without defining them
 
     @property
     def points(self) -> int:

@@ -94,19 +94,13 @@ class Report:
         return {"convention": self.convention, "outcomes": outcomes}
 
     def _lines(self) -> Iterator[str]:
-        title = (
-            self.operation
-            if self.called == self.operation
-            else f"{self.called} as {self.operation}"
-        )
+        as_what = "" if self.called == self.operation else f" as {self.operation}"
+        title = self.called + as_what
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
         if self.convention != CONTRACT:
-            note = (
-                f"Right, but in another convention than numpy_cae's: {self.convention}. Tested by "
-                "the definition in that convention."
-            )
-            yield from textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="  ")
+            note = "Right, but in another convention than numpy_cae's: "
+            yield from _wrapped("  ", f"{note}{self.convention}.", 2)
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.stated.name) for outcome in self.outcomes)
@@ -114,11 +108,8 @@ class Report:
         for outcome, earned in zip(self.outcomes, self.earned(), strict=True):
             tried = outcome.stated
             word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
-            points = f"{earned}/{tried.points}"
-            head = f"  {word:8}{tried.name:{longest}}  {points}  "
-            yield from textwrap.wrap(
-                tried.statement, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
-            )
+            head = f"  {word:8}{tried.name:{longest}}  {earned}/{tried.points}  "
+            yield from _wrapped(head, tried.statement, len(head))
             if not outcome.held and not self.unsolved:
                 why = (outcome.problem, outcome.mistake)
                 if why in told:
@@ -127,9 +118,7 @@ class Report:
                     told[why] = tried.name
                     yield from _why(outcome)
         if self.hint and not self.held:
-            yield from textwrap.wrap(
-                f"hint: {self.hint}", WIDTH, initial_indent="  ", subsequent_indent="        "
-            )
+            yield from _wrapped("  hint: ", self.hint, 8)
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
@@ -142,13 +131,12 @@ def _why(outcome: Outcome) -> Iterator[str]:
     ):
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
-            yield from textwrap.wrap(
-                line.strip(),
-                WIDTH,
-                initial_indent=head + ("  " if line.startswith(" ") else ""),
-                subsequent_indent=" " * (2 * INDENT + 2),
-                break_on_hyphens=False,
-            )
+            yield from _wrapped(head + "  " * line.startswith(" "), line.strip(), 2 * INDENT + 2)
+
+
+def _wrapped(head: str, text: str, indent: int) -> list[str]:
+    options = {"initial_indent": head, "subsequent_indent": " " * indent}
+    return textwrap.wrap(text, WIDTH, break_on_hyphens=False, **options)
 
 
 def _kind(name: str) -> str:
@@ -193,16 +181,14 @@ def report_from_reply(task: Task, called: str, reply: dict) -> Report:
     Raises a ValueError if the reply is not what `Report.as_reply` makes.
     """
     try:
-        convention = reply["convention"]
+        stated = _stated(task, reply["convention"])
         outcomes = tuple(
-            Outcome(stated, held is True, visible(problem), visible(example), visible(mistake))
-            for stated, (held, problem, example, mistake) in zip(
-                _stated(task, convention), reply["outcomes"], strict=True
-            )
+            Outcome(each, held is True, *map(visible, texts))
+            for each, (held, *texts) in zip(stated, reply["outcomes"], strict=True)
         )
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not the reply of a report: {error}") from None
-    return Report(task.name, called, outcomes, convention, task.hint)
+    return Report(task.name, called, outcomes, reply["convention"], task.hint)
 
 
 def failed_report(task: Task, called: str, problem: str) -> Report:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +20,6 @@ from numpy_cae.verify.case import (
     written,
 )
 from numpy_cae.verify.diagnosis import likely_mistake
-from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.property import (
     Outcome,
     Property,
@@ -34,37 +34,31 @@ WORTH_A_RESULT = 12
 
 
 @dataclass
-class Call:
-    """One call of an operation, and the last one of the pullback that it returned."""
-
-    arguments: tuple
-    value: object = None
-    upstream: tuple = ()
-    pulled: object = None
-
-
-@dataclass
 class Recorder:
-    """An implementation that remembers its last call."""
+    """An implementation that remembers the last call of it and of a pullback."""
 
     implementation: Callable
-    last: Call | None = None
+    arguments: list | None = None
+    upstream: tuple = ()
+    found: list = field(default_factory=list)  # the value, then the gradients
 
     def __call__(self, *arguments):
-        call = self.last = Call(_copies(arguments))
+        given = deepcopy(list(arguments))
+        self.arguments, self.upstream, self.found = given, (), []
         returned = _called(self.implementation, arguments)
         if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
             return returned
-        value, pullback = returned
-        call.value = np.copy(value)
+        value, pullback = np.copy(returned[0]), returned[1]
+        self.found = [value]
 
         def recorded_pullback(*upstream):
-            self.last = Call(call.arguments, call.value, _copies(upstream))
+            self.arguments, self.upstream, self.found = given, deepcopy(upstream), [value]
             pulled = _called(pullback, upstream)
-            self.last.pulled = _copies(pulled if isinstance(pulled, tuple | list) else (pulled,))
+            gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
+            self.found = [value, *deepcopy(gradients)]
             return pulled
 
-        return value, recorded_pullback
+        return returned[0], recorded_pullback
 
 
 @dataclass(frozen=True)
@@ -116,30 +110,30 @@ def try_property(
         return Outcome(tried, held=True)
     kind = type(error)
     if shrink and kind is not NotImplementedError:
-        case = smallest(case, tried, lambda c: _fails_by(kind, tried, implementation, c))
-    error, call = _failure(tried, implementation, case)
+
+        def fails(simpler: Case) -> bool:
+            return type(_failure(tried, implementation, simpler)[0]) is kind
+
+        case = smallest(case, tried, fails)
+    error, last = _failure(tried, implementation, case)
     if error is None:  # it fails in one call and not in the next
         return Outcome(tried, False, "it does not do the same when called again", str(case))
     problem = str(error)
     if not isinstance(error, AssertionError):
         problem = f"{type(error).__name__}: {error}{_line(error, implementation)}"
-    mistake = likely_mistake(tried, implementation)
-    return Outcome(tried, False, problem, "\n".join(_described(tried, case, call)), mistake)
+    example = "\n".join([str(case), *_described(tried, case, last)])
+    return Outcome(tried, False, problem, example, likely_mistake(tried, implementation))
 
 
 def _failure(tried: Property, implementation: Callable, case: Case):
-    """What a check raises in a case, if anything, and the last call before it."""
+    """What a check raises in a case, if anything, and the calls before it."""
     recorder = Recorder(implementation)
     try:
         with np.errstate(all="ignore"):
             tried.check(recorder, case)
     except Exception as error:
-        return error, recorder.last
-    return None, recorder.last
-
-
-def _fails_by(kind: type, tried: Property, implementation: Callable, case: Case) -> bool:
-    return type(_failure(tried, implementation, case)[0]) is kind
+        return error, recorder
+    return None, recorder
 
 
 def _called(function: Callable, arguments: tuple):
@@ -150,53 +144,31 @@ def _called(function: Callable, arguments: tuple):
         raise RuntimeError("it calls sys.exit") from None
 
 
-def _described(tried: Property, case: Case, call: Call | None) -> Iterator[str]:
-    """The case, the arguments and the results; if they are long, a call to get them."""
-    yield str(case)
-    arguments = tried.arguments(case)
-    operation = tried.definition
-    if call is None or operation is None or len(call.arguments) != len(arguments):
-        yield from _printed(arguments, tried, case)
-        return
-    given = dict(zip(arguments, call.arguments, strict=True))
-    if call.upstream:
-        given["upstream gradient"] = call.upstream[0]
-    yield from _printed(given, tried, case)
-    if call.value is not None:
-        for what, found, expected in _results(operation, call):
-            small = all(np.size(a) <= WORTH_A_RESULT for a in (found, expected))
-            if small and not agrees(
-                operation.alike(given, found), operation.alike(given, expected)
-            ):
-                yield f"{what}: {written(found)}"
-                yield f"  expected: {written(expected)}"
-
-
-def _printed(arguments: dict[str, object], tried: Property, case: Case) -> Iterator[str]:
-    if sum(a.size for a in arguments.values() if isinstance(a, np.ndarray)) > WORTH_PRINTING:
+def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
+    """The arguments and results of the last call; if they are long, a call to get them."""
+    given, operation = tried.arguments(case), tried.definition
+    is_call = operation and last.arguments is not None and len(last.arguments) == len(given)
+    if is_call:
+        given = dict(zip(given, last.arguments, strict=True))
+    shown = dict(given)
+    if is_call and last.upstream:
+        shown["upstream gradient"] = last.upstream[0]
+    if sum(np.size(a) for a in shown.values() if isinstance(a, np.ndarray)) > WORTH_PRINTING:
         yield example_call(tried.operation, case)
+    else:
+        yield from (f"{name} = {written(argument)}" for name, argument in shown.items())
+    if not is_call:
         return
-    for argument, value in arguments.items():
-        yield f"{argument} = {written(value)}"
-
-
-def _results(operation: Operation, call: Call) -> Iterator[tuple[str, object, object]]:
-    """Each result of a call beside that of the definition."""
-    with np.errstate(all="ignore"):
-        value, pullback = operation.reference(*_copies(call.arguments))
-        yield "value", call.value, np.asarray(value)
-        if call.upstream and call.pulled is not None:
-            expected = pullback(copied(call.upstream[0]))
-            expected = expected if isinstance(expected, tuple) else (expected,)
-            for name, one, other in zip(
-                operation.differentiated, call.pulled, expected, strict=False
-            ):
-                if isinstance(one, np.ndarray | np.generic):
-                    yield f"gradient for {name}", one, other
-
-
-def _copies(values) -> tuple:
-    return tuple(a.copy(order="K") if isinstance(a, np.ndarray) else a for a in values)
+    value, pullback = operation.reference(*deepcopy(last.arguments))
+    fits = last.upstream and np.shape(last.found[0]) == np.shape(value)
+    pulled = pullback(*deepcopy(last.upstream)) if fits else ()
+    expected = [value, *(pulled if isinstance(pulled, tuple) else (pulled,))]
+    names = ["value", *(f"gradient for {name}" for name in operation.differentiated)]
+    for name, one, other in zip(names, last.found, expected, strict=False):
+        if max(np.size(one), np.size(other)) <= WORTH_A_RESULT and np.asarray(one).dtype != object:
+            if not agrees(operation.alike(given, one), operation.alike(given, other)):
+                yield f"{name}: {written(one)}"
+                yield f"  expected: {written(other)}"
 
 
 def _line(error: Exception, implementation: Callable) -> str:

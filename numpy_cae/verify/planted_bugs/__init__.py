@@ -42,23 +42,13 @@ class PatchError(NumpyCaeError):
 
 @dataclass(frozen=True)
 class PlantedBug:
-    """A classic mistake in one operation.
-
-    Parameters
-    ----------
-    name, operation : str
-    caught_by : str
-        The property of the operation that catches it.
-    sentence : str
-        What is wrong.
-    replacements : tuple of (old lines, new lines)
-    """
+    """A classic mistake in one operation, and the property that catches it."""
 
     name: str
     operation: str
     caught_by: str
     sentence: str
-    replacements: tuple[Replacement, ...]
+    replacements: tuple[Replacement, ...]  # of old lines by new ones
 
     def function(self) -> Callable:
         """The wrong operation; a PatchError if the patch does not fit the operation's source."""
@@ -74,21 +64,19 @@ class PlantedBug:
 
 def _read(path: Path) -> Iterator[PlantedBug]:
     """The bugs that a file describes; its name is that of the operation."""
-    text = path.read_text(encoding="utf-8")
-    for block in re.split(r"\n(?=\w)", text.strip()):
-        header, *lines = block.splitlines()
+    for block in re.split(r"\n(?=\w)", path.read_text(encoding="utf-8").strip()):
+        header, text = block.split("\n", 1)
         name, caught_by = HEADER.fullmatch(header).groups()
-        lines = textwrap.dedent("\n".join(lines)).splitlines()
-        sentence = " ".join(line for line in lines if line[0] not in "-+")
-        yield PlantedBug(name, path.stem, caught_by, sentence, tuple(_replacements(lines)))
+        text = textwrap.dedent(text)
+        sentence = " ".join(re.findall(r"^[^-+].*", text, re.M))
+        pairs = re.findall(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", text + "\n", re.M)
+        replacements = tuple((_lines(old, strip=True), _lines(new)) for old, new in pairs)
+        yield PlantedBug(name, path.stem, caught_by, sentence, replacements)
 
 
-def _replacements(lines: list[str]) -> Iterator[Replacement]:
-    marks = "".join(line[0] if line[0] in "-+" else " " for line in lines)
-    for match in re.finditer(r"(-+)(\++)", marks):
-        begin, middle, end = match.start(), match.end(1), match.end()
-        old = tuple(line[2:].strip() for line in lines[begin:middle])
-        yield old, tuple(line[2:] for line in lines[middle:end])
+def _lines(marked: str, strip: bool = False) -> tuple[str, ...]:
+    lines = (line[2:] for line in marked.splitlines())
+    return tuple(line.strip() if strip else line for line in lines)
 
 
 def right_operation(name: str) -> Callable:
