@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,11 +61,6 @@ class Clips:
         clips = [clip for clip in clips if len(clip) >= 3]
         each = [jitter(features_to_positions(clip), rate) for clip in clips]
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
-
-    def each(self, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Every window changed by itself, as features (T, 63) in metres."""
-        features = self.manifold.denormalise(self.x)
-        return self.manifold.normalise(np.stack([change(window) for window in features]))
 
     def typical(self) -> int:
         """Number of the window whose distance from the mean pose is the median, among those with

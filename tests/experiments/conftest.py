@@ -19,7 +19,6 @@ from numpy_cae.training import Schedule, Stage
 CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups": (None,)}
 SMALL = {
     "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
-    "missing_marker": {"JOINTS": ("hips", "spine", "left_wrist", "right_wrist")},
     "damage": {"TAKES": 1, "HOLE_TAKES": 1, "HOLES": (15, 45)},
     "nearest": {"QUERIES": 2, "TAKES": 1, "SECONDS": 1.2},
     "sampling": {"DRAWN": 4},

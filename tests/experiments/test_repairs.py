@@ -7,7 +7,7 @@ import pytest
 
 from numpy_cae.experiments.clips import ALL_SHIFTS, ENDS_HELD, NETWORK, clips_of, project_ends_held
 from numpy_cae.experiments.material import LabelledTake, unlabelled
-from numpy_cae.experiments.repair import half_zeroed, kinect, lengths, missing_marker, repair_sweep
+from numpy_cae.experiments.repair import half_zeroed, kinect, lengths, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
 from numpy_cae.motion import PARENTS
 
@@ -56,20 +56,14 @@ def test_a_kinect_is_noisier_than_the_truth_and_filters_smooth_it(result_of):
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
-    (table,) = result_of("missing_marker").tables
-    assert [row[0] for row in table.rows] == ["hips", "spine", "left_wrist", "right_wrist", "all"]
-    # Bones have fixed lengths, so a method that knows which joint is missing infers the spine.
-    mean = table.value("spine", missing_marker.MEAN_POSE)
-    assert table.value("spine", missing_marker.LINEAR) < 0.2 * mean
+    wrists, stepped = result_of("filling_in").tables
     clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
     lost = clips.x.copy()
     lost[..., 21:24] = 0
+    assert wrists.value("left_wrist", "the mean pose") == clips.error(lost, "left_wrist")
     expected = clips.error(project_ends_held(small_manifold, lost), "left_wrist")
-    assert table.value("left_wrist", NETWORK) == pytest.approx(expected)
-    mean_pose = [row[1] for row in table.rows[:-1]]
-    assert table.value("all", missing_marker.MEAN_POSE) == pytest.approx(
-        np.sqrt(np.mean(np.square(mean_pose)))
-    )
+    assert wrists.value("left_wrist", NETWORK) == pytest.approx(expected)
+    assert stepped.value("truth", "error, cm") == 0 < stepped.value("held", "error, cm")
 
 
 def test_a_take_in_one_piece_is_the_whole_take(result_of):

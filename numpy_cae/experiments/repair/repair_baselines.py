@@ -34,11 +34,9 @@ class RepairBaseline:
     trial: Repair
     repair: Repair
 
-    def best(self, damaged: np.ndarray, truth: Clips, joint: str | None = None) -> object:
-        """The setting of least error, at one joint or all, on these damaged windows."""
-        return min(
-            self.settings, key=lambda setting: truth.error(self.trial(damaged, setting), joint)
-        )
+    def best(self, damaged: np.ndarray, truth: Clips) -> object:
+        """The setting of least error on these damaged windows."""
+        return min(self.settings, key=lambda setting: truth.error(self.trial(damaged, setting)))
 
 
 def repair_baselines(split: Split) -> list[RepairBaseline]:
