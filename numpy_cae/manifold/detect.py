@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, binary_propagation, median_filter
 
 from numpy_cae.manifold.fill import fill, whole_features
-from numpy_cae.manifold.holes import at_thirty
+from numpy_cae.manifold.holes import at_thirty, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import POSITIONS
@@ -15,10 +15,12 @@ from numpy_cae.motion.lengths import frame_lengths
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.to_body import RATE
 
-RATIO, LEAST = 4.0, 0.05
+RATIO, FAR = 4.0, 0.1
 """A joint is damaged where it is further from the manifold than `RATIO` times its median in the
-clip and than `LEAST` metres; its damage reaches as far as half of that is exceeded."""
-SUSPICION = 0.4
+clip and than `FAR` metres; its damage reaches as far as half of that is exceeded."""
+LEAST = 0.05
+"""Metres by which a repair must move a joint: where it does not, nothing is changed."""
+SUSPICION = 0.25
 """Between two jumps, a joint is damaged from this share of these distances on."""
 MOST_JOINTS = 8
 """Where more joints are far from the manifold, the motion is unknown and not damaged."""
@@ -43,6 +45,7 @@ REPEATED, CAUGHT_UP = 1e-6, 2.5
 """Metres a frame below which a pose is repeated; a jump is as many times as long as later steps."""
 
 _ALONG_TIME = np.ones((3, 1), bool)
+_FEET = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("ankle", "toe")]
 _ENDS = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("wrist", "ankle")]
 
 
@@ -54,15 +57,17 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     tested again. In the end a stretch counts only if filling it in moves the joint by `LEAST`.
     """
     direct = at_thirty(body.motion, direct_damage(body))
-    direct |= find_frozen(body)
+    spline_features, _ = whole_features(body, direct)
+    points = spline(_local(spline_features), direct)
+    displaced = between_jumps(points, LONGEST)
+    direct |= find_frozen(body, spline(body.positions, direct), points)
     found = direct.copy()
-    displaced = between_jumps(_local(body.features), LONGEST)
     features, _ = whole_features(body, found)
     for _ in range(ROUNDS):
         difference = residual(manifold, features, found)
         # Rigs place joints differently: what is the same in the whole clip is no damage.
         distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
-        level = distance / np.maximum(LEAST, RATIO * typical(distance, found))
+        level = distance / np.maximum(FAR, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
         far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
         far &= ~found
@@ -127,18 +132,20 @@ def find_repeated(positions: np.ndarray) -> np.ndarray:
     return _until_a_jump(step < REPEATED, step, 0.0)
 
 
-def find_frozen(body: Body) -> np.ndarray:
+def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndarray:
     """Joints that stand still until they jump: (F, 20) bool at 30 frames a second.
 
-    A joint is still in the world or in the body's frame, a wrist or an ankle also at a constant
-    distance from its shoulder or hip, and any joint while the file repeats the rotation that moves
-    it. Feet that stand and hands that rest do the same, but do not jump when they move again.
+    A joint is still in the world, but for feet, or in the body's frame, a wrist or an ankle also at
+    a constant distance from its shoulder or hip, and any joint while the file repeats the rotation
+    that moves it. Hands that rest do the same, but do not jump when they move again.
+
+    `positions` and `local` (F, 20, 3) are in the world and in the body's frame, without spikes.
     """
-    positions, local = body.positions, _local(body.features)
     reach = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
     bends = np.full(positions.shape[:2], np.inf)
     bends[:, _ENDS] = np.abs(_steps(reach))
     world, own = (np.linalg.norm(_steps(place), axis=-1) for place in (positions, local))
+    world[:, _FEET] = np.inf
     frozen = np.zeros(own.shape, bool)
     for speed in (world, own, bends, _turns(body)):
         rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
