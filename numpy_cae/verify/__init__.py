@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy_cae.verify.reporting import Report
     from numpy_cae.verify.trial import Example
 
-__all__ = ["check_adjoint", "check_gradients", "example", "properties", "report"]
+__all__ = ["check_adjoint", "check_gradients", "check_property", "example", "properties", "report"]
 
 
 def properties(name: str) -> tuple[Property, ...]:
@@ -27,6 +27,19 @@ def properties(name: str) -> tuple[Property, ...]:
     from numpy_cae.verify.catalogue import CATALOGUE, find_task
 
     return find_task(CATALOGUE, name).properties
+
+
+def check_property(stated: Property, function: Callable) -> None:
+    """Raise an AssertionError with a counterexample unless an implementation has a property.
+
+    For test files: `@pytest.mark.parametrize("prop", verify.properties("gru"))`.
+    """
+    from numpy_cae.verify.trial import try_property
+
+    outcome = try_property(stated, function)
+    if not outcome.held:
+        told = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
+        raise AssertionError("\n".join(filter(None, told)))
 
 
 def report(name: str, function: Callable, any_convention: bool = False) -> Report:

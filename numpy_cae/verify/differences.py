@@ -14,6 +14,7 @@ the pullback may have any number between them.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -90,7 +91,9 @@ class Line:
     def complex_slope(self) -> float:
         """The slope by the complex step; 0 if f does not compute with complex numbers."""
         try:
-            outputs = self.f(self.x + 1j * COMPLEX_STEP * self.direction)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                outputs = self.f(self.x + 1j * COMPLEX_STEP * self.direction)
             same = np.allclose(outputs.real, self.here, rtol=1e-9, atol=0)
         except Exception:  # f was not written for complex numbers
             return 0.0

@@ -156,7 +156,7 @@ def _accused(number: int) -> Claim:
             raise AssertionError(f"suspect {number} has the property {named!r}")
 
     statement = f"the {suspect.operation} violates the property that you name"
-    return Claim(f"suspect {number}", statement, check)
+    return Claim(f"suspect {number}", statement, check, examples=1)
 
 
 def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
