@@ -98,16 +98,19 @@ def test_coordinates_that_are_none():
         Coordinates(floor=float("nan"))
 
 
-def real_files(folder, step):
-    return [path for path in find_motion_files(folder) if path.suffix != ".txt"][::step]
+READERS = {".amc": read_amc, ".bvh": read_bvh}
 
 
-def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_folder):
-    for path in real_files(data_folder, 16):
-        read = read_amc if path.suffix == ".amc" else read_bvh
-        plain, motion = read(path, max_rate=30.0), load_motion(path, max_rate=30.0)
+@pytest.mark.parametrize("step", [16, pytest.param(1, marks=pytest.mark.thorough)])
+def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_folder, step):
+    paths = [path for path in find_motion_files(data_folder) if path.suffix in READERS]
+    for path in paths[::step]:
+        plain = READERS[path.suffix](path, max_rate=30.0)
+        motion = load_motion(path, max_rate=30.0)
         np.testing.assert_array_equal(plain.rotations, motion.rotations)
         np.testing.assert_array_equal(plain.translations, motion.translations)
+        if len(plain) < 10:
+            continue  # a pose at the origin rests on two floors
         features, _ = positions_to_features(body_positions(plain), 30.0)
         for up in TO_Y_UP:
             found = in_y_up(in_file(plain, up, 0.0), Coordinates())
