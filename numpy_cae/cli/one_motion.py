@@ -65,7 +65,7 @@ def write(motion: Motion, path: Path) -> None:
 
 def print_written(motion: Motion, path: Path) -> None:
     """Print a file's name with the size of its motion."""
-    joints = len(motion.skeleton.names)
+    joints = len(motion.skeleton.names) - motion.skeleton.added
     print(f"{path}: {len(motion)} frames at {motion.rate:g} a second, {joints} joints")
 
 

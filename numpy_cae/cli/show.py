@@ -53,7 +53,7 @@ def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
     motion = load_motion(path, **vars(coordinates))
     print(
         f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
-        f"({motion.seconds:.1f} s), {len(motion.skeleton.names)} joints, {motion.unit_note}"
+        f"({motion.seconds:.1f} s), {len(motion.skeleton.names) - motion.skeleton.added} joints, {motion.unit_note}"
     )
     return motion_actor(motion, path.name), min(30.0, motion.rate)
 
