@@ -51,9 +51,10 @@ def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
     from numpy_cae.motion import load_motion
 
     motion = load_motion(path, **vars(coordinates))
+    joints = len(motion.skeleton.names) - motion.skeleton.added
     print(
         f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
-        f"({motion.seconds:.1f} s), {len(motion.skeleton.names) - motion.skeleton.added} joints, {motion.unit_note}"
+        f"({motion.seconds:.1f} s), {joints} joints, {motion.unit_note}"
     )
     return motion_actor(motion, path.name), min(30.0, motion.rate)
 
