@@ -49,7 +49,7 @@ class Comparison:
                 for _, found, *_ in self.findings(self.operation, implementation, case):
                     seen.append(np.copy(found))
         except (Exception, SystemExit) as error:
-            words = re.findall("[A-Za-z]{2,}", str(error))
+            words = re.findall(r"[A-Za-z]\w+", str(error))
             seen.append(np.array([type(error).__name__, *words]))
         return seen
 
