@@ -18,6 +18,7 @@ from numpy_cae.manifold import (
     learn_sequences,
     load_manifold,
     save_manifold,
+    starter,
 )
 from numpy_cae.motion import angles_of, body_of, cut_clips
 from numpy_cae.training import Schedule, SequenceSchedule, Stage
@@ -249,3 +250,20 @@ def test_a_header_that_claims_a_billion_numbers(models, tmp_path):
                 assert b"1000000063" in body
             new.writestr(info.filename, body)
     assert not load_or_refuse(buffer.getvalue(), tmp_path / "m.npz", "billion")
+
+
+def test_half_precision_is_a_smaller_file_of_nearly_the_same_model(untrained_manifold, tmp_path):
+    for half in (False, True):
+        save_manifold(untrained_manifold, tmp_path / f"{half}.npz", half=half)
+    smaller, larger = ((tmp_path / f"{half}.npz").stat().st_size for half in (True, False))
+    assert smaller < 0.7 * larger
+    x = np.random.default_rng(0).normal(size=(40, 63))
+    loaded = load_manifold(tmp_path / "True.npz")
+    assert loaded.network.layers[0].w.dtype == np.float32
+    np.testing.assert_allclose(loaded.project(x), untrained_manifold.project(x), atol=0.02)
+
+
+def test_the_starter_model_says_what_it_learned_from():
+    manifold = starter()
+    assert [folder["name"] for folder in manifold.settings["folders"]] == ["asfamc", "motions"]
+    assert manifold.rate == 30.0
