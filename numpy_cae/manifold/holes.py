@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import label
 
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, slerp
 from numpy_cae.motion.retarget.to_body import RATE
 
 
@@ -51,3 +53,21 @@ def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
     before = np.searchsorted(source, np.arange(len(motion)), side="right") - 1
     last = len(source) - 1
     return mask[np.minimum(after, last)] | mask[before]
+
+
+def finite_motion(motion: Motion) -> tuple[Motion, np.ndarray]:
+    """The motion with rotations and translations that are not finite interpolated, and which joints
+    of the rig in which frames depend on such values: (frames, J) of bool."""
+    wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
+    if not wrong.any():
+        return motion, wrong
+    rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
+    translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
+    for joint in np.flatnonzero(wrong.any(axis=0) & ~wrong.all(axis=0)):
+        gaps, known = np.flatnonzero(wrong[:, joint]), np.flatnonzero(~wrong[:, joint])
+        rotations[gaps, joint] = slerp(known, rotations[known, joint, None], gaps)[:, 0]
+    translations = spline(translations, wrong)
+    for joint, parent in enumerate(motion.skeleton.parents):
+        if parent >= 0:
+            wrong[:, joint] |= wrong[:, parent]
+    return replace(motion, rotations=rotations, translations=translations), wrong

@@ -13,7 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.manifold.detect import direct_damage, find_damage, residual
 from numpy_cae.manifold.fill import fill_positions, whole_features
-from numpy_cae.manifold.holes import at_thirty, in_file
+from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints
 from numpy_cae.manifold.smooth import smooth_motion
@@ -22,7 +22,7 @@ from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, ve
 from numpy_cae.motion.heading import SMOOTHING_SECONDS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.rigs import body_positions, find_joints
 
 UNKNOWN = 0.12
 """Metres of the largest typical residual of a motion like those that the manifold knows: more than
@@ -62,11 +62,12 @@ def repair(
     """
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")
+    motion, wrong = finite_motion(motion)
     body = manifold.body(motion, mapping)
     nothing = np.zeros((len(motion), len(JOINTS)), bool)
     if damaged is None:
-        missing = find_damage(manifold, body)
-        damaged = in_file(motion, missing) | direct_damage(body)
+        damaged = in_file(motion, find_damage(manifold, body)) | direct_damage(body)
+    damaged = damaged | wrong[:, find_joints(motion.skeleton, mapping)]
     missing = at_thirty(motion, damaged)
     features, _ = whole_features(body, missing)
     distance = np.linalg.norm(residual(manifold, features, missing), axis=-1)

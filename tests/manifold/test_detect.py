@@ -95,6 +95,18 @@ def test_a_frozen_arm_is_found_and_limbs_at_rest_are_not(manifold, walk):
     assert repair(frozen, manifold).touched[124:206, arm[1]].all()
 
 
+def test_values_that_are_not_finite_are_filled_in(manifold, walk):
+    rotations, elbow = walk.rotations.copy(), walk.skeleton.index("lradius")
+    rotations[50:60, elbow] = np.nan
+    repaired = repair(replace(walk, rotations=rotations), manifold)
+    assert np.all(np.isfinite(repaired.motion.rotations))
+    wrist = JOINTS.index("left_wrist")
+    assert repaired.touched[50:60, wrist].all()
+    assert error(repaired.motion, walk, slice(50, 60), [wrist]) < 0.02
+    others = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[others], walk.rotations[others])
+
+
 def test_direct_tests():
     t = np.arange(60)[:, None, None]
     points = 0.02 * t * np.ones((1, 20, 3)) + np.arange(20)[None, :, None]
