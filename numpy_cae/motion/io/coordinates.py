@@ -43,7 +43,7 @@ TOE = 0.04
 """Metres from the floor to the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR = 0.15
 """Metres. A floor nearer to 0 than this is not moved: it cannot be told from shoes, a rig's toes
-and uneven ground. In 486 files of CMU and Bandai the level found is -0.12 to 0.12
+and uneven ground. In 487 files of CMU and Bandai the level found is -0.12 to 0.12
 (docs/lab_book.md)."""
 STEADY = 0.03
 """Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
