@@ -69,6 +69,7 @@ def _reply(work: Callable[[], dict], token: str, writer: int) -> None:
     try:
         os.setsid()
         os.closerange(3, writer)
+        os.closerange(writer + 1, 4096)
         reply = (json.dumps(work() | {"token": token}) + "\n").encode()
         while reply:
             reply = reply[os.write(writer, reply) :]

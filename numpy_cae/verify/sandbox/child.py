@@ -15,13 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-import numpy.fft
-import numpy.ma
-import numpy.polynomial
-import numpy.random
-import numpy.testing
 
-from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.reporting import holds, report_on
 from numpy_cae.verify.sandbox import confinement
@@ -34,10 +28,6 @@ MISSING = (
     f"no function has an operation's name ({', '.join(OPERATIONS)}); "
     "name one with --as conv1d=my_conv"
 )
-
-
-class LoadError(NumpyCaeError):
-    """A Python file cannot be run."""
 
 
 def main() -> None:
@@ -77,7 +67,10 @@ class Grading:
     def reply(self) -> dict:
         """The result of each task, and what is wrong with the file as a whole."""
         loaded = {"failed": self.fault} if self.fault else self._apart(self._names, 1)
+        problems = loaded.get("problems", [])
         fault = loaded.get("failed", "")
+        if problems and not self.submission.is_notebook:
+            fault = f"at import: {problems[0]}"
         found = self.submission.defined() if fault else loaded["found"]
         tasks = {
             task: function
@@ -91,7 +84,7 @@ class Grading:
             else:
                 result = self._apart(partial(self._report, task, function), len(tasks) - done)
             results.append({"task": task, "function": function, **result})
-        faults = [fault] if fault else loaded["problems"] + ([] if tasks else [MISSING])
+        faults = [fault] if fault else problems + ([] if tasks else [MISSING])
         return {"faults": faults, "results": results}
 
     def _names(self) -> dict:
@@ -136,13 +129,7 @@ class Grading:
 def load(
     submission: Submission, given: dict[str, Callable]
 ) -> tuple[dict[str, Callable], list[str]]:
-    """Run a submission as a module; return the functions it defines, and why cells failed.
-
-    Raises
-    ------
-    LoadError
-        If a Python file raises anything; a notebook goes on with its next cell.
-    """
+    """Run a submission as a module; return the functions it defines, and why cells failed."""
     module, is_notebook = ModuleType("student"), submission.is_notebook
     sys.modules["student"] = module
     sys.path.append(str(submission.path.parent))
@@ -155,17 +142,14 @@ def load(
             with np.errstate():
                 exec(compile(source, name, "exec"), own)
         except BaseException as error:  # such as SystemExit
-            problems.append(f"{name if is_notebook else 'at import'}: {_described(error, name)}")
-            if not is_notebook:
-                raise LoadError(problems[0]) from None
+            cell = f"{name}: " if is_notebook else ""
+            problems.append(cell + _described(error, name))
     there = list(own.items())
     return {name: f for name, f in there if callable(f) and f is not given.get(name)}, problems
 
 
 def _described(error: BaseException, file: str = "") -> str:
     """An exception's type, message and line in a file, whatever its class does."""
-    if isinstance(error, LoadError):
-        return str(error)
     try:
         text = f"{type(error).__name__}: {error}"[:LONGEST_TEXT]
     except Exception:
