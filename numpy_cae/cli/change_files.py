@@ -11,7 +11,7 @@ import numpy as np
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
 from numpy_cae.cli.changes import HEADER, changes, row
-from numpy_cae.cli.output import note, with_progress
+from numpy_cae.cli.output import note, with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.experiments.result import text_table
 from numpy_cae.manifold import Repaired
@@ -53,7 +53,9 @@ def change_files(args: argparse.Namespace, change: Change) -> int:
     targets = _targets(args)
     if len(targets) == 1 and not args.files[0].is_dir():
         ((source, target),) = targets.items()
-        for line in changes(_change(args, change, source, target)):
+        with working(str(source)):
+            repaired = _change(args, change, source, target)
+        for line in changes(repaired):
             print(f"  {line}")
         return 0
     if args.gif:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
-from numpy_cae.cli.output import note
+from numpy_cae.cli.output import note, working
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
@@ -35,6 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
+    with working(f"{args.first} and {args.second}"):
+        return _run(args)
+
+
+def _run(args: argparse.Namespace) -> int:
     manifold, mapping = one_motion.load_model(args), kinds.chosen_mapping(args)
     motions = [
         load_body(path, mapping, kinds.chosen_coordinates(args))[1]

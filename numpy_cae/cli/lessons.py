@@ -14,6 +14,7 @@ from pathlib import Path
 
 from numpy_cae import course
 from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.output import working
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,7 +55,8 @@ def _make_picture(path: Path, executed: bool) -> None:
     notebook = course.read_notebook(path)
     if executed:
         began = time.monotonic()
-        notebook = course.execute(notebook)
+        with working(str(path)):
+            notebook = course.execute(notebook)
         course.write_notebook(notebook, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
     print(course.write_picture(notebook, path))

@@ -4,8 +4,10 @@ import json
 import math
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -46,6 +48,26 @@ def with_progress(things: Iterable[Thing], count: int, done: str) -> Iterator[Th
         yield thing
     if terminal and due > begun + 2:
         print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def working(on: str) -> Iterator[None]:
+    """Say after two seconds, then every ten, how long the block has been working on something."""
+    begun, ended = time.monotonic(), threading.Event()
+
+    def report() -> None:
+        wait = 2.0
+        while not ended.wait(wait):
+            note(f"{on}: {time.monotonic() - begun:.0f} s")
+            wait = 10.0
+
+    thread = threading.Thread(target=report, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def print_json(value: object) -> None:

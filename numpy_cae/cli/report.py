@@ -21,7 +21,7 @@ import numpy as np
 
 from numpy_cae.cli import ablation, one_motion
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note, print_json, write_texts
+from numpy_cae.cli.output import note, print_json, working, write_texts
 from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import EXPERIMENTS, PUBLISHED, Section, run_section
@@ -69,7 +69,8 @@ def run(args: argparse.Namespace) -> int:
     args.output.mkdir(parents=True, exist_ok=True)
     sections: list[Section] = []
     for name, arguments in given.items():
-        sections.append(run_section(name, *arguments, seed=args.seed))
+        with working(name):
+            sections.append(run_section(name, *arguments, seed=args.seed))
         note(f"[{len(sections)}/{len(given)}] {sections[-1].summary()}")
     seconds = time.monotonic() - started
     how |= {"made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"}
@@ -89,10 +90,9 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     """The model, the takes, and what a reader of the report must know of both."""
     manifold = one_motion.load_model(args, motion=False)
     patterns = _test_patterns(manifold, args)
-    note(f"reading {', '.join(map(str, args.data))}")
-    material = read_material(
-        args.data, patterns, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
-    )
+    known = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    with working(f"reading {data}"):
+        material = read_material(args.data, patterns, *known)
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         advice = "if the model has seen none of these files, add --unseen"

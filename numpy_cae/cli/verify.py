@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.cli.output import print_json
+    from numpy_cae.cli.output import print_json, with_progress
     from numpy_cae.verify.grading import grade
 
     files = [file for path in args.files for file in _submissions(path)]
@@ -56,7 +56,10 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"nothing to grade: {', '.join(map(str, args.files))}")
     options = dict(args.named), args.time_limit, int(args.memory_limit), args.lesson
     options = *options, args.any_convention
-    graded = [grade(file, "numpy_cae.course.catalogue", *options) for file in files]
+    graded = [
+        grade(file, "numpy_cae.course.catalogue", *options)
+        for file in with_progress(files, len(files), "files graded")
+    ]
     if args.json:
         print_json([file.as_json() for file in graded])
     else:
