@@ -67,7 +67,7 @@ def finite_motion(motion: Motion) -> tuple[Motion, np.ndarray]:
         gaps, known = np.flatnonzero(wrong[:, joint]), np.flatnonzero(~wrong[:, joint])
         rotations[gaps, joint] = slerp(known, rotations[known, joint, None], gaps)[:, 0]
     translations = spline(translations, wrong)
-    for joint, parent in enumerate(motion.skeleton.parents):
+    for child, parent in enumerate(motion.skeleton.parents):
         if parent >= 0:
-            wrong[:, joint] |= wrong[:, parent]
+            wrong[:, child] |= wrong[:, parent]
     return replace(motion, rotations=rotations, translations=translations), wrong
