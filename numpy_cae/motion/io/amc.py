@@ -11,10 +11,9 @@ from array import array
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf, statements
-from numpy_cae.motion.io.channels import Channels, quaternions
+from numpy_cae.motion.io.channels import Channels, read_pose
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import stature, unit_name
@@ -68,7 +67,8 @@ def read_amc(
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     rate = rate if step == 1 or max_rate is None else max_rate
     values = _frames(file, acclaim, header, step, rate)
-    rotations, translations = _pose(acclaim, values, degrees)
+    channels = _channels(acclaim, degrees)
+    rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
     height = stature(acclaim.skeleton)
     note = f"{unit_name(acclaim.unit)} ({source}; the skeleton is about {height:.1f} m tall)"
@@ -79,27 +79,20 @@ def amc_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of an Acclaim motion, whose unit of length is so many metres."""
     acclaim = read_asf(find_skeleton(path), unit)
     degrees, _, _ = _read_header(TextFile.read(path, size=HEADER_SIZE), acclaim.degrees)
-    found, column = [], 0
+    return _channels(acclaim, degrees)
+
+
+def _channels(acclaim: AcclaimSkeleton, degrees: bool) -> list[Channels]:
+    found, first = [], 0
     for joint, names in enumerate(acclaim.channels):
-        places = {name: column + place for place, name in enumerate(names)}
-        column += len(places)
-        positions = [name for name in places if name[0] == "t"]
-        rotations = [name for name in places if name[0] == "r"]
+        # The root's translation is added to its preset position, which is its offset.
+        offset, axes = acclaim.skeleton.offsets[joint], acclaim.axes[joint]
+        orientation = None if joint else acclaim.orientation
         limits = acclaim.limits[joint] if acclaim.degrees == degrees else None
         found.append(
-            Channels(
-                tuple("xyz".index(name[1]) for name in positions),
-                tuple(places[name] for name in positions),
-                tuple(places[name] for name in rotations),
-                "".join(name[1] for name in rotations),
-                unit,
-                acclaim.axes[joint],
-                Rotation.identity() if joint else acclaim.orientation,
-                acclaim.skeleton.offsets[joint],
-                degrees,
-                limits,
-            )
+            Channels(names, first, acclaim.unit, offset, axes, orientation, degrees, limits)
         )
+        first += len(names)
     return found
 
 
@@ -206,32 +199,3 @@ def _frames(
         return np.empty((0, 0))  # not reached: the header ends at a first frame
     finish(number, last=True)
     return np.frombuffer(rows).reshape((number - first) // step + 1, -1)
-
-
-def _pose(
-    acclaim: AcclaimSkeleton, values: np.ndarray, degrees: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """Quaternions (F, J, 4) and translations (F, J, 3) in metres."""
-    frames, joints = len(values), len(acclaim.skeleton.names)
-    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (frames, joints, 1))
-    translations = np.tile(acclaim.skeleton.offsets, (frames, 1, 1))
-    column = 0
-    for joint, (channels, axes) in enumerate(zip(acclaim.channels, acclaim.axes, strict=True)):
-        order, columns = "", []
-        for channel in channels:
-            if channel.startswith("t"):
-                # The root's translation is added to its preset position, which is its offset.
-                translations[:, joint, "xyz".index(channel[1])] += acclaim.unit * values[:, column]
-            else:
-                order += channel[1]
-                columns.append(column)
-            column += 1
-        if order:
-            # Lower-case letters are fixed axes, applied from left to right.
-            angles = values[:, columns[::-1]] * (np.radians(1.0) if degrees else 1.0)
-            rotations[:, joint] = quaternions(order[::-1].upper(), angles)
-            # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
-            rotations[:, joint, :3] = axes.apply(rotations[:, joint, :3])
-    root = acclaim.orientation * Rotation.from_quat(rotations[:, 0])
-    rotations[:, 0] = root.as_quat()
-    return rotations, translations

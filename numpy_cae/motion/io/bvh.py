@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.motion.io.bvh_hierarchy import BvhJoint, read_hierarchy
-from numpy_cae.motion.io.channels import Channels, quaternions
+from numpy_cae.motion.io.channels import Channels, read_pose
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stature, unit_name
 from numpy_cae.motion.motion import Motion, whole_step
@@ -54,7 +54,8 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     joints, motion_line = read_hierarchy(file)
     rate, values = _read_motion(file, motion_line, joints, max_rate)
     del file  # of an hour at 120 Hz, its text takes half a gigabyte
-    rotations, translations = _pose(joints, values)
+    offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
+    rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
     del values
     if unit is not None:
         note = f"{unit_name(unit)}, as given"
@@ -70,21 +71,15 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of a BVH file, whose unit of length is so many metres."""
     joints, _ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
-    found, column = [], 0
+    return _channels(joints, unit)
+
+
+def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
+    found, first = [], 0
     for joint in joints:
-        places = {name: column + place for place, name in enumerate(joint.channels or [])}
-        column += len(places)
-        positions = [name for name in places if name.endswith("position")]
-        rotations = [name for name in places if name.endswith("rotation")]
-        found.append(
-            Channels(
-                tuple("XYZ".index(name[0]) for name in positions),
-                tuple(places[name] for name in positions),
-                tuple(places[name] for name in rotations),
-                "".join(name[0] for name in rotations),
-                unit,
-            )
-        )
+        names = tuple(f"{'rt'[name[1:] == 'position']}{name[0]}" for name in joint.channels or [])
+        found.append(Channels(names, first, unit))
+        first += len(names)
     return found
 
 
@@ -105,28 +100,6 @@ def _lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
         if any(channel.endswith("position") for channel in joint.channels or []):
             lengths[index] = np.median(np.linalg.norm(translations[:, index], axis=-1))
     return lengths
-
-
-def _pose(joints: list[BvhJoint], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Quaternions (F, J, 4) and translations (F, J, 3) from the table of channels (F, C)."""
-    frames = len(values)
-    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (frames, len(joints), 1))
-    offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
-    translations = np.tile(offsets, (frames, 1, 1))
-    column = 0
-    for index, joint in enumerate(joints):
-        axes, columns = "", []
-        for channel in joint.channels or []:
-            if channel.endswith("position"):
-                translations[:, index, "XYZ".index(channel[0])] = values[:, column]
-            else:
-                axes += channel[0]
-                columns.append(column)
-            column += 1
-        if axes:
-            # Capital letters are the joint's own axes: R = R_first · R_second · R_third.
-            rotations[:, index] = quaternions(axes, np.radians(values[:, columns]))
-    return rotations, translations
 
 
 def _read_motion(

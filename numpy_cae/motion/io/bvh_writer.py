@@ -8,7 +8,6 @@ a last joint needs an End Site.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.motion.io.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.motion import Motion
@@ -144,9 +144,6 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
 
 
 def _euler_angles(rotations: np.ndarray) -> np.ndarray:
-    """(F, 3) degrees in the order of `ROTATIONS`, without jumps of 360° between frames."""
-    with warnings.catch_warnings():
-        # At a pole scipy sets one angle to zero and warns; the rotation is the same.
-        warnings.filterwarnings("ignore", message="Gimbal lock")
-        angles = Rotation.from_quat(rotations).as_euler("ZXY", degrees=True)
-    return np.unwrap(angles, axis=0, period=360.0)
+    """(F, 3) degrees in the order of `ROTATIONS`, without avoidable jumps between frames."""
+    angles = nearest_angles(Rotation.from_quat(rotations), "ZXY")
+    return np.degrees(continuous_angles(angles))

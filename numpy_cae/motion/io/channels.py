@@ -17,42 +17,64 @@ from scipy.spatial.transform import Rotation
 
 @dataclass(frozen=True)
 class Channels:
-    """The channels of one joint, in the order of the file.
+    """The channels of one joint.
 
     Parameters
     ----------
-    positions : tuple of int
-        The coordinate of each position channel, 0 to 2.
-    position_columns, rotation_columns : tuple of int
-        Where the channels are in a frame's numbers.
-    order : str
-        The axes of the rotation channels as in `scipy.spatial.transform`: capital letters are the
-        joint's own axes, others are fixed.
-    axes, orientation : Rotation
-        The joint's rotation is orientation · axes · R(angles) · axes⁻¹.
-    offset : (3,) array
-        Metres, subtracted from the translation.
+    names : tuple of str
+        In the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed ones).
+    first : int
+        The place of the first among the numbers of a frame.
     unit : float
         Metres in one unit of the file.
+    offset : (3,) array
+        Metres, added to the translation.
+    axes, orientation : Rotation, optional
+        The joint's rotation is orientation · axes · R(angles) · axes⁻¹.
     degrees : bool
     limits : (number of angles, 2) array, optional
         Smallest and largest angles, in the unit of the file.
     """
 
-    positions: tuple[int, ...]
-    position_columns: tuple[int, ...]
-    rotation_columns: tuple[int, ...]
-    order: str
+    names: tuple[str, ...]
+    first: int
     unit: float
-    axes: Rotation = field(default_factory=Rotation.identity)
-    orientation: Rotation = field(default_factory=Rotation.identity)
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    axes: Rotation | None = None
+    orientation: Rotation | None = None
     degrees: bool = True
     limits: np.ndarray | None = None
 
+    def columns(self, kind: str) -> list[int]:
+        """The places of its translations ("t") or rotations ("r") among the numbers of a frame."""
+        return [self.first + n for n, name in enumerate(self.names) if name[0] == kind]
+
+    @property
+    def order(self) -> str:
+        """The axes of the rotations as in `scipy.spatial.transform`."""
+        return "".join(name[1] for name in self.names if name[0] == "r")
+
+    @property
+    def coordinates(self) -> list[int]:
+        """The coordinate of each translation, 0 to 2."""
+        return ["xyz".index(name[1].lower()) for name in self.names if name[0] == "t"]
+
     def position_values(self, translations: np.ndarray) -> np.ndarray:
         """The numbers of the position channels, from translations (F, 3) in metres."""
-        return ((translations - self.offset) / self.unit)[:, list(self.positions)]
+        return ((translations - self.offset) / self.unit)[:, self.coordinates]
+
+    def rotations(self, values: np.ndarray) -> np.ndarray:
+        """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
+        order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
+        if order.islower():  # fixed axes are the joint's own in reverse
+            order, angles = order[::-1].upper(), angles[:, ::-1]
+        found = quaternions(order, angles)
+        if self.axes is not None:
+            # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
+            found[:, :3] = self.axes.apply(found[:, :3])
+        if self.orientation is not None:
+            found = (self.orientation * Rotation.from_quat(found)).as_quat()
+        return found
 
     def rotation_values(
         self,
@@ -66,7 +88,11 @@ class Channels:
         They continue the numbers of the frames before and after them, where there are such. If
         they cannot continue both, they jump where their `present` numbers (F, N) do.
         """
-        local = self.axes.inv() * self.orientation.inv() * Rotation.from_quat(rotations) * self.axes
+        local = Rotation.from_quat(rotations)
+        if self.orientation is not None:
+            local = self.orientation.inv() * local
+        if self.axes is not None:
+            local = self.axes.inv() * local * self.axes
         angles = nearest_angles(local, self.order)
         unit = np.radians(1.0) if self.degrees else 1.0
         jump = 0 if before is None else len(angles)
@@ -87,12 +113,22 @@ class Channels:
         around = [self.limits.T, *(end[None] for end in (before, after) if end is not None)]
         return np.clip(angles, np.vstack(around).min(axis=0), np.vstack(around).max(axis=0))
 
-    def rotation(self, values: np.ndarray) -> Rotation:
-        """The joint's rotation from the numbers of its rotation channels (F, N)."""
-        local = Rotation.identity(len(values))
-        if self.order:
-            local = Rotation.from_euler(self.order, values, degrees=self.degrees)
-        return self.orientation * self.axes * local * self.axes.inv()
+
+def read_pose(
+    channels: list[Channels], offsets: np.ndarray, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Quaternions (F, J, 4) and translations (F, J, 3) in metres from a table of numbers (F, C).
+
+    A joint without position channels has its offset, of `offsets` (J, 3), in every frame.
+    """
+    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (len(values), len(channels), 1))
+    translations = np.tile(offsets, (len(values), 1, 1))
+    for joint, own in enumerate(channels):
+        for coordinate, column in zip(own.coordinates, own.columns("t"), strict=True):
+            place = own.offset[coordinate]
+            translations[:, joint, coordinate] = place + own.unit * values[:, column]
+        rotations[:, joint] = own.rotations(values[:, own.columns("r")])
+    return rotations, translations
 
 
 def quaternions(order: str, angles: np.ndarray) -> np.ndarray:

@@ -132,7 +132,7 @@ def _replaced(
     old = values.copy()
     for joint, channels in enumerate(found.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
-        place = np.ix_(frames, channels.position_columns)
+        place = np.ix_(frames, channels.columns("t"))
         values[place] = channels.position_values(after.translations[frames, joint])
         if turned[:, joint].any():
             miss = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], channels)
@@ -157,7 +157,7 @@ def _put_angles(
     channels: Channels,
 ) -> float:
     """Put the angles of a joint's changed frames into the table; by how many degrees they miss."""
-    columns = list(channels.rotation_columns)
+    columns = channels.columns("r")
     edges = np.flatnonzero(np.diff(turned, prepend=False, append=False))
     miss = 0.0
     for first, end in edges.reshape(-1, 2):
@@ -168,7 +168,8 @@ def _put_angles(
         angles = channels.rotation_values(own, present, before, after)
         values[first:end, columns] = angles
         if len(columns) < 3 or channels.limits is not None:
-            off = (channels.rotation(angles).inv() * Rotation.from_quat(own)).magnitude()
+            written = Rotation.from_quat(channels.rotations(angles))
+            off = (written.inv() * Rotation.from_quat(own)).magnitude()
             miss = max(miss, float(np.degrees(off.max())))
     return miss
 
@@ -201,8 +202,7 @@ def _bvh_format(source: Path, motion: Motion) -> _Format:
 
 def _amc_format(source: Path, motion: Motion) -> _Format:
     channels = amc_channels(source, motion.unit)
-    counts = [len(each.position_columns) + len(each.rotation_columns) for each in channels]
-    starts = np.cumsum([0, *counts])
+    counts = [len(each.names) for each in channels]
     index = {name: joint for joint, name in enumerate(motion.skeleton.names)}
 
     def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
@@ -220,13 +220,14 @@ def _amc_format(source: Path, motion: Motion) -> _Format:
             yield "".join(frame), True
 
     def numbers(pieces: list[str]) -> list[int]:
-        places = [0] * int(starts[-1])
+        places = [0] * sum(counts)
         words = [place for place in range(0, len(pieces), 2) if pieces[place]]
         word = 1
         while word < len(words):
             joint = index[pieces[words[word]]]
-            places[starts[joint] : starts[joint + 1]] = words[word + 1 : word + 1 + counts[joint]]
-            word += 1 + counts[joint]
+            first, count = channels[joint].first, counts[joint]
+            places[first : first + count] = words[word + 1 : word + 1 + count]
+            word += 1 + count
         return places
 
     return _Format(channels, frames, numbers)
