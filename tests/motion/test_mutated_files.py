@@ -124,6 +124,16 @@ def test_stiff_joints_and_short_lines_fill_no_memory(tmp_path):
         read_or_refuse(path, len(data), ("stiff", number))
 
 
+def test_a_small_file_may_not_become_large_when_it_is_resampled(tmp_path):
+    joints = b"".join(b"JOINT s%d\n{\nOFFSET 0 1 0\n}\n" % i for i in range(7))
+    head = b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n" + joints + b"}\nMOTION\n"
+    data = head + b"Frames: 20000\nFrame Time: 1\n" + b"0\n" * 20_000
+    path = write(tmp_path, {}, "bvh", data)
+    assert not read_or_refuse(path, len(data), "slow")
+    with pytest.raises(MotionFileError, match=r"4800000 poses at 30 a second .* expected at most"):
+        load_motion(path)
+
+
 BILLION = [
     ("bvh", b"Frames: 6", b"Frames: 1000000000"),
     ("bvh", b"CHANNELS 6", b"CHANNELS 1000000000"),

@@ -140,7 +140,7 @@ def edited(arrays, rng):
     number = rng.normal() * 10.0 ** rng.integers(-3, 300)
     choices = [
         lambda: array.astype("U20"),
-        lambda: array.astype(complex),
+        lambda: np.ones(array.shape, complex),
         lambda: array[..., :1] if array.ndim else np.zeros(3),
         lambda: np.zeros(array.shape, np.float16),
         lambda: np.full(array.shape, np.nan),
