@@ -15,7 +15,7 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.skeleton import Skeleton
 
-_MAX_JOINTS = 1000
+_MAX_JOINTS, _MAX_PAIRS = 1000, 50
 _SAME = 0.15
 """Largest difference of the lengths of a left and a right limb, relative to the longer."""
 _LONG = 0.75
@@ -113,14 +113,15 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
 
 
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
-    """All pairs of branches of one joint that are nearly of the same length and not tiny."""
-    return [
+    """The longest pairs of branches of one joint that are nearly of the same length, not tiny."""
+    found = [
         (joint, one, other)
         for joint in range(len(reach))
         for one, other in combinations(skeleton.children(joint), 2)
         if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other])
         and min(reach[one], reach[other]) > 0.1 * max(reach)
     ]
+    return sorted(found, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
 
 def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:
