@@ -1,0 +1,66 @@
+"""Damage in a file's rig: it is where its mask says; methods that are told change nothing else."""
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.experiments.material import LabelledTake
+from numpy_cae.experiments.repair import damage, damage_methods
+from numpy_cae.experiments.repair.damaged_motion import DAMAGES
+from numpy_cae.motion import JOINTS, body_of, body_positions
+
+
+@pytest.fixture(scope="module")
+def take():
+    return make_take("walk", 5, seconds=3.0, rate=60.0).motion
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_damage_is_where_its_mask_says(take, kind):
+    damaged, mask = DAMAGES[kind](take, None, np.random.default_rng(2))
+    assert mask.shape == (len(take), 20) and mask.any()
+    off = np.linalg.norm(body_positions(damaged) - body_positions(take), axis=-1)
+    assert off[mask].mean() > 0.01
+    np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
+
+
+def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
+    damaged, mask = DAMAGES["frozen in the world"](take, None, np.random.default_rng(2))
+    frames, wrist = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))[-1]
+    positions = body_positions(damaged)
+    reached = np.linalg.norm(positions[:, wrist] - positions[:, wrist - 2], axis=-1)
+    arm = np.linalg.norm(np.diff(positions[0, wrist - 2 : wrist + 1], axis=0), axis=-1).sum()
+    within = [frame for frame in frames[5:-5] if reached[frame] < 0.98 * arm]
+    assert JOINTS[wrist].endswith("wrist") and within
+    np.testing.assert_allclose(
+        positions[within, wrist],
+        positions[frames[0], wrist][None].repeat(len(within), 0),
+        atol=0.01,
+    )
+
+
+def test_told_fillings_and_filters_keep_what_they_should(take, small_manifold):
+    material = [LabelledTake(None, body_of(take))]
+    _, mask = DAMAGES["twisted leg"](take, None, np.random.default_rng(2))
+    body = small_manifold.body(take)
+    for filling in (
+        damage_methods.spline(small_manifold),
+        damage_methods.pca(small_manifold, material),
+    ):
+        off = np.linalg.norm(
+            body_positions(damage_methods.filled(body, mask, filling)) - body_positions(take),
+            axis=-1,
+        )
+        np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
+        assert 0 < off[mask].mean() < 0.3
+    still = take.at(np.zeros(60, int))
+    for name in damage_methods.FILTERS:
+        made = damage_methods.filtered(still, name)
+        np.testing.assert_allclose(made.positions(), still.positions(), atol=1e-6)
+
+
+def test_claims_compare_with_the_filter_of_least_jitter(result_of):
+    errors = result_of("damage").tables[0]
+    savitzky = [row[-1] for row in errors.rows if row[0].startswith("Savitzky")]
+    (claim,) = (claim for claim in result_of("damage").claims if "Savitzky" in claim.sentence)
+    assert claim.held == (errors.value(damage.BLIND, "jitter") <= min(savitzky))
