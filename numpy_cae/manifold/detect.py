@@ -151,6 +151,8 @@ def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndar
         rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
         for joint in np.flatnonzero(rests.any(axis=0)):
             frozen[:, joint] |= _until_a_jump(rests[:, joint], own[:, joint], LEAST_JUMP)
+    # A rig holds a wrist or an ankle by the elbow or the knee above it.
+    frozen[:, np.subtract(_ENDS, 1)] |= frozen[:, _ENDS]
     return frozen
 
 
