@@ -114,12 +114,14 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
 
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
     """The longest pairs of branches of one joint that are nearly of the same length, not tiny."""
+    least = 0.1 * max(reach)
     found = [
         (joint, one, other)
         for joint in range(len(reach))
-        for one, other in combinations(skeleton.children(joint), 2)
+        for one, other in combinations(
+            [child for child in skeleton.children(joint) if reach[child] > least], 2
+        )
         if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other])
-        and min(reach[one], reach[other]) > 0.1 * max(reach)
     ]
     return sorted(found, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
