@@ -10,6 +10,7 @@ examples:
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,7 +75,11 @@ def _repaired(
     from numpy_cae.beyond import constrain, read_pins
 
     pins = read_pins(args.pin, motion, mapping) if args.pin else []
+    everywhere = found.touched
+    if args.project:  # feet stand where the file has them, unless they are damaged there
+        found = replace(found, touched=repair(motion, manifold, mapping, force=True).touched)
     found = constrain(motion, found, manifold, mapping, pins)
+    found = replace(found, touched=found.touched | everywhere)
     for pin in pins:
         errors = pin.errors(found.motion, mapping) / motion.unit
         note(

@@ -26,7 +26,7 @@ def with_engine(network: Network, engine: str) -> Network:
     return accelerate(network) if engine == "fast" else network
 
 
-_PIECE = 200
+_PIECE = 120
 """Hidden frames that are projected at a time: a longer clip would need memory in proportion."""
 
 
