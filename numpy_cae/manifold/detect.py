@@ -29,7 +29,7 @@ ROUNDS = 3
 MARGIN = 2
 """Frames on both sides of damage that are taken for damaged."""
 JUMP, JUMP_RATIO = 0.05, 3.0
-"""Metres from one frame to the next, and times the median of seven frames, that are a jump."""
+"""Metres by which a step differs from the median of seven, and times the median difference."""
 OPPOSITE = -0.3
 """Cosine of the angle between a jump and the jump back, at most."""
 SPIKE_FRAMES, LONGEST = 3, 150
@@ -104,19 +104,20 @@ def direct_damage(body: Body) -> np.ndarray:
 def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
     """Joints between a jump and a jump back, where they are displaced: (F, 20, 3) to (F, 20) bool.
 
-    The jumps have opposite directions, their lengths differ by less than a factor of two, and at
-    most `longest` frames are between them.
+    A jump is a step unlike the median of seven. The two have opposite directions, their lengths
+    differ by less than a factor of two, and at most `longest` frames are between them.
     """
     displaced = np.zeros(points.shape[:2], bool)
-    step = _distances(points)[:-1]
-    usual = median_filter(step, (7, 1), mode="nearest")
-    jumps = (step > JUMP) & (step > JUMP_RATIO * usual)
-    for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
-        jump, away = np.diff(points[:, joint], axis=0), None
-        for back in np.flatnonzero(jumps[:, joint]):
+    for joint in range(points.shape[1]):
+        jump = np.diff(points[:, joint], axis=0)
+        jump -= median_filter(jump, (7, 1), mode="nearest")
+        step = np.linalg.norm(jump, axis=-1)
+        usual = median_filter(step, 7, mode="nearest")
+        away = None
+        for back in np.flatnonzero((step > JUMP) & (step > JUMP_RATIO * usual)):
             if away is not None and back - away <= longest:
                 one, other = jump[away], jump[back]
-                sizes = step[away, joint], step[back, joint]
+                sizes = step[away], step[back]
                 if one @ other < OPPOSITE * sizes[0] * sizes[1] and max(sizes) < 2 * min(sizes):
                     displaced[away + 1 : back + 1, joint] = True
                     away = None
