@@ -60,6 +60,7 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     assert capsys.readouterr().out == "conv1d: the next cells use your function\n"
 
 
+@pytest.mark.filterwarnings("ignore:careful")
 def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
     def half(x, w, b):
         warnings.warn("careful", stacklevel=2)
