@@ -65,7 +65,7 @@ def change_files(args: argparse.Namespace, change: Change) -> int:
         name = str(source.relative_to(args.files[0])) if args.files[0].is_dir() else source.name
         try:
             rows.append(row(name, _change(args, change, source, target, quiet=True)))
-        except (NumpyCaeError, ValueError) as error:
+        except (NumpyCaeError, ValueError, OSError) as error:
             unusable.append(str(error))
     print(text_table(HEADER, rows))
     if unusable:
