@@ -2,6 +2,10 @@
 
 The properties that every operation shares are stated here; those of a single one are in
 `operation_properties`. Each compares what an implementation returns with what it should return.
+
+Not tested, as the contract leaves it open: which of several equal points of sliced Wasserstein gets
+which gradient, the dtype of a gradient where dy has another dtype than the arguments, a list for a
+tuple, views of the arguments as results, a loss as a Python float, warnings, empty arrays.
 """
 
 from __future__ import annotations

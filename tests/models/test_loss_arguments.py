@@ -30,6 +30,12 @@ def test_each_mask_is_used_by_its_own_layer():
     assert abs(loss - evenly) > 1e-3
 
 
+def test_a_mask_of_numbers_is_named_with_its_dtype():
+    masks = [np.ones((2, 4, 4), dtype=bool), np.ones((2, 2, 5), dtype=np.int8)]
+    with pytest.raises(ValueError, match=r"first\[1\] has dtype int8, expected bool"):
+        MODEL.loss_and_gradients(X, CORRUPTED, first=masks)
+
+
 def test_float32_stays_float32():
     model = ConvAutoencoder(3, (4, 5), taps=3)
     x = X.astype(np.float32)
