@@ -52,14 +52,14 @@ def with_progress(things: Iterable[Thing], count: int, done: str) -> Iterator[Th
 
 @contextmanager
 def working(on: str) -> Iterator[None]:
-    """Say after two seconds, then every ten, how long the block has been working on something."""
+    """Say after two seconds, then ever more rarely, how long the block has been at work."""
     begun, ended = time.monotonic(), threading.Event()
 
     def report() -> None:
         wait = 2.0
         while not ended.wait(wait):
             note(f"{on}: {time.monotonic() - begun:.0f} s")
-            wait = 10.0
+            wait = min(2 * wait, 60.0)
 
     thread = threading.Thread(target=report, daemon=True)
     thread.start()
