@@ -24,6 +24,9 @@ SUSPICION = 0.25
 """Between two jumps, a joint is damaged from this share of these distances on."""
 MOST_JOINTS = 8
 """Where more joints are far from the manifold, the motion is unknown and not damaged."""
+LONGEST_UNKNOWN = 60
+"""Frames from which on a joint that is far from the manifold, without a jump, is in a pose that the
+model does not know: someone kneels or lies."""
 ROUNDS = 3
 """Times that what was found is filled in and the rest is tested again."""
 MARGIN = 2
@@ -69,6 +72,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
         distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
         level = distance / np.maximum(FAR, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
+        far &= ~binary_opening(far, np.ones((LONGEST_UNKNOWN, 1), bool))
         far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
         far &= ~found
         if not far.any():

@@ -68,6 +68,18 @@ def test_a_spike_of_one_frame_is_found(manifold, walk):
     assert error(repaired.motion, walk, at, arm) < 0.15 * error(damaged, walk, at, arm)
 
 
+def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
+    """Someone kneels down, stays and stands up again: no model of walks knows it."""
+    motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
+    degrees = 100 * np.interp(np.arange(len(motion)), [60, 90, 180, 210], [0, 1, 1, 0])
+    knelt = motion.rotations.copy()
+    for joint, sign in (("lfemur", -0.5), ("ltibia", 1.0)):
+        place = motion.skeleton.index(joint)
+        bend = Rotation.from_euler("x", sign * degrees[:, None], degrees=True)
+        knelt[:, place] = (Rotation.from_quat(knelt[:, place]) * bend).as_quat()
+    assert not repair(replace(motion, rotations=knelt), manifold).touched.any()
+
+
 def test_an_unknown_motion_is_unchanged_unless_forced(manifold, walk):
     lying = make_take("idle", 1, seconds=3.0, rate=30.0).motion
     rng = np.random.default_rng(0)
