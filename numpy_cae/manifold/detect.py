@@ -31,7 +31,7 @@ ROUNDS = 3
 """Times that what was found is filled in and the rest is tested again."""
 MARGIN = 2
 """Frames on both sides of damage that are taken for damaged."""
-JUMP, JUMP_RATIO = 0.05, 3.0
+JUMP, JUMP_RATIO = 0.05, 4.0
 """Metres by which a step differs from the median of seven, and times the median difference."""
 OPPOSITE = -0.3
 """Cosine of the angle between a jump and the jump back, at most."""
