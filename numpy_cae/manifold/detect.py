@@ -24,9 +24,6 @@ SUSPICION = 0.25
 """Between two jumps, a joint is damaged from this share of these distances on."""
 MOST_JOINTS = 8
 """Where more joints are far from the manifold, the motion is unknown and not damaged."""
-LONGEST_UNKNOWN = 60
-"""Frames from which on a joint that is far from the manifold, without a jump, is in a pose that the
-model does not know: someone kneels or lies."""
 ROUNDS = 3
 """Times that what was found is filled in and the rest is tested again."""
 MARGIN = 2
@@ -63,6 +60,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     spline_features, _ = whole_features(body, direct)
     points = spline(_local(spline_features), direct)
     displaced = between_jumps(points, LONGEST)
+    abrupt = binary_dilation(_jumps(points)[1], np.ones((2 * MARGIN + 1, 1), bool))
     direct |= find_frozen(body, spline(body.positions, direct), points)
     found = direct.copy()
     features, _ = whole_features(body, found)
@@ -72,7 +70,8 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
         distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
         level = distance / np.maximum(FAR, RATIO * typical(distance, found))
         far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
-        far &= ~binary_opening(far, np.ones((LONGEST_UNKNOWN, 1), bool))
+        # Without a jump it is a pose that the model does not know: someone kneels or lies.
+        far = binary_propagation(far & abrupt, _ALONG_TIME, mask=far)
         far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
         far &= ~found
         if not far.any():
@@ -112,13 +111,11 @@ def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
     differ by less than a factor of two, and at most `longest` frames are between them.
     """
     displaced = np.zeros(points.shape[:2], bool)
-    for joint in range(points.shape[1]):
-        jump = np.diff(points[:, joint], axis=0)
-        jump -= median_filter(jump, (7, 1), mode="nearest")
-        step = np.linalg.norm(jump, axis=-1)
-        usual = median_filter(step, 7, mode="nearest")
+    steps, jumps = _jumps(points)
+    for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
+        jump, step = steps[:, joint], np.linalg.norm(steps[:, joint], axis=-1)
         away = None
-        for back in np.flatnonzero((step > JUMP) & (step > JUMP_RATIO * usual)):
+        for back in np.flatnonzero(jumps[:, joint]):
             if away is not None and back - away <= longest:
                 one, other = jump[away], jump[back]
                 sizes = step[away], step[back]
@@ -128,6 +125,19 @@ def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
                     continue
             away = back
     return displaced
+
+
+def _jumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What is unlike its neighbours in the step to the next frame, (F, 20, 3), and where that is a
+    jump, (F, 20) bool."""
+    unlike, jumps = np.zeros(points.shape), np.zeros(points.shape[:2], bool)
+    for joint in range(points.shape[1]):
+        step = _steps(points[:, joint])[:-1]
+        unlike[:-1, joint] = step - median_filter(step, (7, 1), mode="nearest")
+        size = np.linalg.norm(unlike[:-1, joint], axis=-1)
+        usual = median_filter(size, 7, mode="nearest")
+        jumps[:-1, joint] = (size > JUMP) & (size > JUMP_RATIO * usual)
+    return unlike, jumps
 
 
 def find_repeated(positions: np.ndarray) -> np.ndarray:
