@@ -9,4 +9,4 @@ Two papers, implemented in NumPy without an automatic differentiation framework:
 Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is.
 """
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"

@@ -45,19 +45,21 @@ ALLOWED |= RING_3
 BUDGET = {
     "ops": 850,
     "models": 800,
-    "training": 850,
-    "motion": 3700,
-    "manifold": 1300,
+    "training": 950,
+    "motion": 5350,
+    "manifold": 1810,
     "fast": 1900,
-    "verify": 2800,
-    "measures baselines viz": 1700,
+    "verify": 3570,
+    "measures baselines viz": 1830,
     "beyond": 800,
-    "experiments": 4000,
+    "experiments": 5170,
     "course": 3000,
-    "cli": 1700,
-    "bench download": 900,
+    "cli": 2380,
+    "bench download": 990,
 }
-"""Lines of Python."""
+"""Lines of Python. The redesign's budgets, raised where careful repair, files of any rig and axis,
+output as the file came in, verification by classes of input, the viewer and hard use came in."""
+TESTS = 12_500
 
 
 def python_files(*folders: str) -> list[Path]:
@@ -120,7 +122,7 @@ def test_packages_keep_their_budget(packages):
 
 def test_data_synth_and_tests_keep_their_budget():
     assert count_lines(python_files("data_synth")) <= 3900
-    assert count_lines(python_files("tests")) <= 10_500
+    assert count_lines(python_files("tests")) <= TESTS
 
 
 MAP = (ROOT / "docs" / "map.md").read_text(encoding="utf-8")

@@ -112,8 +112,8 @@ def _bones(document: _Document, skeleton: Skeleton) -> dict:
     for number, (joint, end) in enumerate(ends):
         along = end - rest[joint]
         across = np.cross(along, np.eye(3)[np.abs(along).argmin()])
-        across *= _THICKNESS * np.linalg.norm(along) / max(np.linalg.norm(across), 1e-9)
-        other = np.cross(along, across) / max(np.linalg.norm(along), 1e-9)
+        across *= _THICKNESS * np.linalg.norm(along) / max(float(np.linalg.norm(across)), 1e-9)
+        other = np.cross(along, across) / max(float(np.linalg.norm(along)), 1e-9)
         belt = rest[joint] + 0.15 * along + np.array([across, other, -across, -other])
         points += [rest[joint], end, *belt]
         moved_by += [joint] * 6
@@ -140,7 +140,8 @@ def _animation(document: _Document, motion: Motion) -> dict:
     animated = [("rotation", joint, motion.rotations[:, joint]) for joint in range(len(offsets))]
     moving = np.flatnonzero(moves).tolist()
     animated += [("translation", joint, motion.translations[:, joint]) for joint in moving]
-    samplers, channels = [], []
+    samplers: list[dict] = []
+    channels: list[dict] = []
     for path, joint, values in animated:
         stored = document.add(np.ascontiguousarray(values, dtype="<f4"))
         channels.append({"sampler": len(samplers), "target": {"node": joint, "path": path}})
