@@ -47,7 +47,7 @@ def pictures(notebook: dict) -> tuple[int, int]:
     animations = ["".join(d.get("text/html", "")) for d in data]
     return (
         sum("image/png" in d for d in data),
-        sum("data:image/gif;base64," in html for html in animations),
+        sum("motion-viewer" in html for html in animations),
     )
 
 
