@@ -39,9 +39,13 @@ class ImportBlocker(importlib.abc.MetaPathFinder):
     """Refuses to import what would do the exercise instead of the student."""
 
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in ("numpy_cae", *AUTODIFF):
+        if _does_the_exercise(name):
             raise ImportError(f"{name} may not be imported: the operations are written by hand")
         return None
+
+
+def _does_the_exercise(module: str) -> bool:
+    return module.partition(".")[0] in ("numpy_cae", *AUTODIFF)
 
 
 def adopt_orphans() -> None:
@@ -118,7 +122,7 @@ def _isolate_modules() -> list[ModuleType]:
     """
     loaded = [(name, module) for name, module in sys.modules.items() if name not in SHARED]
     ours = {name: module for name, module in loaded if type(module) is ModuleType}
-    copies = {name: ModuleType(name) for name in ours if name.partition(".")[0] != "numpy_cae"}
+    copies = {name: ModuleType(name) for name in ours if not _does_the_exercise(name)}
     for name, copy in copies.items():
         vars(copy).update(vars(ours[name]))
     for name, copy in copies.items():
