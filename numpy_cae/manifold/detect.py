@@ -59,8 +59,9 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     direct = at_thirty(body.motion, direct_damage(body))
     spline_features, _ = whole_features(body, direct)
     points = spline(_local(spline_features), direct)
-    displaced = between_jumps(points, LONGEST)
-    abrupt = binary_dilation(_jumps(points)[1], np.ones((2 * MARGIN + 1, 1), bool))
+    steps, jumps = find_jumps(points)
+    displaced = between_jumps(steps, jumps, LONGEST)
+    abrupt = binary_dilation(jumps, np.ones((2 * MARGIN + 1, 1), bool))
     direct |= find_frozen(body, spline(body.positions, direct), points)
     found = direct.copy()
     features, _ = whole_features(body, found)
@@ -100,18 +101,17 @@ def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
 def direct_damage(body: Body) -> np.ndarray:
     """Damage that shows without a manifold: (frames, 20) bool in the frames of the file."""
     positions = body.positions_in_file
-    spikes = between_jumps(positions - positions[:, :1], SPIKE_FRAMES)
+    spikes = between_jumps(*find_jumps(positions - positions[:, :1]), SPIKE_FRAMES)
     return spikes | find_stretched(positions) | find_repeated(positions)[:, None]
 
 
-def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
-    """Joints between a jump and a jump back, where they are displaced: (F, 20, 3) to (F, 20) bool.
+def between_jumps(steps: np.ndarray, jumps: np.ndarray, longest: int) -> np.ndarray:
+    """Joints displaced between a jump of `find_jumps` and a jump back: (F, 20) bool.
 
-    A jump is a step unlike the median of seven. The two have opposite directions, their lengths
-    differ by less than a factor of two, and at most `longest` frames are between them.
+    The two have opposite directions, their lengths differ by less than a factor of two, and at most
+    `longest` frames are between them.
     """
-    displaced = np.zeros(points.shape[:2], bool)
-    steps, jumps = _jumps(points)
+    displaced = np.zeros(jumps.shape, bool)
     for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
         jump, step = steps[:, joint], np.linalg.norm(steps[:, joint], axis=-1)
         away = None
@@ -127,9 +127,9 @@ def between_jumps(points: np.ndarray, longest: int) -> np.ndarray:
     return displaced
 
 
-def _jumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What is unlike its neighbours in the step to the next frame, (F, 20, 3), and where that is a
-    jump, (F, 20) bool."""
+def find_jumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What is unlike the median of seven in the step of points (F, 20, 3) to the next frame, in
+    their shape, and where that is a jump, (F, 20) bool."""
     unlike, jumps = np.zeros(points.shape), np.zeros(points.shape[:2], bool)
     for joint in range(points.shape[1]):
         step = _steps(points[:, joint])[:-1]

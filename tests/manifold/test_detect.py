@@ -8,7 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.manifold import repair, starter
-from numpy_cae.manifold.detect import between_jumps, find_frozen, find_repeated, find_stretched
+from numpy_cae.manifold.detect import (
+    between_jumps,
+    find_frozen,
+    find_jumps,
+    find_repeated,
+    find_stretched,
+)
 from numpy_cae.motion import JOINTS, POSITIONS, body_positions
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
@@ -122,12 +128,12 @@ def test_values_that_are_not_finite_are_filled_in(manifold, walk):
 def test_direct_tests():
     t = np.arange(60)[:, None, None]
     points = 0.02 * t * np.ones((1, 20, 3)) + np.arange(20)[None, :, None]
-    assert not between_jumps(points, 3).any()
+    assert not between_jumps(*find_jumps(points), 3).any()
     points[30:32, 7] += 0.5
     expected = np.zeros((60, 20), bool)
     expected[30:32, 7] = True
-    np.testing.assert_array_equal(between_jumps(points, 3), expected)
-    assert not between_jumps(points, 1).any()
+    np.testing.assert_array_equal(between_jumps(*find_jumps(points), 3), expected)
+    assert not between_jumps(*find_jumps(points), 1).any()
     np.testing.assert_array_equal(find_stretched(points), expected)
     walking = 0.02 * t * np.ones((1, 20, 3))
     held = walking[np.where((t.ravel() > 20) & (t.ravel() < 30), 20, t.ravel())]

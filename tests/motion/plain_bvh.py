@@ -10,6 +10,24 @@ from math import cos, radians, sin
 
 import numpy as np
 
+HIERARCHY = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Leg
+  {
+    OFFSET 0 -40 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 -45 0
+    }
+  }
+}
+"""
+"""Two joints, nine channels."""
+
 
 @dataclass
 class PlainJoint:

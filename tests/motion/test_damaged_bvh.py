@@ -5,25 +5,11 @@ from __future__ import annotations
 import re
 
 import pytest
+from plain_bvh import HIERARCHY
 
 from numpy_cae.motion import MotionFileError, read_bvh
 
-WHOLE = """HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT Leg
-  {
-    OFFSET 0 -40 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    End Site
-    {
-      OFFSET 0 -45 0
-    }
-  }
-}
-MOTION
+WHOLE = f"""{HIERARCHY}MOTION
 Frames: 3
 Frame Time: 0.025
 1 2 3 4 5 6 7 8 9

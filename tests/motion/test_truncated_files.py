@@ -4,25 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_bvh import HIERARCHY
 
 from numpy_cae.motion import MotionFileError, load_motion
 
-BVH = """HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT Leg
-  {
-    OFFSET 0 -40 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    End Site
-    {
-      OFFSET 0 -45 0
-    }
-  }
-}
-MOTION
+BVH = f"""{HIERARCHY}MOTION
 Frames: 6
 Frame Time: 0.0083333
 """ + "".join(f"{n} 2 3 4 5 6 7 8 {n}1\n" for n in range(6))

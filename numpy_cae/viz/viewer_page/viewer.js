@@ -11,12 +11,6 @@ const HELP = "space: play or pause; ← →: one frame; Shift ← →: one secon
 
 // ---- data ----------------------------------------------------------------------------------
 
-async function unpack(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Response(stream).arrayBuffer();
-}
-
 // Undo the differences between frames; `width` numbers a frame.
 function cumulate(values, width) {
   for (let i = width; i < values.length; i++) values[i] += values[i - width];
@@ -25,9 +19,9 @@ function cumulate(values, width) {
 
 async function readMotion(packed) {
   const joints = packed.parents.length;
-  const root = new Float32Array(await unpack(packed.root));
-  const local = cumulate(new Int16Array(await unpack(packed.local)), 3 * joints);
-  const moved = packed.moved ? new Uint8Array(await unpack(packed.moved)) : null;
+  const root = new Float32Array(await inflated(packed.root).arrayBuffer());
+  const local = cumulate(new Int16Array(await inflated(packed.local).arrayBuffer()), 3 * joints);
+  const moved = packed.moved ? new Uint8Array(await inflated(packed.moved).arrayBuffer()) : null;
   return { ...packed, joints, root, local, moved };
 }
 
