@@ -56,7 +56,7 @@ def _make_picture(path: Path, executed: bool) -> None:
     if executed:
         began = time.monotonic()
         with working(str(path)):
-            notebook = course.execute(notebook)
+            notebook = course.execute(notebook, course.mine_before(path))
         course.write_notebook(notebook, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
     print(course.write_picture(notebook, path))
@@ -72,6 +72,8 @@ def _write_copies(lessons: list[Path], folder: Path) -> None:
             f"{folder} has {', '.join(there)} already, perhaps with a student's work: "
             "name another folder or move the files"
         )
+    if not (folder / course.FILE).exists():
+        (folder / course.FILE).write_text(course.EMPTY, encoding="utf-8")
     for path in lessons:
         course.write_notebook(course.student_copy(course.read_notebook(path)), folder / path.name)
         print(folder / path.name)

@@ -7,15 +7,19 @@ gallery. `report` and `solved` are what the check cells call.
 from numpy_cae.course.catalogue import CATALOGUE, example, properties, report, solved
 from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
+from numpy_cae.course.mine import EMPTY, FILE, mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.course.student_copy import student_copy
 
 __all__ = [
     "CATALOGUE",
+    "EMPTY",
+    "FILE",
     "example",
     "execute",
     "find_lessons",
     "is_current",
+    "mine_before",
     "picture_of",
     "picture_path",
     "properties",

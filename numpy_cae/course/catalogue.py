@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import redirect_stderr
-from functools import wraps
 from typing import TYPE_CHECKING
 
-from numpy_cae.course.exercises import EXERCISES, LESSONS
-from numpy_cae.verify import catalogue as operations
+from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
 from numpy_cae.verify.catalogue import find_task
 from numpy_cae.verify.property import Property
 from numpy_cae.verify.trial import example_of
@@ -17,7 +16,6 @@ from numpy_cae.verify.trial import example_of
 if TYPE_CHECKING:
     from numpy_cae.verify.reporting import Report
 
-CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
 ASSIGNMENTS = {number: tuple(each.name for each in made) for number, made in LESSONS.items()}
 """The exercises of each lesson, by its number."""
 
@@ -56,17 +54,23 @@ def report(name: str, function: Callable) -> Report | int:
 def solved(name: str, function: Callable) -> Callable:
     """What later cells use: the student's function if every property holds, else the package's own.
 
-    Prints which of the two it is; raises ValueError if there is no such exercise.
+    The student's is saved to mine.py, for later lessons, if there is one beside the notebook.
+    Prints what is done; raises ValueError if there is no such exercise.
     """
     from numpy_cae.verify.reporting import holds
 
     if name not in EXERCISES:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
-    if holds(EXERCISES[name], function):
-        print(f"{name}: the next cells use your function")
-        return function
-    print(f"{name}: the next cells use the package's own; run this cell again when yours is right")
-    return _stand_in(EXERCISES[name].solution, name)
+    if hasattr(function, "stands_in") or not holds(EXERCISES[name], function):
+        again = "run this cell again when yours is right"
+        print(f"{name}: the next cells use the package's own; {again}")
+        return stand_in(name)
+    try:
+        where = f" and later lessons ({FILE})" if save(name, function) else ""
+        print(f"{name}: the next cells{where} use your function")
+    except NotSavedError as error:
+        print(f"{name}: the next cells use your function. It is not saved to {FILE}: {error}")
+    return function
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
@@ -78,18 +82,6 @@ def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
         If there is no such operation or exercise, or a size is missing.
     """
     return example_of(find_task(CATALOGUE, name).properties, seed, sizes).arguments
-
-
-def _stand_in(solution: Callable, name: str) -> Callable:
-    """The package's solution, marked, so that a check does not take it for the student's."""
-
-    @wraps(solution)
-    def standing_in(*arguments, **named):
-        return solution(*arguments, **named)
-
-    standing_in.__name__ = name
-    standing_in.stands_in = True
-    return standing_in
 
 
 def _unsolved(*arguments):

@@ -6,6 +6,9 @@ import hashlib
 import os
 import subprocess
 import tempfile
+from pathlib import Path
+
+from numpy_cae.course.mine import EMPTY, FILE
 
 SECONDS_A_CELL = 120
 
@@ -16,11 +19,11 @@ def source_hash(notebook: dict) -> str:
     return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
 
-def execute(notebook: dict) -> dict:
+def execute(notebook: dict, mine: str = EMPTY) -> dict:
     """A copy of the notebook with the outputs of its execution in a fresh kernel.
 
-    The kernel runs in an empty folder and without NUMPY_CAE_DATA, so that every machine stores
-    results of synthetic motion.
+    The kernel runs without NUMPY_CAE_DATA, so that every machine stores results of synthetic
+    motion, and in a folder that holds nothing but a mine.py with the text given.
 
     Raises
     ------
@@ -37,6 +40,7 @@ def execute(notebook: dict) -> dict:
         ) from None
     node = nbformat.from_dict({**notebook, "cells": [dict(cell) for cell in notebook["cells"]]})
     with tempfile.TemporaryDirectory() as folder:
+        Path(folder, FILE).write_text(mine, encoding="utf-8")
         client = NotebookClient(
             node,
             timeout=SECONDS_A_CELL,

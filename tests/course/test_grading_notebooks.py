@@ -54,6 +54,14 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
     assert points == {name: EXERCISES[name].points for name in ("tanh", "encode_layer", "speeds")}
 
 
+def test_from_mine_gives_the_packages_own_of_an_earlier_lesson_alone(tmp_path):
+    (tmp_path / "mine.py").write_text("def conv1d(x, w, b):\n    raise ValueError")
+    imports = "from mine import conv1d, max_pool\n"
+    assert grade(notebook(tmp_path, TANH, imports + ENCODE), COURSE, lesson="05").reports[2].held
+    forbidden = notebook(tmp_path, "from mine import tanh")
+    assert "cannot import name 'tanh'" in str(grade(forbidden, COURSE, lesson="05"))
+
+
 @pytest.mark.parametrize(
     ("cells", "message"),
     [
@@ -87,7 +95,7 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
         for cell in read_notebook(path)["cells"]
         if cell["cell_type"] == "code"
         for node in ast.walk(ast.parse(cell["source"].removeprefix("%matplotlib inline")))
-        if isinstance(node, ast.ImportFrom) and node.module == "numpy_cae.ops"
+        if isinstance(node, ast.ImportFrom) and node.module in ("numpy_cae.ops", "mine")
         for alias in node.names
     }
     given = {name for exercise in LESSONS[path.name[:2]] for name in exercise.given}

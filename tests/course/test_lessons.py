@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course import execute, find_lessons, read_notebook, source_hash, student_copy
+from numpy_cae.course import (
+    execute,
+    find_lessons,
+    mine_before,
+    read_notebook,
+    source_hash,
+    student_copy,
+)
 from numpy_cae.course.exercises import EXERCISES, Exercise
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.submission import is_exercise
@@ -106,7 +113,7 @@ def test_the_student_copy_holds_no_solution(path):
 @pytest.mark.lessons
 @every_lesson
 def test_the_instructor_copy_runs_and_every_check_passes(path):
-    ran = execute(read_notebook(path))
+    ran = execute(read_notebook(path), mine_before(path))
     for cell in checks(ran):
         assert_all_points(cell)
     assert pictures(ran) == pictures(read_notebook(path))

@@ -6,6 +6,7 @@ from importlib import import_module
 
 from numpy_cae.course.exercises.exercise import Exercise
 from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
+from numpy_cae.verify import catalogue as operations
 
 _HINTS = read_hints()
 
@@ -21,4 +22,6 @@ EXERCISES: dict[str, Exercise] = {
     exercise.name: exercise for lesson in LESSONS.values() for exercise in lesson
 }
 
-__all__ = ["EXERCISES", "LESSONS", "Exercise"]
+CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
+
+__all__ = ["CATALOGUE", "EXERCISES", "LESSONS", "Exercise"]

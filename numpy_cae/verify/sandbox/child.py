@@ -131,7 +131,8 @@ def load(
 ) -> tuple[dict[str, Callable], list[str]]:
     """Run a submission as a module; return the functions it defines, and why cells failed."""
     module, is_notebook = ModuleType("student"), submission.is_notebook
-    sys.modules["student"] = module
+    sys.modules["student"], sys.modules["mine"] = module, ModuleType("mine")
+    vars(sys.modules["mine"]).update(given)  # an earlier lesson's are the package's own
     sys.path.append(str(submission.path.parent))
     own = vars(module)
     own |= {"__file__": str(submission.path), "__builtins__": vars(sys.modules["builtins"])}

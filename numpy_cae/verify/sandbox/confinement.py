@@ -132,5 +132,6 @@ def _isolate_modules() -> list[ModuleType]:
     for name in ours.keys() - copies.keys():
         del sys.modules[name]
     sys.modules.update(copies)
-    sys.meta_path.insert(0, ImportBlocker())
+    theirs = [f for f in sys.meta_path if not type(f).__module__.startswith("numpy_cae")]
+    sys.meta_path[:] = [ImportBlocker(), *theirs]
     return list(ours.values())

@@ -1,0 +1,116 @@
+"""mine.py: what a solved function leaves there, and what later lessons import of it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from numpy_cae import course
+from numpy_cae.course.mine import mine_before, run
+from numpy_cae.course.student_copy import BEGIN
+
+HALF = 0.5
+
+
+def half(y):
+    return HALF * y
+
+
+def unpool_even(y):
+    """With what the notebook defines elsewhere."""
+
+    def pullback(dx):
+        return half(dx.reshape(len(y), y.shape[1], 2, -1).sum(axis=2))
+
+    return np.repeat(half(y), 2, axis=1), pullback
+
+
+def sgd_step(parameter, gradient, rate, decay, epoch):
+    return parameter - rate * decay**epoch * gradient
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """mine.py in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    path = Path("mine.py")
+    path.write_text(course.EMPTY)
+    sys.modules.pop("mine", None)
+    yield path
+    sys.modules.pop("mine", None)
+
+
+def test_a_solved_function_is_imported_by_later_lessons(mine, capsys):
+    course.solved("unpool_even", unpool_even)
+    course.solved("sgd_step", sgd_step)
+    assert "later lessons (mine.py) use your function" in capsys.readouterr().out
+    from mine import conv1d, unpool_even as saved  # noqa: I001
+
+    assert capsys.readouterr().out == "conv1d is not in mine.py yet: the package's own is used.\n"
+    assert conv1d.stands_in and saved.__module__ == "mine"
+    assert course.report("unpool_even", saved).held
+    with pytest.raises(ImportError):
+        from mine import conv_1d  # noqa: F401
+
+
+def test_a_later_version_replaces_the_earlier_one(mine):
+    course.solved("sgd_step", sgd_step)
+    own = 'NOTE = "my own line"\n'
+    mine.write_text(mine.read_text() + own)
+    course.solved("sgd_step", lambda *arguments: None)  # wrong: the earlier version stays
+    text = mine.read_text()
+    course.solved("sgd_step", sgd_step)
+    assert text.count("def sgd_step") == mine.read_text().count("def sgd_step") == 1
+    assert own.strip() in mine.read_text()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import numpy\n\ndef f(:\n", "mine.py, line 3: "),
+        ("x = 1\ny = z\n", "mine.py, line 2: Name"),
+    ],
+)
+def test_a_broken_file_is_kept_and_the_packages_own_are_used(text, message, mine, capsys):
+    mine.write_text(text)
+    from mine import sgd_step as imported
+
+    assert imported.stands_in and message in capsys.readouterr().out
+    course.solved("sgd_step", sgd_step)
+    assert f"is not saved to mine.py: {message}" in capsys.readouterr().out
+    assert mine.read_text() == text
+
+
+def test_what_cannot_be_written_is_named(mine, capsys):
+    course.solved("sgd_step", lambda p, g, rate, decay, epoch: p - rate * decay**epoch * g)
+    assert "not saved to mine.py: <lambda> is not defined by a def" in capsys.readouterr().out
+    assert mine.read_text() == course.EMPTY
+
+
+def test_without_mine_py_nothing_is_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    course.solved("sgd_step", sgd_step)
+    sys.modules.pop("mine", None)
+    from mine import sgd_step as imported
+
+    sys.modules.pop("mine")
+    assert "There is no mine.py" in capsys.readouterr().out
+    assert imported.stands_in and not list(tmp_path.iterdir())
+
+
+def test_nbgrader_takes_the_packages_own(mine, monkeypatch):
+    course.solved("sgd_step", sgd_step)
+    monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
+    from mine import sgd_step as imported
+
+    assert imported.stands_in
+
+
+def test_instructors_execute_a_lesson_with_the_solutions_of_earlier_ones():
+    text = mine_before(Path(__file__).parents[2] / "lessons" / "05_one_layer.ipynb")
+    functions = run(text)
+    assert {"conv1d", "max_pool", "to_features"} < functions.keys() and "tanh" not in functions
+    assert BEGIN not in text and not Path("mine.py").exists()
