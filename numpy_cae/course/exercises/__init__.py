@@ -15,7 +15,7 @@ LESSONS: dict[str, tuple[Exercise, ...]] = {
         with_hints(exercise, _HINTS.get(exercise.name, Hints()))
         for exercise in import_module(f"{__name__}.lesson_{number}").EXERCISES
     )
-    for number in (f"{n:02}" for n in range(1, 15))
+    for number in (f"{n:02}" for n in range(15))
 }
 
 EXERCISES: dict[str, Exercise] = {
