@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import redirect_stderr
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.exercises.hints import with_hint
 from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
 from numpy_cae.verify.catalogue import find_task
 from numpy_cae.verify.property import Property
@@ -25,30 +27,39 @@ def properties(name: str) -> tuple[Property, ...]:
     return find_task(CATALOGUE, name).properties
 
 
-def report(name: str, function: Callable) -> Report | int:
+def report(name: str, function: Callable, hint: int = 0) -> Report | int:
     """Test a student's function for every property of an operation or an exercise.
 
     While nbgrader runs the notebook, the report is printed and its points are returned: nbgrader
     takes a number that a cell returns for its points. They are those of `numpy-cae verify`.
 
+    Parameters
+    ----------
+    name : str
+    function : callable
+    hint : int
+        1 for a hint, 2 for a second one, after a first attempt.
+
     Raises
     ------
     ValueError
-        If there is no such operation or exercise.
+        If there is no such operation or exercise, or no such hint.
     """
     from numpy_cae.verify.reporting import report_on
 
-    task = find_task(CATALOGUE, name)
-    called = None
+    task, called = find_task(CATALOGUE, name), None
     if hasattr(function, "stands_in"):
         print(f"{name} is the package's own now: run the cell with your function again first")
         function, called = _unsolved, name
-    if not os.environ.get("NBGRADER_EXECUTION"):
-        return report_on(task, function, called)
-    with open(os.devnull, "w") as nothing, redirect_stderr(nothing):  # nbgrader gives it 0 points
-        made = report_on(task, function, called)
-    print(made)
-    return made.points
+    if os.environ.get("NBGRADER_EXECUTION"):
+        with open(os.devnull, "w") as nothing, redirect_stderr(nothing):  # it would give 0 points
+            made = report_on(task, function, called)
+        print(made)
+        return made.points
+    made = report_on(with_hint(task, hint), function, called)
+    if not made.unsolved:
+        return made
+    return replace(made, hint="a hint is shown after your first attempt" if hint else "")
 
 
 def solved(name: str, function: Callable) -> Callable:

@@ -12,7 +12,7 @@ from numpy_cae import course, ops
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn, require_same
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
-from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
+from numpy_cae.course.exercises.hints import read_hints, with_hint
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.trial import try_property
 
@@ -35,10 +35,23 @@ def test_the_solution_has_every_property_and_trivial_functions_fail(name):
         assert sum(outcome.points for outcome in outcomes) < tried.points / 2
 
 
-def test_an_unsolved_exercise_gets_its_hint_and_no_points():
-    report = course.report("speeds", unsolved)
+def test_hints_come_in_stages_and_after_a_first_attempt():
+    report = course.report("to_features", unsolved)
     assert report.unsolved and report.points == 0
-    assert "not solved yet" in str(report) and "hint: the distance to the next" in str(report)
+    assert "not solved yet" in str(report) and "hint" not in str(report)
+    assert "after your first attempt" in str(course.report("to_features", unsolved, hint=1))
+
+    def wrong(positions, theta):
+        return np.zeros((len(positions), 63))
+
+    shown = [str(course.report("to_features", wrong, hint=stage)) for stage in (0, 1, 2)]
+    assert 'course.report("to_features", to_features, hint=1) in a cell of your own' in shown[0]
+    assert "hint: three steps" in shown[1] and "subtract" not in shown[1]
+    assert "hint: subtract the ground position" in shown[2]
+    assert "only x and z of the hips" in shown[2]  # of a property
+    assert "hint" not in str(course.report("to_features", EXERCISES["to_features"].solution))
+    with pytest.raises(ValueError, match="hint is 1 or 2, got 3"):
+        course.report("to_features", wrong, hint=3)
 
 
 def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
@@ -157,7 +170,7 @@ def test_a_counterexample_too_long_to_print_is_returned_by_example():
         return positions
 
     text = str(course.report("forward_kinematics", locally))
-    assert "FAILED  value" in text and "hint: " in text
+    assert "FAILED  value" in text
     assert 'example("forward_kinematics", frames=1, joints=3, seed=0)' in text
     example = course.example("forward_kinematics", frames=1, joints=3, seed=0)
     assert list(example) == ["parents", "rotations", "translations"]
@@ -167,15 +180,14 @@ def test_a_counterexample_too_long_to_print_is_returned_by_example():
         course.example("forward_kinematics", frames=1, seed=0)
 
 
-def test_every_exercise_has_a_hint_and_every_hint_an_exercise():
+def test_every_exercise_has_two_hints_and_every_hint_an_exercise():
     hints = read_hints()
     assert list(hints) == list(EXERCISES)
     for name, made in EXERCISES.items():
-        assert made.hint == hints[name].text != ""
-        of_properties = {prop.name: prop.hint for prop in made.properties if prop.hint}
+        assert len(hints[name].stages) == 2
+        hinted = with_hint(made, 2)  # an error if it names a property that is not there
+        of_properties = {prop.name: prop.hint for prop in hinted.properties if prop.hint}
         assert of_properties == hints[name].of_properties
-    with pytest.raises(ValueError, match="hints for unknown properties of speeds: columns"):
-        with_hints(EXERCISES["speeds"], Hints("think", {"value": "?", "columns": "?"}))
 
 
 def test_the_instructors_table_has_every_exercise_with_its_properties():

@@ -5,16 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 
 from numpy_cae.course.exercises.exercise import Exercise
-from numpy_cae.course.exercises.hints import Hints, read_hints, with_hints
 from numpy_cae.verify import catalogue as operations
 
-_HINTS = read_hints()
-
 LESSONS: dict[str, tuple[Exercise, ...]] = {
-    number: tuple(
-        with_hints(exercise, _HINTS.get(exercise.name, Hints()))
-        for exercise in import_module(f"{__name__}.lesson_{number}").EXERCISES
-    )
+    number: import_module(f"{__name__}.lesson_{number}").EXERCISES
     for number in (f"{n:02}" for n in range(15))
 }
 
