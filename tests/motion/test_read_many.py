@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -110,9 +110,28 @@ def test_a_cache_of_another_user_or_that_cannot_be_written_is_not_used(
     assert not list((tmp_path / "others").iterdir())
 
 
+@pytest.fixture(params=["platformdirs", None])
+def _with_and_without_platformdirs(request, monkeypatch):
+    if request.param:
+        pytest.importorskip("platformdirs", reason="needs the extra cache")
+    else:
+        monkeypatch.setitem(sys.modules, "platformdirs", None)
+
+
+@pytest.mark.usefixtures("_with_and_without_platformdirs")
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other cache folders")
+def test_the_default_cache_is_in_the_cache_folder_of_the_user(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    assert default_cache() == tmp_path / ".cache" / "numpy_cae"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "elsewhere"))
+    assert default_cache() == tmp_path / "elsewhere" / "numpy_cae"
+
+
+@pytest.mark.usefixtures("_with_and_without_platformdirs")
 def test_without_a_home_there_is_no_cache(monkeypatch):
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    monkeypatch.setattr(Path, "home", lambda: Path("~nobody-of-this-name").expanduser())
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # as without HOME and a user
     assert default_cache() is None
 
 

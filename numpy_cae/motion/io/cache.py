@@ -54,12 +54,21 @@ class Body:
 
 
 def default_cache() -> Path | None:
-    """The folder `numpy_cae` in the user's cache folder; None where the user has no home."""
-    folder = os.environ.get("XDG_CACHE_HOME", "")
+    """The folder `numpy_cae` in the user's cache folder; None where the user has no home.
+
+    Where the extra `cache` is installed, platformdirs knows the cache folder of each system.
+    """
     try:
-        return Path(folder if os.path.isabs(folder) else Path.home() / ".cache") / "numpy_cae"
-    except RuntimeError:  # no HOME and no entry in the list of users
-        return None
+        from platformdirs import user_cache_path
+    except ImportError:
+        caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+        folder = Path(caches, "numpy_cae")
+    else:
+        try:
+            folder = user_cache_path("numpy_cae", appauthor=False)
+        except RuntimeError:  # no HOME and no entry in the list of users
+            return None
+    return folder if folder.is_absolute() else None
 
 
 def read_bodies(
