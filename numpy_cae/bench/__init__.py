@@ -7,4 +7,5 @@ sequential     the second network's training step, here and in PyTorch
 table          the rows and the header of the table
 paper          the paper's whole training
 quality        the times that two trainings need to the same held-out error
+convolutional_quality  the first network's training, here and in PyTorch
 """

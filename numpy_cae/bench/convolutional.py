@@ -91,6 +91,13 @@ class TorchModel:
             y = F.conv_transpose1d(y - b[:, None], w, padding=w.shape[-1] // 2)
         return y
 
+    def project(self, x: np.ndarray) -> np.ndarray:
+        """Φ†(Φ(X)) of windows (B, T, C)."""
+        with torch.inference_mode():
+            y = self.encode(_transposed(x), self.layers)
+            projected = self.decode(y, self.layers, [None] * len(self.layers))
+        return projected.numpy().transpose(0, 2, 1)
+
     def function(self, case: Case) -> Callable[[], Any]:
         """The case as a function without arguments; its windows are transposed beforehand."""
         x, corrupted = _transposed(case.x), _transposed(case.corrupted)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.timing import PAUSE
 
 
@@ -85,3 +86,9 @@ def train_in_turns(
         each.take_turn()
         done = f"{each.name}, {len(each.errors)}/{each.count}"
         progress(f"{done}: {each.seconds[-1]:.1f} s, held-out error {each.errors[-1]:.3f}")
+
+
+def require_torch() -> None:
+    """Raise ValueError without PyTorch, which the trainings are compared with."""
+    if torch is None:
+        raise ValueError("--quality compares with PyTorch, which is not installed (package torch)")

@@ -50,14 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read or synthesise the takes, train, measure and write."""
     started = time.monotonic()
-    if args.data and not args.test:
-        raise ValueError("--ablation with --data needs the takes to hold out: --test PATTERN")
-    if args.data:
-        material = read_material(
-            args.data, args.test, kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
-        )
-    else:
-        material = _synthetic()
+    material = material_of(args)
     output = args.output or OUTPUT
     output.mkdir(parents=True, exist_ok=True)
 
@@ -86,7 +79,13 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _synthetic() -> Material:
+def material_of(args: argparse.Namespace) -> Material:
+    """The takes of --data, those of --test held out, or synthetic ones."""
+    if args.data and not args.test:
+        raise ValueError("--data needs the takes to hold out: --test PATTERN")
+    if args.data:
+        known = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+        return read_material(args.data, args.test, *known)
     from data_synth import plan_takes
 
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])

@@ -1,14 +1,19 @@
 """Time training steps, encoding and projection. If PyTorch is installed, the same network in
 PyTorch is checked to give the same results and timed alternately with this one; 'ratio' is
-PyTorch's time divided by this one's.
+PyTorch's time divided by this one's. With --quality, time whole trainings to the same error.
 
-example: numpy-cae bench --batch 1 16
+examples:
+  numpy-cae bench --batch 1 16
+  numpy-cae bench --quality --data motions/ --test '*_005.bvh'
 """
 
 import argparse
 import os
+from collections.abc import Callable
 
-from numpy_cae.bench import paper, table
+import numpy as np
+
+from numpy_cae.bench import paper, quality, table
 from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, print_json
@@ -27,10 +32,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     stages = "train the paper's four stages for one epoch each instead, scaled to its 25 epochs"
     instead("--paper", **kinds.FLAG, help=stages)
     kinds.add_shared(parser, "json quiet")
+    add = parser.add_argument_group("time to a given quality").add_argument
+    trainings = (
+        "train by --recipe fast and, in turns, in PyTorch with Adam, and compare the times to the "
+        "lowest error of half zeroed held-out motion that both reach (minutes)"
+    )
+    add("--quality", **kinds.FLAG, help=trainings)
+    data = "folders of motion files for --quality (default: 20 minutes of synthetic motions)"
+    add("--data", **kinds.FOLDERS, help=data)
+    add("--test", **kinds.PATTERNS, help="names of the files to hold out, required with --data")
+    kinds.add_shared(parser, "mapping unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print each row when it is measured, or with --json all of them at the end."""
+    if args.quality:
+        return _quality(args)
     _warn_if_busy()
     header = "" if args.paper else table.header(matrix_product_peak())
     if args.paper:
@@ -46,6 +63,47 @@ def run(args: argparse.Namespace) -> int:
     for row in rows:
         print(row.text(), end="\n\n" if args.paper else "\n", flush=True)
     return 0
+
+
+def _quality(args: argparse.Namespace) -> int:
+    """Train both in turns; print the table."""
+    if args.paper:
+        raise ValueError("--quality and --paper are two measurements: give one of them")
+    quality.require_torch()
+    _warn_if_busy()
+    trainings = _sequential_trainings(args) if args.sequential else _trainings(args)
+    quality.train_in_turns(trainings, (lambda line: None) if args.quiet else note)
+    compared = quality.Quality(*trainings, "of the variance" if args.sequential else "cm")
+    if args.json:
+        print_json(compared.data())
+    else:
+        print(f"{table.versions(matrix_product_peak())}\n\n{compared.text()}")
+    return 0
+
+
+def _trainings(args: argparse.Namespace) -> tuple[quality.Training, quality.Training]:
+    """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
+    from numpy_cae.bench.convolutional_quality import trainings
+    from numpy_cae.cli.ablation import material_of
+    from numpy_cae.cli.train_options import RECIPES
+    from numpy_cae.experiments.ablation.evaluation import Evaluation
+    from numpy_cae.experiments.clips import clips_of
+    from numpy_cae.experiments.repair.half_zeroed import P
+    from numpy_cae.training import zero_values
+
+    material = material_of(args)
+    evaluation = Evaluation(material)
+    truth = clips_of(evaluation.frame, [take.positions for take in material.testing])
+    lost = zero_values(truth.x, P, np.random.default_rng(0))
+
+    def error(repair: Callable[[np.ndarray], np.ndarray]) -> float:
+        return truth.error(repair(lost))
+
+    return trainings(evaluation.windows, RECIPES["fast"].fine_tuning, error)
+
+
+def _sequential_trainings(args: argparse.Namespace) -> tuple[quality.Training, quality.Training]:
+    raise ValueError("--quality is of the convolutional network alone")
 
 
 def _warn_if_busy() -> None:
