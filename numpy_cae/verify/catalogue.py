@@ -10,12 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 
-from numpy_cae import ops
-from numpy_cae.verify.convention import Variant
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.operation_properties import operation_properties
+from numpy_cae.verify.patch import Patch, right_operation
 from numpy_cae.verify.property import Property, shared_properties
-from numpy_cae.verify.tied import tied_layer
 
 CONTRACT = "that of numpy_cae.ops"
 """The convention that an implementation follows unless another one is allowed."""
@@ -39,18 +37,18 @@ class Task:
 Catalogue = Mapping[str, Task]
 
 
-def properties_of(name: str, variant: Variant | None = None) -> tuple[Property, ...]:
+def properties_of(name: str, convention: Patch | None = None) -> tuple[Property, ...]:
     """Every property of an operation, or of one in another convention."""
-    operation = OPERATIONS[name]
-    if variant is not None:
-        operation = replace(operation, reference=variant.reference)
-    without = () if variant is None else variant.without
+    operation, only_ours = OPERATIONS[name], ""
+    if convention is not None:
+        operation = replace(operation, reference=convention.function())
+        only_ours = convention.caught_by
     every = (*shared_properties(operation), *operation_properties(operation))
-    return tuple(stated for stated in every if stated.name not in without)
+    return tuple(stated for stated in every if stated.name != only_ours)
 
 
 CATALOGUE: dict[str, Task] = {
-    name: Task(name, getattr(ops, name, tied_layer), properties_of(name)) for name in OPERATIONS
+    name: Task(name, right_operation(name), properties_of(name)) for name in OPERATIONS
 }
 
 

@@ -13,7 +13,7 @@ from itertools import zip_longest
 import numpy as np
 
 from numpy_cae.verify.case import drawn_cases
-from numpy_cae.verify.convention import VARIANTS
+from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.planted_bugs import bugs_of
 from numpy_cae.verify.property import Property, property_of, results
@@ -47,9 +47,9 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
 def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:
     for bug in bugs_of(name):
         yield bug.sentence, bug.function()
-    for variant in VARIANTS.get(name, ()):
-        sentence = f"another convention, which may be allowed: {variant.sentence}"
-        yield sentence, variant.reference
+    for convention in conventions_of(name):
+        sentence = f"another convention, which may be allowed: {convention.sentence}"
+        yield sentence, convention.function()
 
 
 def _shared_effects(operation: Operation, implementation: Callable, wrong: Callable) -> int:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 
-from numpy_cae.verify.catalogue import Catalogue, find_task
+from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.catalogue import Catalogue, Task, find_task
 from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_reply, visible
 from numpy_cae.verify.sandbox.process import run
+from numpy_cae.verify.submission import Submission, SubmissionError, read_submission
 
 TIME_LIMIT = 120.0
 EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; twice as much may pass on the clock."""
 MEMORY_LIMIT = 2048
+MISSING = (
+    f"no function has an operation's name ({', '.join(OPERATIONS)}); "
+    "name one with --as conv1d=my_conv"
+)
 
 
 @dataclass
@@ -108,29 +114,63 @@ def grade(
         If `named` has a name that the catalogue lacks, or there is no such lesson.
     """
     module = import_module(catalogue)
-    for operation in named or ():
+    named = dict(named or {})
+    for operation in named:
         find_task(module.CATALOGUE, operation)
     lessons = getattr(module, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
-    graded = FileReport(path)
-    if not path.is_file():
-        graded.faults.append("it is no file" if path.exists() else "there is no such file")
-        return graded
-    request = {"path": str(path.resolve()), "catalogue": catalogue, "named": dict(named or {})}
-    request |= {"seconds": seconds, "exercise_seconds": EXERCISE_SECONDS}
-    request |= {"megabytes": megabytes, "lesson": lesson, "any_convention": any_convention}
-    reply = run(request)
-    graded.faults += [visible(fault) for fault in reply["faults"]]
-    for result in reply["results"]:
-        graded.reports.append(_report(module.CATALOGUE, result))
-        graded.notes += [f"{result['function']}: {visible(n)}" for n in result.get("notes", ())]
+    submission, fault = _read(path)
+    assigned = lessons.get(lesson or submission.lesson(lessons), ())
+    known = assigned or (module.CATALOGUE if submission.is_notebook else OPERATIONS)
+    wanted = {name: name for name in known} | named
+    reply = {"failed": fault}
+    if not fault:
+        own = assigned or submission.defined() & wanted.keys()
+        given = {name for task in own for name in module.CATALOGUE[task].given} - set(assigned)
+        request = {"path": str(path.resolve()), "from": catalogue, "any_convention": any_convention}
+        request |= {"wanted": wanted, "given": sorted(given), "megabytes": megabytes}
+        reply = run(request | {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS})
+    return _graded(submission, module.CATALOGUE, wanted, {*assigned, *named}, reply)
+
+
+def _read(path: Path) -> tuple[Submission, str]:
+    """What was handed in, and what is wrong with the file if that cannot be read."""
+    try:
+        if not path.is_file():
+            raise SubmissionError("it is no file" if path.exists() else "there is no such file")
+        return read_submission(path), ""
+    except (SubmissionError, OSError) as error:
+        return Submission(path), str(error)
+
+
+def _graded(
+    submission: Submission,
+    catalogue: Catalogue,
+    wanted: Mapping[str, str],
+    counted: Collection[str],
+    reply: dict,
+) -> FileReport:
+    """The report from the reply of `run`; `counted` are the tasks that count in any case."""
+    graded, results = FileReport(submission.path), reply.get("results", {})
+    problems, fault = reply.get("problems", []), reply["failed"]
+    if problems and not submission.is_notebook:
+        fault = problems[0]
+    defined = submission.defined() if fault else ()
+    for task, function in wanted.items():
+        if not (task in results or task in counted or function in defined):
+            continue
+        result = results.get(task, {"failed": f"it has no function {function}"})
+        result = {"failed": fault} if fault else result
+        graded.reports.append(_report(catalogue[task], function, result))
+        graded.notes += [f"{function}: {visible(note)}" for note in result.get("notes", ())]
+    missing = [] if graded.reports else [MISSING]
+    graded.faults += map(visible, [fault] if fault else problems + missing)
     return graded
 
 
-def _report(catalogue: Catalogue, result: dict) -> Report:
+def _report(task: Task, function: str, result: dict) -> Report:
     """The report of one task, from what the process that tested it sent."""
-    task, function = catalogue[result["task"]], result["function"]
     if "failed" in result:
         return failed_report(task, function, visible(str(result["failed"])))
     try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from numpy_cae.verify.catalogue import CONTRACT, Task, properties_of
-from numpy_cae.verify.convention import VARIANTS
+from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.property import Outcome, Property
 from numpy_cae.verify.trial import try_property
 
@@ -157,11 +157,11 @@ def report_on(
     called = called or getattr(implementation, "__name__", task.name)
     report = Report(task.name, called, _outcomes(task.properties, implementation), hint=task.hint)
     if any_convention and not report.held:
-        for variant in VARIANTS.get(task.name, ()):
-            stated = properties_of(task.name, variant)
+        for other in conventions_of(task.name):
+            stated = properties_of(task.name, other)
             if all(try_property(p, implementation, shrink=False).held for p in stated):
                 outcomes = tuple(Outcome(each, held=True) for each in stated)
-                return Report(task.name, called, outcomes, variant.sentence, task.hint)
+                return Report(task.name, called, outcomes, other.sentence, task.hint)
     return report
 
 
@@ -200,8 +200,8 @@ def failed_report(task: Task, called: str, problem: str) -> Report:
 def _stated(task: Task, convention: str) -> tuple[Property, ...]:
     if convention == CONTRACT:
         return task.properties
-    (variant,) = (v for v in VARIANTS.get(task.name, ()) if v.sentence == convention)
-    return properties_of(task.name, variant)
+    (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
+    return properties_of(task.name, other)
 
 
 def visible(text: str) -> str:

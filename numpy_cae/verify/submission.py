@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Mapping
+import sys
+import traceback
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+
+import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 
+LONGEST_TEXT = 1000
 LARGEST_PROGRAM = 2**20
 LARGEST_NOTEBOOK = 2**25  # with its pictures
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
@@ -47,6 +53,29 @@ class Submission:
         """The names of functions in the text, which may not be Python."""
         texts = (s if isinstance(s, str) else s.decode("latin-1") for _, s in self.cells)
         return {name for text in texts for name in DEFINITION.findall(text)}
+
+    def run(self, given: Mapping[str, Callable]) -> tuple[dict[str, Callable], list[str]]:
+        """Run it as a module; return the functions that it defines, and what went wrong.
+
+        The parts may use the functions that are given, and in a notebook `np`.
+        """
+        module, problems = ModuleType("student"), []
+        sys.modules["student"], sys.modules["mine"] = module, ModuleType("mine")
+        vars(sys.modules["mine"]).update(given)  # an earlier lesson's are the package's own
+        sys.path.append(str(self.path.parent))
+        own = vars(module)
+        own |= {"__file__": str(self.path), "__builtins__": vars(sys.modules["builtins"]), **given}
+        if self.is_notebook:
+            own["np"] = sys.modules["numpy"]
+        for name, source in self.cells:
+            try:
+                with np.errstate():
+                    exec(compile(source, name, "exec"), own)
+            except BaseException as error:  # such as SystemExit
+                part = name if self.is_notebook else "at import"
+                problems.append(f"{part}: {described(error, name)}")
+        there = list(own.items())
+        return {name: f for name, f in there if callable(f) and f is not given.get(name)}, problems
 
 
 def read_submission(path: Path) -> Submission:
@@ -92,3 +121,16 @@ def _id(cell: dict) -> str:
 def _source(cell: dict) -> str:
     """The text of a cell without Jupyter's own commands."""
     return MAGIC.sub("pass", "".join(cell["source"]))
+
+
+def described(error: BaseException, file: str = "") -> str:
+    """An exception's type, message and line in a file, whatever its class does."""
+    try:
+        text = f"{type(error).__name__}: {error}"[:LONGEST_TEXT]
+    except Exception:
+        text = f"{type(error).__name__}, whose message cannot be printed"
+    if isinstance(error, SystemExit):
+        text = "it calls sys.exit"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == file]
+    return f"{text} (line {lines[-1]})" if lines else text

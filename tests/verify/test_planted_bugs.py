@@ -5,7 +5,8 @@ import ast
 import pytest
 
 from numpy_cae.verify.catalogue import CATALOGUE
-from numpy_cae.verify.planted_bugs import BUGS, PatchError, PlantedBug, bugs_of, right_operation
+from numpy_cae.verify.patch import Patch, PatchError, right_operation
+from numpy_cae.verify.planted_bugs import BUGS, bugs_of
 from numpy_cae.verify.trial import try_property
 
 EXAMPLES_OF_VALUES = 8
@@ -58,6 +59,6 @@ def test_the_right_operation_has_no_likely_mistake():
 
 def test_a_patch_that_does_not_fit_the_source_fails_loudly():
     old, new = ("return dy * 17",), ("return dy",)
-    bug = PlantedBug("stale", "tanh", "value", "Made for another source.", ((old, new),))
+    bug = Patch("stale", "tanh", "value", "Made for another source.", ((old, new),))
     with pytest.raises(PatchError, match=r"stale: found 0 times, expected once: return dy \* 17"):
         bug.function()

@@ -9,7 +9,7 @@ from numpy_cae import ops, verify
 from numpy_cae.verify import strategies
 from numpy_cae.verify.case import VALUES, drawn_cases
 from numpy_cae.verify.catalogue import CATALOGUE
-from numpy_cae.verify.convention import VARIANTS, Convention, gru_step_in
+from numpy_cae.verify.conventions import conventions_of
 
 
 def test_properties_are_data():
@@ -40,24 +40,25 @@ def test_what_is_written_otherwise_holds(name, function):
 
 
 @pytest.mark.parametrize(
-    ("name", "variant"),
+    "other",
     [
-        pytest.param(name, variant, id=f"{name}: {variant.sentence}")
-        for name, variants in VARIANTS.items()
-        for variant in (variants if name != "gru" else variants[-1:])
+        pytest.param(other, id=f"{name}: {other.sentence}")
+        for name in CATALOGUE
+        for other in conventions_of(name)[-1 if name == "gru" else 0 :]
     ],
 )
-def test_another_convention_fails_unless_it_is_allowed(name, variant):
-    strict = verify.report(name, variant.reference)
+def test_another_convention_fails_unless_it_is_allowed(other):
+    name, function = other.operation, other.function()
+    strict = verify.report(name, function)
     assert not strict.held and strict.convention == "that of numpy_cae.ops"
-    allowed = verify.report(name, variant.reference, any_convention=True)
-    assert allowed.held and allowed.convention == variant.sentence
-    assert f"another convention than numpy_cae's: {variant.sentence}"[:60] in str(allowed)
+    allowed = verify.report(name, function, any_convention=True)
+    assert allowed.held and allowed.convention == other.sentence
+    assert f"another convention than numpy_cae's: {other.sentence}"[:60] in str(allowed)
 
 
 def test_a_wrong_function_is_right_in_no_convention():
     def wrong(x, h, w, u, b, c):
-        value, pullback = gru_step_in(Convention(update_keeps=False))(x, h, w, u, b, c)
+        value, pullback = conventions_of("gru_step")[1].function()(x, h, w, u, b, c)
         return value, lambda dy: (*pullback(dy)[:5], 2 * pullback(dy)[5])
 
     assert not verify.report("gru_step", wrong, any_convention=True).held

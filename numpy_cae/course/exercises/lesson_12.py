@@ -18,11 +18,12 @@ from numpy_cae.course.exercises.exercise import Exercise, exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.planted_bugs import BUGS, PlantedBug, bug_named, right_operation
+from numpy_cae.verify.patch import Patch, right_operation
+from numpy_cae.verify.planted_bugs import BUGS, bug_named
 from numpy_cae.verify.property import require_equal
 from numpy_cae.verify.trial import try_property
 
-SUSPECTS: tuple[PlantedBug, ...] = tuple(
+SUSPECTS: tuple[Patch, ...] = tuple(
     bug_named(name)
     for name in (
         "conv_without_flip",
@@ -191,13 +192,13 @@ def _refuses_group(group: str) -> Callable:
     return check
 
 
-def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[PlantedBug]:
+def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[Patch]:
     for bug in BUGS:
         if bug.operation in operations and bug.caught_by.startswith("gradient for"):
             yield bug
 
 
-def _require_refusal(check_gradients, bug: PlantedBug, seed: int, scale: float = 1.0) -> None:
+def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0) -> None:
     f, inputs = _function_and_inputs(bug.operation, bug.function(), seed, scale)
     try:
         check_gradients(f, inputs)

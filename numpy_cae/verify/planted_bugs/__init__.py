@@ -2,126 +2,25 @@
 
 The properties catch every one of them, each by the property that the bug names; a report compares
 a failing implementation with them to name a likely mistake. In lesson 12 students look for the
-mistake in the source of some of them. The patches of an operation are in the text file that has
-its name, one after the other:
-
-    tanh_derivative_of_x (gradient for x)
-        The derivative is 1 - x², where it should be 1 - y².
-        - return dy * (1 - y * y)
-        + return dy * (1 - x * x)
-
-Lines with a minus are found in the source of the operation, apart from their indentation, and
-replaced by the lines with a plus that follow them. There may be several such replacements.
+mistake in the source of some of them.
 """
 
 from __future__ import annotations
 
-import ast
-import inspect
-import re
-import textwrap
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
-from numpy_cae import ops
-from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.tied import tied_layer
+from numpy_cae.verify.patch import Patch, read_patches
 
-__all__ = ["BUGS", "PatchError", "PlantedBug", "bug_named", "bugs_of", "right_operation"]
+__all__ = ["BUGS", "bug_named", "bugs_of"]
 
-HEADER = re.compile(r"(\w+) \(([\w ]+)\)")
-
-Replacement = tuple[tuple[str, ...], tuple[str, ...]]
+BUGS = read_patches(Path(__file__).parent)
 
 
-class PatchError(NumpyCaeError):
-    """A patch that does not fit the source: the operation was changed after the patch was made."""
-
-
-@dataclass(frozen=True)
-class PlantedBug:
-    """A classic mistake in one operation, and the property that catches it."""
-
-    name: str
-    operation: str
-    caught_by: str
-    sentence: str
-    replacements: tuple[Replacement, ...]  # of old lines by new ones
-
-    def function(self) -> Callable:
-        """The wrong operation; a PatchError if the patch does not fit the operation's source."""
-        return _compiled(self)
-
-    def source(self, called: str = "suspect") -> str:
-        """The source of the wrong operation, under another name and without its docstring."""
-        lines = _source_lines(self.operation)
-        for old, new in self.replacements:
-            lines = _replaced(lines, old, new, self.name)
-        return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
-
-
-def _read(path: Path) -> Iterator[PlantedBug]:
-    """The bugs that a file describes; its name is that of the operation."""
-    for block in re.split(r"\n(?=\w)", path.read_text(encoding="utf-8").strip()):
-        header, text = block.split("\n", 1)
-        name, caught_by = HEADER.fullmatch(header).groups()
-        text = textwrap.dedent(text)
-        sentence = " ".join(re.findall(r"^[^-+].*", text, re.M))
-        pairs = re.findall(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", text + "\n", re.M)
-        replacements = tuple((_lines(old, strip=True), _lines(new)) for old, new in pairs)
-        yield PlantedBug(name, path.stem, caught_by, sentence, replacements)
-
-
-def _lines(marked: str, strip: bool = False) -> tuple[str, ...]:
-    lines = (line[2:] for line in marked.splitlines())
-    return tuple(line.strip() if strip else line for line in lines)
-
-
-def right_operation(name: str) -> Callable:
-    """The project's own implementation of an operation."""
-    return tied_layer if name == "tied_layer" else getattr(ops, name)
-
-
-@cache
-def _source_lines(operation: str) -> list[str]:
-    """The source of an operation, without its docstring and comments."""
-    source = inspect.getsource(right_operation(operation))
-    (function,) = ast.parse(source).body
-    lines = source.splitlines()
-    docstring = function.body[0]
-    kept = lines[: docstring.lineno - 1] + lines[docstring.end_lineno :]
-    return [line for line in kept if not line.strip().startswith("#")]
-
-
-def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name: str) -> list[str]:
-    stripped = tuple(line.strip() for line in lines)
-    places = [i for i in range(len(lines)) if stripped[i : i + len(old)] == old]
-    if len(places) != 1:
-        raise PatchError(f"{name}: found {len(places)} times, expected once: {' / '.join(old)}")
-    place = places[0]
-    indent = lines[place][: len(lines[place]) - len(stripped[place])]
-    return [*lines[:place], *(indent + line for line in new), *lines[place + len(old) :]]
-
-
-@cache
-def _compiled(bug: PlantedBug) -> Callable:
-    namespace = dict(right_operation(bug.operation).__globals__)
-    exec(compile(bug.source(bug.name), f"<{bug.name}>", "exec"), namespace)
-    return namespace[bug.name]
-
-
-BUGS: tuple[PlantedBug, ...] = tuple(
-    bug for path in sorted(Path(__file__).parent.glob("*.txt")) for bug in _read(path)
-)
-
-
-def bugs_of(operation: str) -> tuple[PlantedBug, ...]:
+def bugs_of(operation: str) -> tuple[Patch, ...]:
     """The bugs of one operation."""
     return tuple(bug for bug in BUGS if bug.operation == operation)
 
 
-def bug_named(name: str) -> PlantedBug:
+def bug_named(name: str) -> Patch:
     """The bug of this name; a KeyError if there is none."""
     return {bug.name: bug for bug in BUGS}[name]

@@ -5,120 +5,78 @@ from __future__ import annotations
 import json
 import os
 import secrets
-import select
 import signal
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
-from numpy_cae.errors import NumpyCaeError
-
-MAX_REPLY = 2**20
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
-NO_REPLY = "its process sent something that is no reply"
-
-
-class Ended(NumpyCaeError):
-    """A process came to no result; the message says why."""
 
 
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
     """The result of `work`, done by a forked process; without fork (Windows), by this one.
 
-    Parameters
-    ----------
-    work : callable
-        Returns what JSON can hold.
-    seconds : float
-        On the clock, until the process and all those that it has started are killed.
-
-    Raises
-    ------
-    Ended
-        If the process ends without a reply, sends another one, or does not end in time.
+    The result goes through a file in the current folder, so it must be what JSON can hold. If the
+    process ends without one, or does not end within so many seconds, this is {"failed": why}.
     """
     if not hasattr(os, "fork"):
         return work()
-    token = secrets.token_hex(16)
-    reader, writer = os.pipe()
-    process = os.fork()
+    reply, process = Path(secrets.token_hex(16)).absolute(), os.fork()
     if process == 0:
-        _reply(work, token, writer)
-    os.close(writer)
+        try:
+            os.setsid()
+            os.closerange(3, 4096)
+            reply.write_text(json.dumps(work()))
+        finally:
+            os._exit(0)
+    ended, status = _wait(process, seconds)
+    _kill_what_is_left(process, ended)
+    if not ended:
+        return {"failed": f"it did not finish within {seconds:.3g} s: an endless loop?"}
     try:
-        received = _receive(reader, process, time.monotonic() + seconds)
-    except TimeoutError:
-        raise Ended(f"it did not finish within {seconds:.3g} s: an endless loop?") from None
-    finally:
-        os.close(reader)
-        status = _end(process)
-    if not received:
+        return json.loads(reply.read_text())
+    except (OSError, ValueError):
         out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-        raise Ended("it used up its CPU time: an endless loop?" if out_of_time else CRASHED)
-    try:
-        reply = json.loads(received)
-        if reply.pop("token") != token:
-            raise ValueError("a reply of the student's own")
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise Ended(NO_REPLY) from None
-    return reply
+        return {"failed": "it used up its CPU time: an endless loop?" if out_of_time else CRASHED}
 
 
-def _reply(work: Callable[[], dict], token: str, writer: int) -> None:
-    """Work, reply and end, whatever `work` does."""
-    try:
-        os.setsid()
-        os.closerange(3, writer)
-        os.closerange(writer + 1, 4096)
-        reply = (json.dumps(work() | {"token": token}) + "\n").encode()
-        while reply:
-            reply = reply[os.write(writer, reply) :]
-    finally:
-        os._exit(0)
+def _wait(process: int, seconds: float) -> tuple[bool, int]:
+    """Whether a process ends in time, and its status."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        ended, status = os.waitpid(process, os.WNOHANG)
+        if ended:
+            return True, status
+        time.sleep(0.005)
+    return False, 0
 
 
-def _receive(reader: int, process: int, deadline: float) -> bytes:
-    """What a process sends until a line, or itself, ends; a TimeoutError if neither does."""
-    received = b""
-    while not received.endswith(b"\n") and len(received) <= MAX_REPLY:
-        over = os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT)
-        if select.select([reader], [], [], 0 if over else 0.05)[0]:
-            chunk = os.read(reader, 2**16)
-            if not chunk:
-                break
-            received += chunk
-        elif over:
-            break
-        if time.monotonic() > deadline:
-            raise TimeoutError
-    return received
-
-
-def _end(process: int) -> int:
-    """Kill a process and all that it has started; return its status.
+def _kill_what_is_left(process: int, ended: bool) -> None:
+    """Kill a process and all that it has started.
 
     On Linux those that left its session are children of this process when their parent ends.
     """
-    try:
+    with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
-    except OSError:  # it has not made its session yet
-        os.kill(process, signal.SIGKILL)
-    _, status = os.waitpid(process, 0)
+    if not ended:
+        _kill(process)
     while orphans := _children():
         for orphan in orphans:
-            os.kill(orphan, signal.SIGKILL)
-            os.waitpid(orphan, 0)
-    return status
+            _kill(orphan)
+
+
+def _kill(process: int) -> None:
+    os.kill(process, signal.SIGKILL)
+    os.waitpid(process, 0)
 
 
 def _children() -> list[int]:
     """The processes whose parent this one is, as far as /proc tells."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parent = path.read_text(errors="replace").rpartition(")")[2].split()[1]
-        except (OSError, IndexError):
-            continue
-        if parent == str(os.getpid()):
-            found.append(int(path.parent.name))
+        with suppress(OSError):
+            number, _, rest = path.read_text(errors="replace").rpartition(")")
+            if rest.split()[1:2] == [str(os.getpid())]:
+                found.append(int(number.split()[0]))
     return found

@@ -9,6 +9,8 @@ import os
 import signal
 import sys
 import time
+from contextlib import suppress
+from pathlib import Path
 from types import ModuleType
 
 try:
@@ -21,14 +23,9 @@ PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-CHANGES = tuple(
-    f"os.{name}"
-    for name in "remove rename rmdir mkdir link symlink truncate chmod chown utime".split()
-)
+CHANGES = "remove rename rmdir mkdir link symlink truncate chmod chown utime".split()
 REFUSED = ("os.fork", "os.exec", "os.posix_spawn", "os.spawn", "os.system", "os.kill", "socket.")
 REFUSED += ("subprocess.Popen", "_winapi.CreateProcess")
-
-
 AUTODIFF = (
     "aesara autograd casadi chainer cupy dynet flax jax keras mindspore mlx mxnet paddle pytensor "
     "sympy tangent tensorflow theano tinygrad torch"
@@ -44,31 +41,17 @@ class ImportBlocker(importlib.abc.MetaPathFinder):
         return None
 
 
-def _does_the_exercise(module: str) -> bool:
-    return module.partition(".")[0] in ("numpy_cae", *AUTODIFF)
-
-
 def adopt_orphans() -> None:
     """End with the grader, and become the parent of processes that lose theirs (Linux)."""
     _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     _set_process_option(PR_SET_CHILD_SUBREAPER, 1)
 
 
-def confine(seconds: float, megabytes: int, folder: str) -> list[ModuleType]:
+def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     """Limit this process for the rest of its life; it reads and prints nothing.
 
-    Parameters
-    ----------
-    seconds : float
-        Of CPU time, from now.
-    megabytes : int
-    folder : str
-        The only one in which files may be changed.
-
-    Returns
-    -------
-    list
-        The modules that the tests use, to be kept: what is imported from now on gets copies.
+    It may use so many seconds of CPU time from now, and change files in this folder only. Returns
+    the modules that the tests use, to be kept: what is imported from now on gets copies.
     """
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
@@ -77,22 +60,18 @@ def confine(seconds: float, megabytes: int, folder: str) -> list[ModuleType]:
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
     _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     cpu = math.ceil(time.process_time() + seconds)
-    limits = {"CPU": (cpu, cpu + 1), "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
+    limits = {"CPU": cpu, "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
     for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
-        try:
-            pair = limit if isinstance(limit, tuple) else (limit, limit)
-            resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), pair)
-        except (ValueError, OSError, AttributeError):  # as far as the system has it
-            pass
+        with suppress(ValueError, OSError, AttributeError):  # as far as the system has it
+            hard = limit + (name == "CPU")  # the soft limit ends it with a signal of its own
+            resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), (limit, hard))
     _refuse_actions(os.path.realpath(folder))
     return _isolate_modules()
 
 
 def _set_process_option(option: int, value: int) -> None:
-    try:
+    with suppress(OSError, AttributeError, TypeError):  # not Linux
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
-    except (OSError, AttributeError, TypeError):  # not Linux
-        pass
 
 
 def _refuse_actions(folder: str) -> None:
@@ -105,7 +84,7 @@ def _refuse_actions(folder: str) -> None:
         return real != os.devnull and os.path.commonpath([real, folder]) != folder
 
     def hook(event: str, arguments: tuple) -> None:
-        changed = arguments if event in CHANGES else ()
+        changed = arguments if event.removeprefix("os.") in CHANGES else ()
         if event == "open" and isinstance(arguments[2], int) and arguments[2] & WRITING:
             changed = arguments[:1]
         if event.startswith(REFUSED) or any(map(is_elsewhere, changed)):
@@ -135,3 +114,7 @@ def _isolate_modules() -> list[ModuleType]:
     theirs = [f for f in sys.meta_path if not type(f).__module__.startswith("numpy_cae")]
     sys.meta_path[:] = [ImportBlocker(), *theirs]
     return list(ours.values())
+
+
+def _does_the_exercise(module: str) -> bool:
+    return module.partition(".")[0] in ("numpy_cae", *AUTODIFF)

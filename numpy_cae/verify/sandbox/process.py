@@ -20,31 +20,24 @@ BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-wi
 
 
 def run(request: dict) -> dict:
-    """The reply of `child.main` to a request; without one, a reply that says so."""
+    """The reply of `child.main` to a request, or {"failed": why}."""
     path = os.pathsep.join(filter(None, [PROJECT, os.environ.get("PYTHONPATH")]))
     kept = {name: os.environ[name] for name in KEPT if name in os.environ}
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
-        with subprocess.Popen(
-            [*inside, *PYTHON],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=folder,
-            env={**kept, **ONE_THREAD, "PYTHONPATH": path, "TMPDIR": folder},
-            start_new_session=True,
-        ) as process:
-            try:
-                text = json.dumps(request).encode()
-                reply, _ = process.communicate(text, request["seconds"] + STARTUP_SECONDS)
-                return json.loads(reply)
-            except (subprocess.TimeoutExpired, ValueError):
-                return {
-                    "faults": ["its grading ended without a reply"],
-                    "results": [],
-                }
-            finally:
-                process.kill()
+        try:
+            ended = subprocess.run(
+                [*inside, *PYTHON],
+                input=json.dumps(request).encode(),
+                capture_output=True,
+                cwd=folder,
+                env={**kept, **ONE_THREAD, "PYTHONPATH": path, "TMPDIR": folder},
+                start_new_session=True,
+                timeout=request["seconds"] + STARTUP_SECONDS,
+            )
+            return json.loads(ended.stdout)
+        except (subprocess.TimeoutExpired, ValueError):
+            return {"failed": "its grading ended without a reply"}
 
 
 @functools.cache
