@@ -11,7 +11,7 @@ import pytest
 from numpy_cae.verify import grading
 from numpy_cae.verify.sandbox import confinement
 from numpy_cae.verify.sandbox.apart import do_apart
-from numpy_cae.verify.sandbox.child import tested
+from numpy_cae.verify.sandbox.child import reply_to
 from numpy_cae.verify.submission import SubmissionError, read_submission
 
 COURSE = "numpy_cae.course.catalogue"
@@ -56,7 +56,7 @@ def graded(tmp_path, monkeypatch):
 
         def work(request):
             confinement.adopt_orphans()
-            return tested(request)
+            return reply_to(request)
 
         monkeypatch.setattr(grading, "EXERCISE_SECONDS", cpu_seconds)
         monkeypatch.setattr(grading, "run", lambda r: do_apart(lambda: work(r), 100))
@@ -93,12 +93,11 @@ def graded(tmp_path, monkeypatch):
         ("os.remove(__file__[:-3] + 'x')", "FileNotFoundError"),
         ("os.rename(__file__, '/x')", "os.rename is not allowed"),
         ("open('/x', 'w')", "open is not allowed"),
-        ("os.closerange(3, 1000); time.sleep(60)", "its process ended"),
         ("time.sleep(60)", "did not finish"),
         ("while True: pass", "an endless loop?"),
         ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\x202e"),
     ],
-    ids=range(29),
+    ids=range(28),
 )
 def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     if isinstance(content, str):
@@ -125,12 +124,13 @@ def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
         RIGHT + "sys.stdout = sys.stderr = sys.excepthook = None",
         RIGHT + TO_ALL.format(b'{"found": ["tanh"]}\n'),
         RIGHT + TO_ALL.format(b"[" * 10**6 + b"\n"),
+        RIGHT + "os.closerange(3, 1000)",
         RIGHT + "atexit.register(time.sleep, 100)",
         RIGHT + "if __name__ == '__main__':\n    import torch\n",
         RIGHT + "try:\n    threading.Thread(target=time.sleep, args=(100,)).start()\n"
         "except RuntimeError:\n    pass\n",
     ],
-    ids=range(15),
+    ids=range(16),
 )
 def test_what_harms_nobody_costs_no_points(graded, content):
     file = graded(content)

@@ -25,10 +25,10 @@ def main() -> None:
     """Do the request on standard input; one reply goes to standard output."""
     confinement.adopt_orphans()
     holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what a report needs
-    print(json.dumps(tested(json.load(sys.stdin))))
+    print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
-def tested(request: dict) -> dict:
+def reply_to(request: dict) -> dict:
     """The reply to a request: what the file lacks, and the results of the functions that it has.
 
     The request has the file, the catalogue, the functions by task, the tasks whose solutions are
