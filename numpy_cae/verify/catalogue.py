@@ -52,6 +52,11 @@ CATALOGUE: dict[str, Task] = {
 }
 
 
+def properties(name: str) -> tuple[Property, ...]:
+    """The properties of an operation of `numpy_cae.ops` or of "tied_layer", else a ValueError."""
+    return find_task(CATALOGUE, name).properties
+
+
 def load_catalogue(module: str) -> Catalogue:
     """The `CATALOGUE` of a module, which is imported."""
     return import_module(module).CATALOGUE

@@ -54,28 +54,56 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Line:
-    """The outputs of f, flat, along a line through x, and the upstream gradient of each."""
+class Argument:
+    """One argument x of a function, and the gradient that the pullback returned for it."""
 
-    f: Callable[[np.ndarray], np.ndarray]
+    name: str
+    f: Callable[[np.ndarray], np.ndarray]  # x -> all outputs, flat
     x: np.ndarray
-    direction: np.ndarray
     dy: np.ndarray
-    here: np.ndarray
+    here: np.ndarray  # f(x)
+    gradient: np.ndarray
     epsilon: float
-    depend: np.ndarray  # which outputs have changed so far; the others add no rounding
 
-    def slope(self, step: float) -> Slope:
-        """The slope from both sides."""
-        ahead, behind = self.x + step * self.direction, self.x - step * self.direction
+    def judge(self, direction: np.ndarray, tolerance: float) -> Verdict:
+        """Compare the pullback's number for a direction with slopes at several steps.
+
+        The tolerance is relative to the larger of both numbers, and of the sum of the sizes of
+        what the outputs contribute to the slope.
+        """
+        analytic = float(np.sum(self.gradient * direction))
+        first, along = np.cbrt(self.epsilon), self.x[direction != 0]
+        own = np.min(np.abs(along / direction[direction != 0]), initial=1.0)
+        smaller = [*SMALLER, own, own / 8] if 0 < own < SMALLER[-1] else [*SMALLER]
+        depend = np.zeros(self.here.shape, dtype=bool)  # the outputs that have changed so far
+        slopes: list[Slope] = []
+        todo = [1.0, *smaller]
+        while todo:
+            slope = self._slope(direction, first * todo.pop(0), depend)
+            if not np.isfinite([slope.central, slope.noise]).all():  # x + h is beyond f's domain
+                continue
+            scale = max(abs(slope.central), abs(analytic), slope.size)
+            conclusive = slope.noise <= 16 * first * scale
+            if conclusive and abs(slope.central - analytic) <= tolerance * scale + slope.noise:
+                return Verdict(AGREES, slope.central, analytic)
+            if not slopes and not (slope.moved and conclusive):
+                todo += LARGER
+            slopes.append(slope)
+        if not slopes:
+            return Verdict(KINK, np.nan, analytic)
+        return _verdict(slopes, self._complex_slope(direction), analytic, tolerance)
+
+    def _slope(self, direction: np.ndarray, step: float, depend: np.ndarray) -> Slope:
+        """The slope from both sides; what does not depend on x adds no rounding."""
+        ahead, behind = self.x + step * direction, self.x - step * direction
         plus, minus = self.f(ahead), self.f(behind)
-        moved = self.direction != 0
-        taken = np.median((ahead - behind)[moved] / self.direction[moved]) / 2  # x + h is rounded
+        moved = direction != 0
+        taken = np.median((ahead - behind)[moved] / direction[moved]) / 2  # x + h is rounded
         weight, change = np.abs(self.dy), plus - minus
         bend = np.abs(plus - 2 * self.here + minus)
         moved_outputs = (plus != self.here) | (minus != self.here)
-        self.depend[moved_outputs] = True
-        size = np.maximum(np.abs(plus), np.abs(minus)) * self.depend
+        depend |= moved_outputs
+        size = np.maximum(np.abs(plus), np.abs(minus)) * depend
         rounding = ROUNDING_MARGIN * self.epsilon * np.sum(weight * (size + bend / step))
         return Slope(
             step=step,
@@ -88,12 +116,12 @@ class Line:
             moved=bool(moved_outputs.any()),
         )
 
-    def complex_slope(self) -> float:
+    def _complex_slope(self, direction: np.ndarray) -> float:
         """The slope by the complex step; 0 if f does not compute with complex numbers."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                outputs = self.f(self.x + 1j * COMPLEX_STEP * self.direction)
+                outputs = self.f(self.x + 1j * COMPLEX_STEP * direction)
             same = np.allclose(outputs.real, self.here, rtol=1e-9, atol=0)
         except Exception:  # f was not written for complex numbers
             return 0.0
@@ -112,36 +140,8 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
-def judge(line: Line, analytic: float, tolerance: float) -> Verdict:
-    """Compare the pullback's number for a direction, `analytic`, with slopes at several steps.
-
-    The tolerance is relative to the larger of both numbers, and of the sum of the sizes of what
-    the outputs contribute to the slope.
-    """
-    first = np.cbrt(line.epsilon)
-    moved = line.direction != 0
-    own = np.min(np.abs(line.x[moved] / line.direction[moved]), initial=1.0)
-    smaller = [*SMALLER, own, own / 8] if 0 < own < SMALLER[-1] else [*SMALLER]
-    slopes: list[Slope] = []
-    todo = [1.0, *smaller]
-    while todo:
-        slope = line.slope(first * todo.pop(0))
-        if not np.isfinite([slope.central, slope.noise]).all():  # x + h is beyond f's domain
-            continue
-        scale = max(abs(slope.central), abs(analytic), slope.size)
-        conclusive = slope.noise <= 16 * first * scale
-        if conclusive and abs(slope.central - analytic) <= tolerance * scale + slope.noise:
-            return Verdict(AGREES, slope.central, analytic)
-        if not slopes and not (slope.moved and conclusive):
-            todo += LARGER
-        slopes.append(slope)
-    return _final(line, slopes, analytic, tolerance)
-
-
-def _final(line: Line, slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
-    """The verdict on a number that no slope confirmed at once."""
-    if not slopes:
-        return Verdict(KINK, np.nan, analytic)
+def _verdict(slopes: list[Slope], exact: float, analytic: float, tolerance: float) -> Verdict:
+    """The verdict on a number that no slope confirmed at once; `exact` is the complex slope."""
     moved = [slope for slope in slopes if slope.moved]
     slopes = sorted(moved or slopes, key=lambda slope: slope.step)
     errors = [
@@ -149,7 +149,7 @@ def _final(line: Line, slopes: list[Slope], analytic: float, tolerance: float) -
         for one, other in zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
     ]
     best, error = slopes[int(np.argmin(errors))], min(errors)
-    numeric, exact = best.central, line.complex_slope()
+    numeric = best.central
     if exact and abs(exact - numeric) <= error + tolerance * max(abs(exact), best.size):
         numeric, error = exact, 0.0
     allowed = tolerance * max(abs(numeric), abs(analytic), best.size) + error

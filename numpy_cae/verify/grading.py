@@ -10,7 +10,8 @@ from pathlib import Path
 
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.catalogue import Catalogue, Task, find_task
-from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_reply, visible
+from numpy_cae.verify.messages import visible
+from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_json
 from numpy_cae.verify.sandbox.process import run
 from numpy_cae.verify.submission import Submission, SubmissionError, read_submission
 
@@ -92,26 +93,14 @@ def grade(
         The module whose `CATALOGUE` lists what is tested; its `ASSIGNMENTS`, if it has them, the
         names in each lesson.
     named : mapping of operation to function name, optional
-        Functions with other names.
+        Functions with other names. A ValueError if the catalogue lacks an operation.
     seconds, megabytes : number
-        Limits of the whole file, and of the memory of one process. The memory limit is enforced
-        on Linux.
+        Limits of the whole file, and of the memory of one process (on Linux).
     lesson : str
-        The assignment, such as "03": all of its exercises are tested, and count, whether the file
-        has them or not. By default that of a notebook's cells or of a name such as 03_mine.py; a
-        file that belongs to no lesson is tested for the functions that it has.
+        The assignment, such as "03", all of whose exercises count; by default that of a notebook's
+        cells or of a name such as 03_mine.py. A ValueError if there is no such lesson.
     any_convention : bool
         Whether another documented convention than that of `numpy_cae.ops` may be followed.
-
-    Returns
-    -------
-    FileReport
-        Whatever the file does.
-
-    Raises
-    ------
-    ValueError
-        If `named` has a name that the catalogue lacks, or there is no such lesson.
     """
     module = import_module(catalogue)
     named = dict(named or {})
@@ -172,10 +161,8 @@ def _graded(
 def _report(task: Task, function: str, result: dict) -> Report:
     """The report of one task, from what the process that tested it sent."""
     if "failed" in result:
-        return failed_report(task, function, visible(str(result["failed"])))
+        return failed_report(task, function, visible(result["failed"]))
     try:
-        return report_from_reply(task, function, result["report"])
-    except (ValueError, KeyError) as error:
-        return failed_report(
-            task, function, f"its process sent something that is no reply: {error}"
-        )
+        return report_from_json(task, function, result["report"])
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        return failed_report(task, function, f"its process sent no reply: {error}")

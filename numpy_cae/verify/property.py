@@ -17,8 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.verify.adjoint import check_adjoint
+from numpy_cae.verify.call import call_of_array, gradients_of, require_array
 from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, spread
-from numpy_cae.verify.gradients import as_gradients, check_gradients, value_and_pullback
+from numpy_cae.verify.gradients import check_gradients
 from numpy_cae.verify.operation import Operation
 
 EXACT = 1e-10
@@ -124,14 +125,10 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
 
 def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     """The gradients that a pullback returned, by argument."""
-    gradients = as_gradients(pulled, len(operation.differentiated))
+    gradients = gradients_of(pulled, len(operation.differentiated))
     named = dict(zip(operation.differentiated, gradients, strict=True))
     for name, gradient in named.items():
-        if gradient is None:
-            raise AssertionError(f"the gradient for {name} is None, expected shape that of {name}")
-        if not isinstance(gradient, np.ndarray | np.generic):
-            kind = type(gradient).__name__
-            raise AssertionError(f"the gradient for {name} is a {kind}, not an array")
+        require_array(name, gradient)
     return named
 
 
@@ -208,7 +205,7 @@ def _again(what: str, found, expected) -> tuple:
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments = operation.arguments(case)
-    value, _ = value_and_pullback(implementation, copies(arguments))
+    value, _ = call_of_array(implementation, copies(arguments))
     if operation.reference is None:
         yield "the value", value, operation.definition(**arguments)
     else:
@@ -221,7 +218,7 @@ def _gradient_for(argument: str) -> Callable:
         """Compare with the definition's; if the value is another, with that value's differences."""
         arguments, names = operation.arguments(case), operation.differentiated
         if operation.reference is not None:
-            value, pullback = value_and_pullback(implementation, copies(arguments))
+            value, pullback = call_of_array(implementation, copies(arguments))
             expected, reference = operation.reference(*copies(arguments))
             if agrees(value, expected):
                 dy = drawn_upstream(case, expected)
@@ -234,7 +231,7 @@ def _gradient_for(argument: str) -> Callable:
 
         def f(*inputs):
             given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
-            value, pullback = value_and_pullback(implementation, given)
+            value, pullback = call_of_array(implementation, given)
             return value, lambda dy: pullback(copied(dy))
 
         inputs = [arguments[name] for name in names]

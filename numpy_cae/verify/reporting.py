@@ -6,14 +6,14 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from numpy_cae.verify.catalogue import CONTRACT, Task, properties_of
+from numpy_cae.verify.catalogue import CATALOGUE, CONTRACT, Task, find_task, properties_of
 from numpy_cae.verify.conventions import conventions_of
+from numpy_cae.verify.messages import visible
 from numpy_cae.verify.property import Outcome, Property
 from numpy_cae.verify.trial import try_property
 
 WIDTH = 98
 INDENT = 10
-LONGEST_TEXT = 2000
 FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
 UNSOLVED = NotImplementedError.__name__
 
@@ -85,14 +85,6 @@ class Report:
             ],
         }
 
-    def as_reply(self) -> dict:
-        """What `report_from_reply` needs to make the same report in another process."""
-        outcomes = [
-            [o.held, visible(o.problem), visible(o.counterexample), o.mistake]
-            for o in self.outcomes
-        ]
-        return {"convention": self.convention, "outcomes": outcomes}
-
     def _lines(self) -> Iterator[str]:
         as_what = "" if self.called == self.operation else f" as {self.operation}"
         title = self.called + as_what
@@ -147,22 +139,40 @@ def _kind(name: str) -> str:
     return {"value": "value", "gradient": "gradient", "adjoint": "gradient"}.get(first, "")
 
 
+def report(name: str, function: Callable, any_convention: bool = False) -> Report:
+    """Test an implementation for every property of an operation.
+
+    Parameters
+    ----------
+    name : str
+        An operation of `numpy_cae.ops`, or "tied_layer"; a ValueError if there is none.
+    function : callable
+        With the arguments of that operation; returns a value and its pullback.
+    any_convention : bool
+        Whether it may follow another documented convention than `numpy_cae.ops`, such as a GRU
+        with its gates in another order, or half the mean squared error.
+
+    Returns
+    -------
+    Report
+        Prints as a table; `.points`, `.possible`, `.held`, `.unsolved`, `.outcomes`.
+    """
+    return report_on(find_task(CATALOGUE, name), function, any_convention=any_convention)
+
+
 def report_on(
     task: Task, implementation: Callable, called: str | None = None, any_convention: bool = False
 ) -> Report:
-    """Test an implementation for every property of a task.
-
-    With `any_convention` it may follow another documented convention than the contract's.
-    """
+    """`report`, for a task of any catalogue and an implementation of any name."""
     called = called or getattr(implementation, "__name__", task.name)
-    report = Report(task.name, called, _outcomes(task.properties, implementation), hint=task.hint)
-    if any_convention and not report.held:
+    made = Report(task.name, called, _outcomes(task.properties, implementation), hint=task.hint)
+    if any_convention and not made.held:
         for other in conventions_of(task.name):
             stated = properties_of(task.name, other)
             if all(try_property(p, implementation, shrink=False).held for p in stated):
                 outcomes = tuple(Outcome(each, held=True) for each in stated)
                 return Report(task.name, called, outcomes, other.sentence, task.hint)
-    return report
+    return made
 
 
 def _outcomes(properties: tuple[Property, ...], implementation: Callable) -> tuple[Outcome, ...]:
@@ -175,39 +185,30 @@ def _outcomes(properties: tuple[Property, ...], implementation: Callable) -> tup
     return tuple(outcomes)
 
 
-def report_from_reply(task: Task, called: str, reply: dict) -> Report:
-    """The report that another process made; properties and points are not taken from there.
+def report_from_json(task: Task, called: str, made: dict) -> Report:
+    """The report that another process made; statements and points are not taken from there.
 
-    Raises a ValueError if the reply is not what `Report.as_reply` makes.
+    Raises a ValueError or KeyError if it is not what `Report.as_json` makes.
     """
-    try:
-        stated = _stated(task, reply["convention"])
-        outcomes = tuple(
-            Outcome(each, held is True, *map(visible, texts))
-            for each, (held, *texts) in zip(stated, reply["outcomes"], strict=True)
+    convention, stated = made["convention"], task.properties
+    if convention != CONTRACT:
+        (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
+        stated = properties_of(task.name, other)
+    outcomes = tuple(
+        Outcome(
+            each,
+            one["held"] is True,
+            *(visible(one[text]) for text in ("problem", "counterexample", "likely_mistake")),
         )
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"not the reply of a report: {error}") from None
-    return Report(task.name, called, outcomes, reply["convention"], task.hint)
+        for each, one in zip(stated, made["properties"], strict=True)
+    )
+    return Report(task.name, called, outcomes, convention, task.hint)
 
 
 def failed_report(task: Task, called: str, problem: str) -> Report:
     """The report on a function whose test came to no end: no property held."""
     outcomes = tuple(Outcome(stated, held=False, problem=problem) for stated in task.properties)
     return Report(task.name, called, outcomes, hint=task.hint)
-
-
-def _stated(task: Task, convention: str) -> tuple[Property, ...]:
-    if convention == CONTRACT:
-        return task.properties
-    (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
-    return properties_of(task.name, other)
-
-
-def visible(text: str) -> str:
-    """The text of a student's process, cut to a readable length, control characters escaped."""
-    shown = (c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text[:LONGEST_TEXT])
-    return "".join(shown)
 
 
 def holds(task: Task, implementation: Callable) -> bool:

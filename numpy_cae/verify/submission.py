@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import sys
-import traceback
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,8 @@ from types import ModuleType
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.verify.messages import described
 
-LONGEST_TEXT = 1000
 LARGEST_PROGRAM = 2**20
 LARGEST_NOTEBOOK = 2**25  # with its pictures
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
@@ -121,16 +120,3 @@ def _id(cell: dict) -> str:
 def _source(cell: dict) -> str:
     """The text of a cell without Jupyter's own commands."""
     return MAGIC.sub("pass", "".join(cell["source"]))
-
-
-def described(error: BaseException, file: str = "") -> str:
-    """An exception's type, message and line in a file, whatever its class does."""
-    try:
-        text = f"{type(error).__name__}: {error}"[:LONGEST_TEXT]
-    except Exception:
-        text = f"{type(error).__name__}, whose message cannot be printed"
-    if isinstance(error, SystemExit):
-        text = "it calls sys.exit"
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == file]
-    return f"{text} (line {lines[-1]})" if lines else text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -19,7 +18,9 @@ from numpy_cae.verify.case import (
     smallest,
     written,
 )
+from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.diagnosis import likely_mistake
+from numpy_cae.verify.messages import LONGEST_TEXT, described
 from numpy_cae.verify.property import (
     Outcome,
     Property,
@@ -71,6 +72,15 @@ class Example:
     gradients: dict[str, np.ndarray] = field(default_factory=dict)
 
 
+def example(name: str, seed: int, **sizes: int | str) -> Example:
+    """The example that a report prints as a call of this function.
+
+    The value and the gradients are those of the definition. Raises a ValueError if there is no
+    such operation, or a size such as frames=2 is missing or unknown.
+    """
+    return example_of(find_task(CATALOGUE, name).properties, seed, sizes)
+
+
 def example_of(
     properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]
 ) -> Example:
@@ -118,11 +128,23 @@ def try_property(
     error, last = _failure(tried, implementation, case)
     if error is None:  # it fails in one call and not in the next
         return Outcome(tried, False, "it does not do the same when called again", str(case))
-    problem = str(error)
+    problem = str(error)[:LONGEST_TEXT]
     if not isinstance(error, AssertionError):
-        problem = f"{type(error).__name__}: {error}{_line(error, implementation)}"
+        code = getattr(inspect.unwrap(implementation), "__code__", None)
+        problem = described(error, getattr(code, "co_filename", ""))
     example = "\n".join([str(case), *_described(tried, case, last)])
     return Outcome(tried, False, problem, example, likely_mistake(tried, implementation))
+
+
+def check_property(stated: Property, function: Callable) -> None:
+    """Raise an AssertionError with a counterexample unless an implementation has a property.
+
+    For test files: `@pytest.mark.parametrize("prop", verify.properties("gru"))`.
+    """
+    outcome = try_property(stated, function)
+    if not outcome.held:
+        told = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
+        raise AssertionError("\n".join(filter(None, told)))
 
 
 def _failure(tried: Property, implementation: Callable, case: Case):
@@ -169,11 +191,3 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
             if not agrees(operation.alike(given, one), operation.alike(given, other)):
                 yield f"{name}: {written(one)}"
                 yield f"  expected: {written(other)}"
-
-
-def _line(error: Exception, implementation: Callable) -> str:
-    """The last line of the implementation's own file that an exception came through."""
-    code = getattr(inspect.unwrap(implementation), "__code__", None)
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if code and frame.filename == code.co_filename]
-    return f" (line {lines[-1]})" if lines else ""

@@ -161,7 +161,7 @@ def test_second_derivatives_find_a_gradient_that_is_right_at_the_inputs_only():
     assert "near the inputs" in judged(right_here, x, second=True)
     assert judged(lambda y: (np.sum(y**3), lambda dy: dy * 3 * y**2), x, second=True) == ""
     wrong = lambda y: (np.sum(y**3), lambda dy: dy * (3 * x**2 + 3 * x * (y - x)))  # noqa: E731
-    assert "second differences" in judged(wrong, x, second=True)
+    assert "near the inputs" in judged(wrong, x, second=True)
     shape = (2, 5, 2)
     arguments = [
         np.random.default_rng(i).standard_normal(s) for i, s in enumerate((shape, (3, 2, 2), (2,)))

@@ -9,9 +9,9 @@ import sys
 import pytest
 
 from numpy_cae.verify import grading
-from numpy_cae.verify.sandbox import confinement
 from numpy_cae.verify.sandbox.apart import do_apart
 from numpy_cae.verify.sandbox.child import reply_to
+from numpy_cae.verify.sandbox.confinement import adopt_orphans
 from numpy_cae.verify.submission import SubmissionError, read_submission
 
 COURSE = "numpy_cae.course.catalogue"
@@ -55,7 +55,7 @@ def graded(tmp_path, monkeypatch):
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
 
         def work(request):
-            confinement.adopt_orphans()
+            adopt_orphans()
             return reply_to(request)
 
         monkeypatch.setattr(grading, "EXERCISE_SECONDS", cpu_seconds)

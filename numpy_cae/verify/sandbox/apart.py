@@ -30,8 +30,15 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
             reply.write_text(json.dumps(work()))
         finally:
             os._exit(0)
-    ended, status = _wait(process, seconds)
-    _kill_what_is_left(process, ended)
+    deadline, ended, status = time.monotonic() + seconds, 0, 0
+    while not ended and time.monotonic() < deadline:
+        time.sleep(0.005)
+        ended, status = os.waitpid(process, os.WNOHANG)
+    with suppress(OSError):
+        os.killpg(process, signal.SIGKILL)
+    _kill([] if ended else [process])
+    while orphans := _children():
+        _kill(orphans)
     if not ended:
         return {"failed": f"it did not finish within {seconds:.3g} s: an endless loop?"}
     try:
@@ -41,38 +48,17 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
         return {"failed": "it used up its CPU time: an endless loop?" if out_of_time else CRASHED}
 
 
-def _wait(process: int, seconds: float) -> tuple[bool, int]:
-    """Whether a process ends in time, and its status."""
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        ended, status = os.waitpid(process, os.WNOHANG)
-        if ended:
-            return True, status
-        time.sleep(0.005)
-    return False, 0
-
-
-def _kill_what_is_left(process: int, ended: bool) -> None:
-    """Kill a process and all that it has started.
-
-    On Linux those that left its session are children of this process when their parent ends.
-    """
-    with suppress(OSError):
-        os.killpg(process, signal.SIGKILL)
-    if not ended:
-        _kill(process)
-    while orphans := _children():
-        for orphan in orphans:
-            _kill(orphan)
-
-
-def _kill(process: int) -> None:
-    os.kill(process, signal.SIGKILL)
-    os.waitpid(process, 0)
+def _kill(processes: list[int]) -> None:
+    for process in processes:
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
 
 
 def _children() -> list[int]:
-    """The processes whose parent this one is, as far as /proc tells."""
+    """The processes whose parent this one is, as far as /proc tells.
+
+    On Linux those that left their session are among them when their parent has ended.
+    """
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):

@@ -6,34 +6,30 @@ import json
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.catalogue import load_catalogue
+from numpy_cae.verify.messages import described
 from numpy_cae.verify.reporting import holds, report_on
-from numpy_cae.verify.sandbox import confinement
 from numpy_cae.verify.sandbox.apart import do_apart
-from numpy_cae.verify.submission import LONGEST_TEXT, described, read_submission
+from numpy_cae.verify.sandbox.confinement import adopt_orphans, confine
+from numpy_cae.verify.submission import read_submission
 
 MAX_NOTES = 5
 
 
 def main() -> None:
     """Do the request on standard input; one reply goes to standard output."""
-    confinement.adopt_orphans()
+    adopt_orphans()
     holds(OPERATIONS["unpool_even"], lambda y: y)  # imports what a report needs
     print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
 def reply_to(request: dict) -> dict:
-    """The reply to a request: what the file lacks, and the results of the functions that it has.
-
-    The request has the file, the catalogue, the functions by task, the tasks whose solutions are
-    given, and the limits.
-    """
+    """What the file lacks, and for each task whose function it has a report, or why it failed."""
     submission, catalogue = read_submission(Path(request["path"])), load_catalogue(request["from"])
     given = {name: catalogue[name].solution for name in request["given"]}
     wanted, deadline = request["wanted"], time.monotonic() + request["seconds"]
@@ -43,7 +39,7 @@ def reply_to(request: dict) -> dict:
         seconds = min(2 * request["cpu_seconds"], (deadline - time.monotonic()) / left)
         if seconds <= 0:
             return {"failed": "the time limit for the whole file is used up"}
-        return do_apart(lambda: _confined(work, request), seconds)
+        return do_apart(partial(_confined, work, request), seconds)
 
     def names() -> dict:
         functions, problems = submission.run(given)
@@ -52,7 +48,7 @@ def reply_to(request: dict) -> dict:
     def report(task: str, function: str) -> dict:
         functions, _ = submission.run(given)
         made = report_on(catalogue[task], functions[function], function, request["any_convention"])
-        return {"report": made.as_reply()}
+        return {"report": made.as_json()}
 
     loaded = apart(names, 1)
     there = [task for task, name in wanted.items() if name in loaded.get("found", ())]
@@ -65,25 +61,13 @@ def reply_to(request: dict) -> dict:
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:
     """Do work with limits; a warning becomes a note, an exception the reason of a failure."""
-    kept = confinement.confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
-    with _noted_warnings() as notes:
+    kept = confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default")
         try:
             result = work()
         except BaseException as error:  # such as KeyboardInterrupt
             result = {"failed": described(error)}
     del kept
-    return {**result, "notes": list(notes)}
-
-
-@contextmanager
-def _noted_warnings() -> Iterator[dict[str, None]]:
-    notes: dict[str, None] = {}
-
-    def note(message, category, filename, lineno, *others) -> None:
-        if len(notes) < MAX_NOTES:
-            notes[f"{category.__name__}: {message} (line {lineno})"[:LONGEST_TEXT]] = None
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("default")
-        warnings.showwarning = note
-        yield notes
+    notes = (f"{described(one.message)} (line {one.lineno})" for one in caught[:MAX_NOTES])
+    return {**result, "notes": list(dict.fromkeys(notes))}

@@ -1,0 +1,73 @@
+"""One call of a function that returns a value and its pullback, and what both return."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+
+def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
+    """Call f; raise a TypeError unless it returns a value of floats, and a pullback."""
+    returned = f(*inputs)
+    if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
+        raise TypeError(
+            "expected a value and its pullback, a tuple of an array and a function, "
+            f"got {_described(returned)}"
+        )
+    if not any(map(is_float, parts(returned[0]))):
+        raise TypeError(f"expected a value of floats, got {_described(returned[0])}")
+    return returned
+
+
+def call_of_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]:
+    """`call`, for a value that is one array or number."""
+    value, pullback = call(f, inputs)
+    if isinstance(value, tuple | list):
+        raise TypeError(f"expected a value of floats, got {_described(value)}")
+    return np.asarray(value), pullback
+
+
+def gradients_of(pulled: object, count: int) -> tuple:
+    """What a pullback returned as a tuple; raise an AssertionError if it has another length."""
+    gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
+    if len(gradients) != count:
+        raise AssertionError(
+            f"the pullback returns {len(gradients)} gradient(s), expected {count}: one for each "
+            "differentiated argument, in their order"
+        )
+    return tuple(gradients)
+
+
+def require_array(name: str, gradient: object) -> None:
+    """Raise an AssertionError unless the gradient for an argument is an array."""
+    if gradient is None:
+        raise AssertionError(f"the gradient for {name} is None, expected shape that of {name}")
+    if not isinstance(gradient, np.ndarray | np.generic):
+        found = type(gradient).__name__
+        raise AssertionError(f"the gradient for {name} is a {found}, not an array")
+
+
+def parts(value: object) -> Sequence:
+    """The outputs of f: the entries of a tuple, or its one value."""
+    return value if isinstance(value, tuple | list) else [value]
+
+
+def flat(outputs: Sequence) -> np.ndarray:
+    """All floats of some outputs, in one row."""
+    return np.concatenate([np.ravel(part) for part in outputs if is_float(part)])
+
+
+def is_float(thing: object) -> bool:
+    return thing is not None and np.issubdtype(np.asarray(thing).dtype, np.inexact)
+
+
+def copies(things: Sequence) -> list:
+    """The arrays among some things copied."""
+    return [np.copy(x) if isinstance(x, np.ndarray) else x for x in things]
+
+
+def _described(thing: object) -> str:
+    if isinstance(thing, np.ndarray):
+        return f"an array of {thing.dtype}, shape {thing.shape}"
+    return f"a tuple of {len(thing)}" if isinstance(thing, tuple) else f"{type(thing).__name__}"
