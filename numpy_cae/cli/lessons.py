@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _make_picture(path: Path, executed: bool) -> None:
     """Make a lesson's picture and, if requested, execute it before that."""
-    notebook = course.read_notebook(path)
+    notebook = course.with_points(course.read_notebook(path))
     if executed:
         began = time.monotonic()
         with working(str(path)):

@@ -4,7 +4,14 @@ One source gives the instructor's copy, executed, and the student's, and a pictu
 gallery. `report` and `solved` are what the check cells call.
 """
 
-from numpy_cae.course.catalogue import CATALOGUE, example, properties, report, solved
+from numpy_cae.course.catalogue import (
+    CATALOGUE,
+    example,
+    properties,
+    report,
+    solved,
+    with_points,
+)
 from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
 from numpy_cae.course.mine import EMPTY, FILE, mine_before
@@ -28,6 +35,7 @@ __all__ = [
     "solved",
     "source_hash",
     "student_copy",
+    "with_points",
     "write_notebook",
     "write_picture",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import redirect_stderr
+from copy import deepcopy
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -82,6 +83,16 @@ def solved(name: str, function: Callable) -> Callable:
     except NotSavedError as error:
         print(f"{name}: the next cells use your function. It is not saved to {FILE}: {error}")
     return function
+
+
+def with_points(notebook: dict) -> dict:
+    """A copy of the notebook whose check cells have the points of their exercises."""
+    copy = deepcopy(notebook)
+    for cell in copy["cells"]:
+        marks = cell["metadata"].get("nbgrader", {})
+        if marks.get("grade"):
+            marks["points"] = EXERCISES[marks["grade_id"].removesuffix("_check")].points
+    return copy
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:

@@ -11,6 +11,7 @@ import pytest
 from numpy_cae import course, ops
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn, require_same
+from numpy_cae.course.exercises.difficulty import EASY, HARD
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.hints import read_hints, with_hint
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
@@ -54,6 +55,15 @@ def test_hints_come_in_stages_and_after_a_first_attempt():
         course.report("to_features", wrong, hint=3)
 
 
+def test_points_are_those_of_the_difficulty_and_each_property_has_some():
+    assert EASY | HARD <= EXERCISES.keys() and not EASY & HARD
+    points = {name: EXERCISES[name].points for name in ("tanh", "max_pool", "conv1d")}
+    assert points == {"tanh": 10, "max_pool": 20, "conv1d": 40}
+    for made in EXERCISES.values():
+        assert made.points in (10, 20, 40)
+        assert min(stated.points for stated in made.properties) >= 1
+
+
 def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     with pytest.raises(ValueError, match="no exercise is called 'conv'; there are square, ch"):
         course.solved("conv", ops.tanh)
@@ -83,10 +93,10 @@ def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
     points = course.report("conv1d", half).points
     capsys.readouterr()
     monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
-    assert 0 < points < 16 and course.report("conv1d", half) == points
+    assert 0 < points < 40 and course.report("conv1d", half) == points
     printed = capsys.readouterr()
-    assert f"{points} of 16 points" in printed.out and not printed.err
-    assert course.report("conv1d", ops.conv1d) == 16 and course.report("conv1d", unsolved) == 0
+    assert f"{points} of 40 points" in printed.out and not printed.err
+    assert course.report("conv1d", ops.conv1d) == 40 and course.report("conv1d", unsolved) == 0
 
 
 def doubled(x):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from importlib import import_module
 
+from numpy_cae.course.exercises.difficulty import with_points
 from numpy_cae.course.exercises.exercise import Exercise
 from numpy_cae.verify import catalogue as operations
 
 LESSONS: dict[str, tuple[Exercise, ...]] = {
-    number: import_module(f"{__name__}.lesson_{number}").EXERCISES
+    number: tuple(map(with_points, import_module(f"{__name__}.lesson_{number}").EXERCISES))
     for number in (f"{n:02}" for n in range(15))
 }
 

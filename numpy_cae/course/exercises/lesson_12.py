@@ -177,15 +177,21 @@ def _function_and_inputs(operation: str, implementation: Callable, seed: int, sc
 
 @claim("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
 def _right_ones_pass(check_gradients, case: Case) -> None:
-    for operation in (name for group in GROUPS.values() for name in group):
+    for operations in GROUPS.values():
+        _require_acceptance(check_gradients, operations, case.seed)
+
+
+def _require_acceptance(check_gradients, operations: tuple[str, ...], seed: int) -> None:
+    for operation in operations:
         try:
-            check_gradients(*_function_and_inputs(operation, right_operation(operation), case.seed))
+            check_gradients(*_function_and_inputs(operation, right_operation(operation), seed))
         except AssertionError as error:
             raise AssertionError(f"it refuses {operation}, which is right: {error}") from None
 
 
 def _refuses_group(group: str) -> Callable:
     def check(check_gradients, case: Case) -> None:
+        _require_acceptance(check_gradients, GROUPS[group], case.seed)
         for bug in _bugs_in_gradients(GROUPS[group]):
             _require_refusal(check_gradients, bug, case.seed)
 
@@ -209,6 +215,7 @@ def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0)
 
 @claim("tiny numbers", "a wrong gradient is refused even if all numbers are near 1e-6")
 def _refuses_tiny(check_gradients, case: Case) -> None:
+    _require_acceptance(check_gradients, GROUPS["losses"], case.seed)
     _require_refusal(check_gradients, bug_named("squared_without_two"), case.seed, TINY)
 
 
@@ -272,7 +279,7 @@ EXERCISES: tuple[Exercise, ...] = (
         *(
             Claim(
                 group,
-                f"every planted bug of {' or '.join(operations)} is refused",
+                f"every planted bug of {' or '.join(operations)} is refused, right ones are not",
                 _refuses_group(group),
                 2,
                 examples=FEW_EXAMPLES,
