@@ -1,10 +1,25 @@
 """Two trainings in turns: the order, the times to the same error, the table."""
 
+import json
 import time
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from data_synth import make_take
+from numpy_cae.bench import convolutional_quality, quality
+from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
+from numpy_cae.cli import main, train_options
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import write_bvh
+from numpy_cae.training import Schedule, Stage, train_autoencoder
+
+if torch is not None:
+    torch.set_num_threads(1)  # no time is compared here
+
+STAGE = Stage(2, 0.0003, 1.0, 0.0, 2, (0.1, 0.8), True, optimiser="adam", rate_schedule="one-cycle")
 
 
 def training(name, errors, called):
@@ -52,3 +67,38 @@ def test_the_target_is_the_lowest_error_that_both_reach():
     assert "| ours | 4.0 | 6.0 | 1.000 |" in quality.text()
     assert "ratio to 2.000 cm: 2.50" in quality.text()
     assert quality.data()["courses"]["theirs"]["errors"] == [4.0, 2.0, 2.1]
+
+
+def test_our_training_is_that_of_numpy_cae_train():
+    windows = np.random.default_rng(1).normal(size=(10, 16, 63)).astype(np.float32) / 4
+    trained, expected = (ConvAutoencoder(filters=(3, 4, 5), taps=3) for _ in range(2))
+    for _ in convolutional_quality.epochs(trained, windows, STAGE):
+        pass
+    schedule = Schedule(Stage(epochs=0), STAGE)
+    train_autoencoder(expected, windows, schedule, np.random.default_rng(0), show_progress=False)
+    for name, weight in trained.parameters.items():
+        np.testing.assert_array_equal(weight, expected.parameters[name])
+
+
+@pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
+def test_both_networks_learn(monkeypatch, capsys, tmp_path):
+    for seed in range(4):
+        take = make_take("walk", seed, seconds=3.0, rate=30.0)
+        write_bvh(take.motion, tmp_path / f"walk_{seed}.bvh", unit=0.01)
+    theirs = replace(convolutional_quality.THEIRS, epochs=3, rate=0.0003, batch=2)
+    monkeypatch.setattr(convolutional_quality, "THEIRS", theirs)
+    monkeypatch.setitem(train_options.RECIPES, "fast", Schedule(Stage(epochs=0), STAGE))
+    files = ["--data", str(tmp_path), "--test", "*_3.bvh"]
+    assert main(["bench", "--quality", "--json", *files]) == 0
+    courses = json.loads(capsys.readouterr().out)["courses"]
+    assert [len(course["errors"]) for course in courses.values()] == [2, 3]
+    for course in courses.values():
+        assert course["errors"][-1] < course["errors"][0]
+
+
+def test_without_pytorch_or_with_two_measurements_the_command_says_what_to_do(monkeypatch, capsys):
+    assert main(["bench", "--quality", "--paper"]) == 2
+    assert "give one of them" in capsys.readouterr().err
+    monkeypatch.setattr(quality, "torch", None)
+    assert main(["bench", "--quality"]) == 2
+    assert "PyTorch, which is not installed" in capsys.readouterr().err

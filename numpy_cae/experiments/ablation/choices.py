@@ -23,12 +23,15 @@ TAPS = 15
 LAYER_EPOCHS, FINE_EPOCHS, WIDTH, SEEDS = 4, 12, 32, 5
 """Epochs of a layer and of fine tuning; filters of the lowest of three layers, half the paper's;
 and the number of seeds."""
+ADAM_RATE = 0.001
+"""Peak of the one-cycle schedule of the rows with Adam."""
 PAPER = "as holden2015, smaller"
 LATENT, PARAMETERS = "equal latent size", "equal parameters"
 NO_SPARSITY, UNTIED, AVERAGE = "α = 0", "weights untied, half the rate", "average pooling"
 EVENLY, RANDOMLY = "even unpooling from the start", "random unpooling to the end"
 WHOLE, WIDE_P = "nothing zeroed", "p from 0.1 to 0.8, X_c / (1 - p)"
 LAYERS_ALONE, AT_ONCE = "layers alone, no fine tuning", "end to end, no layers before"
+ADAM_LAYERS, ADAM_AT_ONCE = "Adam, layer by layer", "Adam, end to end"
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,7 @@ def choices(
     no_zeros, wide = {"zeroed": 0.0}, {"zeroed": (0.1, 0.8), "rescaled": True}
     all_epochs = layer_epochs + fine_epochs
     end_to_end = {"epochs": all_epochs, "decay": _decay(all_epochs)}
+    adam = {"optimiser": "adam", "rate_schedule": "one-cycle", "rate": ADAM_RATE, "norm": 0.05}
     half_rates = {"rate": layer.rate / 2}, {"rate": fine.rate / 2}
     return [
         varied(f"{PAPER}: {'-'.join(map(str, three))} filters"),
@@ -125,6 +129,8 @@ def choices(
         varied(WIDE_P, wide, wide),
         varied(LAYERS_ALONE, of_fine={"epochs": 0}),
         varied(AT_ONCE, {"epochs": 0}, end_to_end),
+        varied(ADAM_LAYERS, adam, adam),
+        varied(ADAM_AT_ONCE, {"epochs": 0}, adam | end_to_end),
     ]
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from numpy_cae.experiments.ablation.choices import (
+    ADAM_AT_ONCE,
+    ADAM_LAYERS,
     AT_ONCE,
     AVERAGE,
     EVENLY,
@@ -101,11 +103,13 @@ def _claims(rows: Sequence[Row]) -> list[Claim]:
     for name, (choice, alternative) in PAPER_CHOICES.items():
         sentences[name] = f"The paper's choice repairs better: {choice} against {alternative}."
     named = {row.name: row for row in rows}
-    return [_claim(sentence, rows[0], named[name]) for name, sentence in sentences.items()]
+    claims = [_claim(sentence, rows[0], named[name]) for name, sentence in sentences.items()]
+    adam = "With Adam too, training layer by layer first repairs better than end to end alone."
+    return [*claims, _claim(adam, named[ADAM_LAYERS], named[ADAM_AT_ONCE])]
 
 
 def _claim(sentence: str, paper: Row, other: Row) -> Claim:
-    """Whether the paper's network repairs better in every seed; one that diverged does not."""
+    """Whether the paper's choice repairs better in every seed; one that diverged does not."""
     figures = "; ".join(
         f"{MEASURES[measure][0]} {paper.cell(measure)} against {other.cell(measure)}"
         for measure in (REPAIR, RECONSTRUCTION)
