@@ -1,11 +1,16 @@
-"""Write the student's copy of every lesson: a stub in place of each solution, no outputs. With
---execute, run the instructor's copies in a fresh kernel instead and store their outputs and the
-pictures of the gallery. With --gallery, make the pictures from the stored outputs.
+"""Write the students' copies of the lessons, which the package has: a stub in place of each
+solution, no outputs, and a mine.py to which solved functions are saved. Files that exist are kept.
+With --release, write a zip file to be unpacked in the folder of an nbgrader course.
 
-examples: numpy-cae lessons student/              write the student's copy of every lesson
-          numpy-cae lessons --execute             execute the instructor's copies
-          numpy-cae lessons --execute --only 03   of one lesson
-          numpy-cae lessons --gallery             pictures from the stored outputs
+examples: numpy-cae lessons student/                     every lesson
+          numpy-cae lessons student/ --only 03           one lesson
+          numpy-cae lessons --release week3.zip 03 04    two lessons, for nbgrader
+
+In a clone, --execute runs the instructor's copies in a fresh kernel and stores their outputs, their
+points, the pictures of the gallery and the package's copies for students; --gallery does the same
+without running them.
+
+example: numpy-cae lessons --execute --only 03
 """
 
 import argparse
@@ -20,60 +25,50 @@ from numpy_cae.cli.output import working
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The folders and what to do with the lessons."""
     add = parser.add_argument
-    add("folder", type=Path, nargs="?", help="folder for the student's copies")
-    source = "folder of the instructor's copies (default: lessons, as in a clone)"
-    add("--from", dest="source", **kinds.FOLDER, default=Path("lessons"), help=source)
+    add("folder", type=Path, nargs="?", help="folder for the students' copies")
+    release = "write a release for nbgrader of the lessons with these numbers (default: all)"
+    add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
+    source = "folder of the lessons (default: the package's, or lessons with --execute, --gallery)"
+    add("--from", dest="source", **kinds.FOLDER, help=source)
     add("--execute", **kinds.FLAG, help="execute the instructor's copies")
-    add("--gallery", **kinds.FLAG, help="make the pictures from stored outputs, without execution")
+    add("--gallery", **kinds.FLAG, help="use stored outputs, without execution")
     add("--only", metavar="NN", help="number of the only lesson to process")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write, execute or make pictures, and print each file."""
-    if [args.execute, args.gallery, args.folder is not None].count(True) != 1:
+    """Write copies or a release, or execute or make pictures, and print each file."""
+    tasks = [args.execute, args.gallery, args.folder is not None, args.release is not None]
+    if tasks.count(True) != 1:
         raise ValueError(
-            "expected either a folder for the student's copies or --execute or --gallery"
+            "expected one of: a folder for the students' copies, --release, --execute, --gallery"
         )
-    lessons = course.find_lessons(args.source)
-    if args.only:
-        lessons = [path for path in lessons if path.name.startswith(f"{args.only}_")]
-        if not lessons:
-            raise ValueError(f"no lesson {args.only} in {args.source}")
-    if args.folder is not None:
-        _write_copies(lessons, args.folder)
-        return 0
-    for path in lessons:
-        try:
-            _make_picture(path, args.execute)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
+    in_clone = args.execute or args.gallery
+    source = args.source or (Path("lessons") if in_clone else course.PACKAGED)
+    file, *numbers = args.release or [None]
+    lessons = course.choose_lessons(source, [*numbers, *([args.only] if args.only else [])])
+    if file:
+        course.write_release(lessons, Path(file))
+        print(file)
+    elif in_clone:
+        for path in lessons:
+            try:
+                _store(path, args.execute)
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}") from None
+    else:
+        for path, new in course.write_copies(lessons, args.folder):
+            print(path if new else f"{path} exists and is kept")
     return 0
 
 
-def _make_picture(path: Path, executed: bool) -> None:
-    """Make a lesson's picture and, if requested, execute it before that."""
+def _store(path: Path, executed: bool) -> None:
+    """Make a lesson's picture and the package's copy and, if requested, execute it before that."""
     notebook = course.with_points(course.read_notebook(path))
     if executed:
         began = time.monotonic()
         with working(str(path)):
             notebook = course.execute(notebook, course.mine_before(path))
-        course.write_notebook(notebook, path)
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
+    course.write_notebook(notebook, path)
+    course.write_package_copy(path)
     print(course.write_picture(notebook, path))
-
-
-def _write_copies(lessons: list[Path], folder: Path) -> None:
-    if any(folder.resolve() == path.parent.resolve() for path in lessons):
-        raise ValueError(f"{folder} holds the instructor's copies: name another folder")
-    folder.mkdir(parents=True, exist_ok=True)
-    there = [path.name for path in lessons if (folder / path.name).exists()]
-    if there:
-        raise ValueError(
-            f"{folder} has {', '.join(there)} already, perhaps with a student's work: "
-            "name another folder or move the files"
-        )
-    if not (folder / course.FILE).exists():
-        (folder / course.FILE).write_text(course.EMPTY, encoding="utf-8")
-    for path in lessons:
-        course.write_notebook(course.student_copy(course.read_notebook(path)), folder / path.name)
-        print(folder / path.name)

@@ -12,16 +12,23 @@ from numpy_cae.course.catalogue import (
     solved,
     with_points,
 )
+from numpy_cae.course.copies import (
+    PACKAGED,
+    choose_lessons,
+    write_copies,
+    write_package_copy,
+    write_release,
+)
 from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
-from numpy_cae.course.mine import EMPTY, FILE, mine_before
+from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.course.student_copy import student_copy
 
 __all__ = [
     "CATALOGUE",
-    "EMPTY",
-    "FILE",
+    "PACKAGED",
+    "choose_lessons",
     "example",
     "execute",
     "find_lessons",
@@ -36,6 +43,9 @@ __all__ = [
     "source_hash",
     "student_copy",
     "with_points",
+    "write_copies",
     "write_notebook",
+    "write_package_copy",
     "write_picture",
+    "write_release",
 ]

@@ -41,15 +41,16 @@ def read_notebook(path: str | Path) -> dict:
     return notebook
 
 
+def as_text(notebook: dict) -> str:
+    """The text of a notebook's file as Jupyter writes it: sources line by line, indented by one."""
+    cells = [
+        {**cell, "source": cell["source"].splitlines(keepends=True)} for cell in notebook["cells"]
+    ]
+    lined = {**notebook, "cells": cells}
+    return json.dumps(lined, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+
+
 def write_notebook(notebook: dict, path: str | Path) -> None:
-    """Write a notebook as Jupyter does: sources line by line, indented by one."""
-    lined = {
-        **notebook,
-        "cells": [
-            {**cell, "source": cell["source"].splitlines(keepends=True)}
-            for cell in notebook["cells"]
-        ],
-    }
-    text = json.dumps(lined, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+    """Write a notebook."""
     with atomic_write(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(as_text(notebook), encoding="utf-8")

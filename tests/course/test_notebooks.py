@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+import zipfile
+from pathlib import Path
 
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.course import read_notebook, student_copy, write_notebook
+from numpy_cae.course import find_lessons, read_notebook, student_copy, write_notebook
+
+LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 
 
 def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTION", marked=True):
@@ -62,8 +66,13 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
     assert main(command) == 0
     copy = read_notebook(student / "01_double.ipynb")
     assert copy == student_copy(a_lesson())
-    assert main(command) == 2
-    assert "has 01_double.ipynb already" in capsys.readouterr().err
+    (student / "01_double.ipynb").write_text("a student's work")
+    (student / "mine.py").unlink()
+    capsys.readouterr()
+    assert main([*command, "--only", "01"]) == 0
+    assert "01_double.ipynb exists and is kept" in capsys.readouterr().out
+    assert (student / "01_double.ipynb").read_text() == "a student's work"
+    assert "import numpy as np" in (student / "mine.py").read_text()
     assert main(["lessons", str(tmp_path), "--from", str(tmp_path)]) == 2
     assert "name another folder" in capsys.readouterr().err
 
@@ -71,8 +80,9 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "expected either a folder for the student's copies or --execute"),
-        (["student", "--execute"], "expected either a folder"),
+        ([], "expected one of: a folder for the students' copies, --release"),
+        (["student", "--execute"], "expected one of"),
+        (["--release", "week.zip", "03", "77"], "no lesson 77 in"),
         (["student", "--from", "nowhere"], "no lessons in nowhere"),
         (["student", "--from", "{here}", "--only", "02"], "no lesson 02 in"),
     ],
@@ -83,6 +93,36 @@ def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, mon
     assert main(["lessons", *(word.format(here=tmp_path) for word in words)]) == 2
     error = capsys.readouterr().err
     assert said in error and len(error.splitlines()) == 1
+
+
+def test_the_package_has_the_students_copies_of_all_lessons(tmp_path):
+    assert main(["lessons", str(tmp_path)]) == 0
+    assert [path.name for path in find_lessons(tmp_path)] == [path.name for path in LESSONS]
+    for path in LESSONS:
+        again = f"numpy-cae lessons --gallery --only {path.name[:2]} writes the package's copy"
+        assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path)), again
+        assert "BEGIN SOLUTION" not in (tmp_path / path.name).read_text(encoding="utf-8")
+
+
+def test_a_release_is_laid_out_for_nbgrader_and_holds_no_solution(tmp_path):
+    packed = tmp_path / "week3.zip"
+    assert main(["lessons", "--release", str(packed), "03", "04"]) == 0
+    with zipfile.ZipFile(packed) as file:
+        texts = {name: file.read(name).decode() for name in file.namelist()}
+    third = LESSONS[3].name
+    assert {f"{f}/week3/{n}" for f in ("source", "release") for n in ("mine.py", third)} < set(
+        texts
+    )
+    assert "nbgrader_config.py" in texts and len(texts) == 7
+    released = json.loads(texts[f"release/week3/{third}"])
+    for cell in released["cells"]:
+        cell["source"] = "".join(cell["source"])
+    assert released == student_copy(read_notebook(LESSONS[3]))
+    source = json.loads(texts[f"source/week3/{third}"])
+    for cell in source["cells"]:
+        cell["source"] = "".join(cell["source"])
+    assert "BEGIN SOLUTION" in str(source) and "np.pad" not in str(source)
+    assert student_copy(source) == released  # as nbgrader makes it
 
 
 def test_without_nbclient_executing_says_what_is_missing(tmp_path, monkeypatch, capsys):
