@@ -118,6 +118,7 @@ def grade(
         own = assigned or submission.defined() & wanted.keys()
         given = {name for task in own for name in module.CATALOGUE[task].given} - set(assigned)
         request = {"path": str(path.resolve()), "from": catalogue, "any_convention": any_convention}
+        request["replaced"] = list(assigned) if submission.is_notebook else []
         request |= {"wanted": wanted, "given": sorted(given), "megabytes": megabytes}
         reply = run(request | {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS})
     return _graded(submission, module.CATALOGUE, wanted, {*assigned, *named}, reply)

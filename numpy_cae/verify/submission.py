@@ -53,10 +53,13 @@ class Submission:
         texts = (s if isinstance(s, str) else s.decode("latin-1") for _, s in self.cells)
         return {name for text in texts for name in DEFINITION.findall(text)}
 
-    def run(self, given: Mapping[str, Callable]) -> tuple[dict[str, Callable], list[str]]:
+    def run(
+        self, given: Mapping[str, Callable], instead: Mapping[str, Callable]
+    ) -> tuple[dict[str, Callable], list[str]]:
         """Run it as a module; return the functions that it defines, and what went wrong.
 
-        The parts may use the functions that are given, and in a notebook `np`.
+        The parts may use the functions that are given, and in a notebook `np`; the functions of
+        `instead` replace its own after that.
         """
         module, problems = ModuleType("student"), []
         sys.modules["student"], sys.modules["mine"] = module, ModuleType("mine")
@@ -74,6 +77,7 @@ class Submission:
                 part = name if self.is_notebook else "at import"
                 problems.append(f"{part}: {described(error, name)}")
         there = list(own.items())
+        own |= instead
         return {name: f for name, f in there if callable(f) and f is not given.get(name)}, problems
 
 

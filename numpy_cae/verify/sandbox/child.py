@@ -42,20 +42,22 @@ def reply_to(request: dict) -> dict:
         return do_apart(partial(_confined, work, request), seconds)
 
     def names() -> dict:
-        functions, problems = submission.run(given)
+        functions, problems = submission.run(given, {})
         return {"found": [n for n in wanted.values() if n in functions], "problems": problems}
 
     def report(task: str, function: str) -> dict:
-        functions, _ = submission.run(given)
+        functions, _ = submission.run(given, instead)
         made = report_on(catalogue[task], functions[function], function, request["any_convention"])
         return {"report": made.as_json()}
 
     loaded = apart(names, 1)
     there = [task for task, name in wanted.items() if name in loaded.get("found", ())]
-    results = {
-        task: apart(partial(report, task, wanted[task]), len(there) - done)
-        for done, task in enumerate(there)
-    }
+    results, instead = {}, {}
+    for task, function in wanted.items():
+        if task in there:
+            results[task] = apart(partial(report, task, function), len(there) - len(results))
+        if task in request["replaced"] and not results.get(task, {}).get("report", {}).get("held"):
+            instead[function] = catalogue[task].solution
     return {"failed": "", "problems": [], **loaded, "results": results}
 
 
