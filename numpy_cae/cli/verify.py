@@ -3,11 +3,16 @@ gru, ...) for every property of that operation. Print for each property whether 
 smallest counterexample, and the likely mistake if the function behaves as a known wrong one does.
 In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 
-example: numpy-cae verify student.py --as conv1d=my_conv
+examples: numpy-cae verify student.py --as conv1d=my_conv
+          numpy-cae verify submitted/ --csv marks.csv --feedback feedback/
 
 The points possible are those of all exercises of a lesson: the one that --lesson
 names, or that a notebook's cells or a name such as 03_mine.py tell. A file of no
 lesson is graded for the functions that it has.
+
+With --csv, students are told by the folders submitted/ann/... of a folder that is
+graded, or by the files' names: ann_03.ipynb, 03_ann.ipynb, ann.ipynb. Of an
+exercise handed in more than once the best counts.
 
 Each function runs in a process of its own with limits on time, memory, files and
 processes; where bubblewrap (bwrap) is installed and works, also without network
@@ -20,7 +25,9 @@ something fails, 2 if there was nothing to grade.
 """
 
 import argparse
+import os
 import re
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -43,38 +50,59 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--time-limit", type=kinds.positive, default=120.0, metavar="SECONDS", help=seconds)
     memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
     add("--memory-limit", type=kinds.positive, default=2048.0, metavar="MB", help=memory)
+    marks = "write a table of marks, a row for each student"
+    add("--csv", type=Path, metavar="FILE", help=marks)
+    feedback = "write the reports of each student to a Markdown file in this folder"
+    add("--feedback", **kinds.FOLDER, help=feedback)
     kinds.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     from numpy_cae.cli.output import print_json, with_progress
-    from numpy_cae.verify.grading import grade
+    from numpy_cae.course import marks
+    from numpy_cae.verify.grading import FileReport, grade
 
-    files = [file for path in args.files for file in _submissions(path)]
+    files = {file: path for path in args.files for file in _submissions(path)}
     if not any(file.is_file() for file in files):
         raise ValueError(f"nothing to grade: {', '.join(map(str, args.files))}")
-    options = dict(args.named), args.time_limit, int(args.memory_limit), args.lesson
-    options = *options, args.any_convention
-    graded = [
-        grade(file, "numpy_cae.course.catalogue", *options)
-        for file in with_progress(files, len(files), "files graded")
+    named, limits = dict(args.named), (args.time_limit, int(args.memory_limit))
+
+    def graded_file(file: Path) -> FileReport:
+        lesson = args.lesson or marks.lesson_of(file)
+        return grade(
+            file, "numpy_cae.course.catalogue", named, *limits, lesson, args.any_convention
+        )
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
+        made = pool.map(graded_file, files)
+        graded = list(with_progress(made, len(files), "files graded"))
+    of_students = [
+        (marks.student_id(file, folder if folder.is_dir() else file.parent), report)
+        for (file, folder), report in zip(files.items(), graded, strict=True)
     ]
+    if args.csv:
+        marks.write_csv(args.csv, of_students)
+    if args.feedback:
+        marks.write_feedback(args.feedback, of_students)
     if args.json:
-        print_json([file.as_json() for file in graded])
+        print_json([report.as_json() for report in graded])
+    elif args.csv or args.feedback:
+        for student, report in of_students:
+            print(f"{student}: {report.path.name}: {report.points} of {report.possible} points")
     else:
-        print("\n\n".join(str(file) for file in graded))
-    return 0 if all(file.held for file in graded) else 1
+        print("\n\n".join(str(report) for report in graded))
+    return 0 if all(report.held for report in graded) else 1
 
 
 def _submissions(path: Path) -> list[Path]:
-    """A file itself; of a folder, the Python files and notebooks in it and in its folders."""
+    """A file itself; of a folder, the notebooks and Python files in it, without any mine.py."""
     if not path.is_dir():
         return [path]
     inside = (file.relative_to(path) for file in path.rglob("*"))
     hidden = re.compile(r"(^|/)[.]")  # such as .ipynb_checkpoints
     found = (f for f in inside if f.suffix in (".py", ".ipynb") and not hidden.search(f.as_posix()))
-    return [path / file for file in sorted(found)]
+    return [path / file for file in sorted(found) if file.name != "mine.py"]
 
 
 def _named(text: str) -> tuple[str, str]:

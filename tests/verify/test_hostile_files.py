@@ -183,12 +183,12 @@ def test_each_exercise_of_a_notebook_counts_whatever_the_others_do(graded):
     )
     file = graded(content, "week3.ipynb", cpu_seconds=1.0)
     points = {report.operation: (report.points, report.possible) for report in file.reports}
-    assert points["unfold"] == (4, 4)
+    assert points["unfold"] == (10, 10)
     assert [points[n][0] for n in ("conv1d_by_loops", "transpose_filters", "conv1d")] == [0, 0, 0]
-    assert file.possible == 35  # although the cell of conv1d was deleted
+    assert file.possible == 80  # although the cell of conv1d was deleted
     assert file.faults[0].startswith("cell conv1d_by_loops: SyntaxError")
     broken = graded("{", "03_convolution_by_hand.ipynb")
-    assert (broken.points, broken.possible) == (0, 35)
+    assert (broken.points, broken.possible) == (0, 80)
 
 
 @pytest.mark.parametrize(

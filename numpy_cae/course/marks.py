@@ -1,0 +1,108 @@
+"""Marks of a class: a row of points for each student, and a file of feedback for each."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
+from numpy_cae.verify.grading import FileReport
+from numpy_cae.verify.reporting import Report
+
+OWN_LESSON = re.compile(r"^\d\d_")
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""A cell that begins with one of these is a formula to a spreadsheet."""
+
+
+def student_id(file: Path, folder: Path) -> str:
+    """Who handed a file in: the first folder inside `folder`, or else the file's name.
+
+    nbgrader's submitted/ann/week3/03_convolution_by_hand.ipynb and submitted/ann/03.ipynb are ann's
+    where `folder` is submitted; ann_03.ipynb, 03_ann.ipynb and ann.ipynb are ann's too.
+    """
+    first, *rest = file.relative_to(folder).parts
+    if rest:
+        return first
+    name = file.stem.removesuffix(f"_{lesson_of(file)}")
+    return OWN_LESSON.sub("", name) or name
+
+
+def lesson_of(file: Path) -> str:
+    """The lesson at the end of a name such as ann_03.py, or ""."""
+    last = file.stem.rpartition("_")[2]
+    return last if last in ASSIGNMENTS and not OWN_LESSON.match(file.stem) else ""
+
+
+def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
+    """Write one row a student: the points of each exercise, their sum, and what is wrong.
+
+    Of an exercise that was handed in more than once the best counts; what was not handed in is
+    empty. The points possible are those of all columns.
+    """
+    by_student = _by_student(graded)
+    best = {student: _best(files) for student, files in by_student.items()}
+    names = [name for name in CATALOGUE if any(name in reports for reports in best.values())]
+    names.sort(key=[*sum(ASSIGNMENTS.values(), ()), *CATALOGUE].index)
+    possible = sum(CATALOGUE[name].points for name in names)
+    with atomic_write(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["student", *names, "total", "possible", "problems"])
+        for student, reports in best.items():
+            points = [reports[name].points if name in reports else "" for name in names]
+            total = sum(report.points for report in reports.values())
+            problems = "; ".join(fault for each in by_student[student] for fault in each.faults)
+            writer.writerow([_as_text(student), *points, total, possible, _as_text(problems)])
+
+
+def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
+    """Write one Markdown file a student, with the report on each exercise."""
+    folder.mkdir(parents=True, exist_ok=True)
+    taken: set[str] = set()
+    for student, files in _by_student(graded).items():
+        name = re.sub(r"[^\w-]", "_", student)
+        while name.lower() in taken:
+            name += "_"
+        taken.add(name.lower())
+        lines = []
+        for each in files:
+            lines += [f"# {_quoted(each.path.name)}: {each.points} of {each.possible} points", ""]
+            for fault in each.faults:
+                lines += ["The file has a problem:", "", _indented(fault), ""]
+            for report in each.reports:
+                title = f"## {report.operation}: {report.points} of {report.possible} points"
+                lines += [title, "", _indented(str(report)), ""]
+        with atomic_write(folder / f"{name}.md") as beside:
+            beside.write_text("\n".join(lines), encoding="utf-8")
+
+
+def _by_student(graded: Iterable[tuple[str, FileReport]]) -> dict[str, list[FileReport]]:
+    found = defaultdict(list)
+    for student, report in graded:
+        found[student].append(report)
+    return dict(sorted(found.items()))
+
+
+def _best(files: list[FileReport]) -> dict[str, Report]:
+    best: dict[str, Report] = {}
+    for report in (report for each in files for report in each.reports):
+        other = best.setdefault(report.operation, report)
+        best[report.operation] = max(other, report, key=lambda each: each.points)
+    return best
+
+
+def _as_text(cell: str) -> str:
+    """A cell that no spreadsheet takes for a formula."""
+    return f"'{cell}" if cell.startswith(FORMULA) else cell
+
+
+def _quoted(name: str) -> str:
+    return "`" + name.replace("`", "'").replace("\n", " ") + "`"
+
+
+def _indented(text: str) -> str:
+    """A block of code in Markdown, whose text does nothing else."""
+    return "\n".join(f"    {line}" for line in text.splitlines())
