@@ -1,10 +1,19 @@
-"""The exercises of lesson 06, learning: equation 3, corruption, and a step of descent."""
+"""The exercises of lesson 06, learning: equation 3, corruption, a step of descent, the loop."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
+from numpy_cae.course.exercises.checks import (
+    Differentiated,
+    claim,
+    drawn,
+    require_parts,
+    require_same,
+    size,
+)
 from numpy_cae.course.exercises.exercise import (
     Exercise,
     differentiated_exercise,
@@ -46,6 +55,39 @@ def layer_loss(x, corrupted, w, b, first, alpha, bound):
     return loss, dw, db
 
 
+def train_layer(windows, w, b, loss, epochs, batch, rate, decay, p, rng):
+    """Section 6: epochs over all windows in a new order; corrupt, compare, descend."""
+    weights, losses = [], []
+    for epoch in range(epochs):
+        order, of_steps = rng.permutation(len(windows)), []
+        for start in range(0, len(windows), batch):
+            x = windows[order[start : start + batch]]
+            corrupted = zero_values(x, p, rng.random(x.shape))
+            value, dw, db = loss(x, corrupted, w, b)
+            w, b = sgd_step(w, dw, rate, decay, epoch), sgd_step(b, db, rate, decay, epoch)
+            of_steps.append(value)
+        weights.append((w, b))
+        losses.append(np.mean(of_steps))
+    return weights, losses
+
+
+@dataclass
+class RecordedLoss:
+    """A loss of (x, corrupted, w, b) with its gradients that remembers arguments and results."""
+
+    calls: list = field(default_factory=list)
+
+    def __call__(self, x, corrupted, w, b):
+        mean = np.mean(x)
+        results = np.sum((w - mean) ** 2) / 2 + np.sum(b**2) / 2, w - mean, 1.0 * b
+        self.calls.append([np.array(each) for each in (x, corrupted, w, b, *results)])
+        return results
+
+    def __repr__(self) -> str:
+        value = "(((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2"
+        return f"lambda x, corrupted, w, b: ({value}, w - x.mean(), 1.0 * b)"
+
+
 def _layer_loss_by_loops(x, corrupted, w, b, first, alpha, bound):
     y = encode_by_loops(corrupted, w, b)
     x_hat = decode_by_loops(y, w, b, bound, first)
@@ -82,6 +124,82 @@ def _kept_values(function, case: Case) -> None:
     require_equal("where the draw is not below p, the value", found, x[draws >= p])
 
 
+def _training_arguments(case: Case) -> dict[str, object]:
+    rng = case.rng()
+    windows = spread(rng, (case["windows"], 4, 5))
+    weights = {"w": spread(rng, (1, 5, 2)), "b": spread(rng, (2,))}
+    sizes = {"loss": RecordedLoss(), "epochs": case["epochs"], "batch": case["batch"]}
+    return {"windows": windows, **weights, **sizes, "rate": 0.5, "decay": 0.7, "p": P, "rng": rng}
+
+
+def _epochs_of_calls(train_layer, case: Case) -> tuple[tuple, list[list], dict]:
+    """What the function returns, the calls of the loss in each epoch, and the arguments."""
+    given = _training_arguments(case)
+    returned = require_parts(train_layer(*given.values()), ("weights", "losses"))
+    calls, steps = given["loss"].calls, -(-case["windows"] // case["batch"])
+    if len(calls) != steps * case["epochs"]:
+        expected = f"expected {steps} in each of {case['epochs']} epochs"
+        raise AssertionError(f"it calls loss {len(calls)} times, {expected}")
+    epochs = [calls[steps * n : steps * (n + 1)] for n in range(case["epochs"])]
+    return returned, epochs, given
+
+
+@claim("every window", "loss gets each clean window once an epoch, in a new random order", 3)
+def _every_window_once(train_layer, case: Case) -> None:
+    _, epochs, given = _epochs_of_calls(train_layer, case)
+    orders = [given["windows"][:, 0, 0].tolist()]
+    for number, calls in enumerate(epochs):
+        order = np.concatenate([x[:, 0, 0] for x, *_ in calls])
+        require_equal(f"sorted x[:, 0, 0] of epoch {number}", np.sort(order), np.sort(orders[0]))
+        if order.tolist() in orders:
+            raise AssertionError(f"epoch {number} has the order of windows or of an earlier epoch")
+        orders.append(order.tolist())
+
+
+@claim("corruption", "about the share p of each batch is set to zero, newly drawn", 2)
+def _corrupted_anew(train_layer, case: Case) -> None:
+    _, epochs, _ = _epochs_of_calls(train_layer, case)
+    lost = {}
+    for x, corrupted, *_ in (call for calls in epochs for call in calls):
+        require_equal("where corrupted is not 0, it", corrupted, np.where(corrupted == 0, 0, x))
+        for window, zeroed in zip(x, corrupted == 0, strict=True):
+            if any(np.array_equal(zeroed, before) for before in lost.get(window[0, 0], ())):
+                raise AssertionError("a window loses the same values in two epochs")
+            lost.setdefault(window[0, 0], []).append(zeroed)
+    share = np.mean([*lost.values()])
+    if abs(share - P) > 0.15:
+        raise AssertionError(f"p is {P}, but {share:.0%} of all values are zero")
+
+
+@claim("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e", 3)
+def _steps_descend(train_layer, case: Case) -> None:
+    (weights, _), epochs, given = _epochs_of_calls(train_layer, case)
+    require_parts(weights, [f"(w, b) after epoch {n}" for n in range(len(epochs))])
+    w, b = given["w"], given["b"]
+    for number, calls in enumerate(epochs):
+        for _, _, found_w, found_b, _, dw, db in calls:
+            names = f"w in epoch {number}", f"b in epoch {number}"
+            require_same((found_w, found_b), (w, b), names)
+            rate = given["rate"] * given["decay"] ** number
+            w, b = w - rate * dw, b - rate * db
+        require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
+
+
+@claim("losses", "losses has the mean of what loss returned in each epoch", 2)
+def _mean_losses(train_layer, case: Case) -> None:
+    (_, losses), epochs, _ = _epochs_of_calls(train_layer, case)
+    require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])
+
+
+@claim("falling loss", "where all windows are alike, the loss falls from epoch to epoch")
+def _loss_falls(train_layer, case: Case) -> None:
+    given = _training_arguments(case)
+    given["windows"] = np.ones_like(given["windows"])
+    _, losses = train_layer(*given.values())
+    if len(losses) != case["epochs"] or not np.all(np.diff(losses) < 0):
+        raise AssertionError(f"the losses of the epochs are {np.round(losses, 4).tolist()}")
+
+
 EXERCISES: tuple[Exercise, ...] = (
     operation_exercise("mean_squared_error"),
     operation_exercise("mean_absolute"),
@@ -106,5 +224,15 @@ EXERCISES: tuple[Exercise, ...] = (
         value="the loss is that of equation 3, computed by loops",
         gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
         given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
+    ),
+    exercise(
+        train_layer,
+        _training_arguments,
+        {"windows": (8, 9, 11), "batch": (1, 2, 3), "epochs": (2, 3)},
+        _every_window_once,
+        _corrupted_anew,
+        _steps_descend,
+        _mean_losses,
+        _loss_falls,
     ),
 )

@@ -1,0 +1,51 @@
+"""A curve in a notebook that grows while a loop runs."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+
+class LiveCurve:
+    """Values over steps, drawn again about once a second: `with LiveCurve("loss") as curve: ...`.
+
+    `add` takes the next value; each point of the curve is the mean of `block` of them. The drawing
+    is displayed below the cell at the first value and replaced in place. It needs IPython.
+    """
+
+    def __init__(self, title: str, block: int = 1, seconds: float = 1.0):
+        self.title, self.block, self.seconds = title, block, seconds
+        self.values: list[float] = []
+        self._display: Any = None
+        self._drawn = -np.inf
+
+    def __enter__(self) -> LiveCurve:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.values:
+            self._draw()
+
+    def add(self, value: float) -> None:
+        """Append a value, and draw if the last drawing is older than `seconds`."""
+        self.values.append(float(value))
+        if time.monotonic() - self._drawn >= self.seconds:
+            self._draw()
+
+    def _draw(self) -> None:
+        import matplotlib.pyplot as plt
+        from IPython.display import display
+
+        ends = np.arange(0, len(self.values), self.block)
+        means = np.add.reduceat(self.values, ends) / np.diff([*ends, len(self.values)])
+        figure, axes = plt.subplots(figsize=(7, 2.4))
+        axes.plot(np.minimum(ends + self.block, len(self.values)), means)
+        axes.set(title=self.title, xlabel="step", yscale="log")
+        plt.close(figure)  # displayed here, and not once more at the end of the cell
+        if self._display is None:
+            self._display = display(figure, display_id=True)
+        else:
+            self._display.update(figure)
+        self._drawn = time.monotonic()
