@@ -4,6 +4,7 @@ from numpy_cae.viz.actor import Actor, Motions, local_actors, motion_actor, worl
 from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, dots_figure, feature_figure
+from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.notebook import in_notebook
 from numpy_cae.viz.strip import save_figure, strip_figure
 from numpy_cae.viz.viewer import save_viewer
@@ -15,6 +16,7 @@ __all__ = [
     "TRUTH",
     "Actor",
     "Curve",
+    "LiveCurve",
     "Motions",
     "bars_figure",
     "curves_figure",
