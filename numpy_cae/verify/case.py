@@ -122,8 +122,9 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
     }
 
 
-def drawn_cases(stated: Property, count: int) -> Iterator[Case]:
+def drawn_cases(stated: Property) -> Iterator[Case]:
     """Random cases of a property, seeded by its name; each size and class is drawn as often."""
+    count = stated.examples
     rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
     columns = []
     for options in stated.sizes.values():
@@ -135,11 +136,11 @@ def drawn_cases(stated: Property, count: int) -> Iterator[Case]:
         yield Case(sizes, int(rng.integers(SEEDS_TRIED, SEEDS)))
 
 
-def smallest(case: Case, stated: Property, fails: Callable[[Case], bool]) -> Case:
+def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
     """A case that fails likewise, none of whose sizes or classes can be simpler by itself."""
     tried = 0
     while tried < MAX_SHRINKS:
-        for simpler in _simpler(case, stated.sizes):
+        for simpler in _simpler(case, sizes):
             tried += 1
             if fails(simpler):
                 case = simpler

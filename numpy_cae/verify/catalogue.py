@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.patch import Patch, right_operation
-from numpy_cae.verify.property import Property, shared_properties
+from numpy_cae.verify.property import Property
+from numpy_cae.verify.shared_properties import shared_properties
 
 CONTRACT = "that of numpy_cae.ops"
 """The convention that an implementation follows unless another one is allowed."""
@@ -55,11 +55,6 @@ CATALOGUE: dict[str, Task] = {
 def properties(name: str) -> tuple[Property, ...]:
     """The properties of an operation of `numpy_cae.ops` or of "tied_layer", else a ValueError."""
     return find_task(CATALOGUE, name).properties
-
-
-def load_catalogue(module: str) -> Catalogue:
-    """The `CATALOGUE` of a module, which is imported."""
-    return import_module(module).CATALOGUE
 
 
 def find_task(catalogue: Catalogue, name: str) -> Task:

@@ -8,10 +8,12 @@ the implementation does, and the right operation in several cases does not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import zip_longest
 
 import numpy as np
 
+from numpy_cae.verify.call import copies
 from numpy_cae.verify.case import drawn_cases
 from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.operation import Operation
@@ -27,7 +29,7 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     operation = stated.definition
     if operation is None:
         return ""
-    cases = list(drawn_cases(stated, stated.examples))
+    cases = list(drawn_cases(stated))
     found = [stated.check.found(implementation, case) for case in cases]
     right = [stated.check.found(operation.reference, case) for case in cases]
     if sum(not _same(one, other) for one, other in zip(found, right, strict=True)) < SEVERAL:
@@ -57,7 +59,7 @@ def _shared_effects(operation: Operation, implementation: Callable, wrong: Calla
     general = property_of(operation, "diagnosis", "", _every_result)
     touched: set[int] = set()
     differing: set[int] = set()
-    for case in drawn_cases(general, GENERAL_CASES):
+    for case in drawn_cases(replace(general, examples=GENERAL_CASES)):
         functions = (implementation, wrong, operation.reference)
         one, other, right = (general.check.found(f, case) for f in functions)
         touched |= _differing(other, right)
@@ -66,9 +68,9 @@ def _shared_effects(operation: Operation, implementation: Callable, wrong: Calla
 
 
 def _every_result(operation: Operation, implementation: Callable, case) -> Iterator[tuple]:
-    value, _ = operation.reference(*operation.arguments(case).values())
-    dy = np.random.default_rng(case.seed).uniform(1, 2, np.shape(value))
     arguments = list(operation.arguments(case).values())
+    shape = np.shape(operation.value(*copies(arguments)))
+    dy = np.random.default_rng(case.seed).uniform(1, 2, shape)
     for what, result in results(operation, implementation, arguments, dy).items():
         yield what, result, result
 

@@ -196,27 +196,26 @@ def _require_same(what: str, first: Sequence, second: Sequence) -> None:
 def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) -> None:
     """Compare one gradient with differences, and tell where they disagree most."""
     tried = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
-    directions = list(_directions(at, rng))
-    verdicts = [at.judge(direction, tolerance) for direction in directions]
-    if tried != "entries" and any(verdict.kind == KINK for verdict in verdicts):
-        entries = rng.choice(at.x.size, EVERY_ENTRY_UP_TO, replace=False)
-        kept = [d for d, verdict in zip(directions, verdicts, strict=True) if verdict.kind == WRONG]
-        directions = [*kept, *_entries(at.x, entries)]
-        verdicts = [at.judge(direction, tolerance) for direction in directions]
-    of = {kind: [i for i, v in enumerate(verdicts) if v.kind == kind] for kind in (WRONG, KINK)}
-    if of[WRONG]:
-        worst = max(of[WRONG], key=lambda i: abs(verdicts[i].numeric - verdicts[i].analytic))
-        index, verdict = _trace(at, directions[worst], verdicts[worst], tolerance)
+    judged = [(direction, at.judge(direction, tolerance)) for direction in _directions(at, rng)]
+    if tried != "entries" and any(verdict.kind == KINK for _, verdict in judged):
+        entries = _entries(at.x, rng.choice(at.x.size, EVERY_ENTRY_UP_TO, replace=False))
+        judged = [one for one in judged if one[1].kind == WRONG]
+        judged += [(direction, at.judge(direction, tolerance)) for direction in entries]
+    wrong = [one for one in judged if one[1].kind == WRONG]
+    kinks = [one for one in judged if one[1].kind == KINK]
+    if wrong:
+        worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
+        index, verdict = _trace(at, *worst, tolerance)
         raise AssertionError(
             f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}\n"
             f"    by the pullback         {verdict.analytic:.10g}\n"
             f"    by central differences  {verdict.numeric:.10g}\n"
-            f"    wrong in {len(of[WRONG])} of {len(verdicts)} {tried}"
+            f"    wrong in {len(wrong)} of {len(judged)} {tried}"
         )
-    if len(of[KINK]) > max(1, int(KINKS_EXCUSED * len(verdicts))):
-        index, verdict = _trace(at, directions[of[KINK][0]], verdicts[of[KINK][0]], tolerance)
+    if len(kinks) > max(1, int(KINKS_EXCUSED * len(judged))):
+        index, verdict = _trace(at, *kinks[0], tolerance)
         raise AssertionError(
-            f"{at.name}, shape {at.x.shape}, has a kink in {len(of[KINK])} of {len(verdicts)} "
+            f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {len(judged)} "
             f"entries, such as {index}: slope {verdict.left:.6g} to the left, {verdict.right:.6g} "
             "to the right\n    too many to be excused: choose inputs away from kinks"
         )

@@ -9,11 +9,11 @@ from importlib import import_module
 from pathlib import Path
 
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.catalogue import Catalogue, Task, find_task
+from numpy_cae.verify.catalogue import Catalogue, find_task
 from numpy_cae.verify.messages import visible
-from numpy_cae.verify.reporting import WIDTH, Report, failed_report, report_from_json
+from numpy_cae.verify.reporting import WIDTH, Report, report_from_reply
 from numpy_cae.verify.sandbox.process import run
-from numpy_cae.verify.submission import Submission, SubmissionError, read_submission
+from numpy_cae.verify.submission import Submission, read_submission
 
 TIME_LIMIT = 120.0
 EXERCISE_SECONDS = 30.0
@@ -109,12 +109,12 @@ def grade(
     lessons = getattr(module, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
-    submission, fault = _read(path)
+    submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
     known = assigned or (module.CATALOGUE if submission.is_notebook else OPERATIONS)
     wanted = {name: name for name in known} | named
-    reply = {"failed": fault}
-    if not fault:
+    reply = {"failed": submission.fault}
+    if not submission.fault:
         own = assigned or submission.defined() & wanted.keys()
         given = {name for task in own for name in module.CATALOGUE[task].given} - set(assigned)
         request = {"path": str(path.resolve()), "from": catalogue, "any_convention": any_convention}
@@ -122,16 +122,6 @@ def grade(
         request |= {"wanted": wanted, "given": sorted(given), "megabytes": megabytes}
         reply = run(request | {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS})
     return _graded(submission, module.CATALOGUE, wanted, {*assigned, *named}, reply)
-
-
-def _read(path: Path) -> tuple[Submission, str]:
-    """What was handed in, and what is wrong with the file if that cannot be read."""
-    try:
-        if not path.is_file():
-            raise SubmissionError("it is no file" if path.exists() else "there is no such file")
-        return read_submission(path), ""
-    except (SubmissionError, OSError) as error:
-        return Submission(path), str(error)
 
 
 def _graded(
@@ -152,18 +142,8 @@ def _graded(
             continue
         result = results.get(task, {"failed": f"it has no function {function}"})
         result = {"failed": fault} if fault else result
-        graded.reports.append(_report(catalogue[task], function, result))
+        graded.reports.append(report_from_reply(catalogue[task], function, result))
         graded.notes += [f"{function}: {visible(note)}" for note in result.get("notes", ())]
     missing = [] if graded.reports else [MISSING]
     graded.faults += map(visible, [fault] if fault else problems + missing)
     return graded
-
-
-def _report(task: Task, function: str, result: dict) -> Report:
-    """The report of one task, from what the process that tested it sent."""
-    if "failed" in result:
-        return failed_report(task, function, visible(result["failed"]))
-    try:
-        return report_from_json(task, function, result["report"])
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        return failed_report(task, function, f"its process sent no reply: {error}")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.verify import definitions
 from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn
 from numpy_cae.verify.tied import tied_layer
 
@@ -21,12 +21,16 @@ class Operation:
     sizes: Sizes  # the sizes and classes to draw from, the simplest first
     arguments: Callable[[Case], dict[str, object]]  # by name, in the order of the call
     differentiated: tuple[str, ...]
-    definition: Callable[..., np.ndarray | float]
+    definition: Callable | None = None  # its value, where there is no reference
     linear_in: tuple[str, ...] = ()
     reference: Callable | None = None  # its value and pullback
     saturates: bool = False  # a derivative may be far smaller than what it is computed from
     selects: bool = False  # results are arguments' entries up to a factor: compared one by one
     alike: Callable = lambda arguments, gradient: gradient  # the same for all right gradients
+
+    def value(self, *arguments: object) -> np.ndarray | float:
+        """The right value."""
+        return self.reference(*arguments)[0] if self.reference else self.definition(*arguments)
 
 
 CLASSES = {"values": tuple(VALUES)}
@@ -159,10 +163,11 @@ OPERATIONS: dict[str, Operation] = {
         sizes,
         arguments,
         tuple(differentiated.split()),
-        getattr(definitions, name),
-        tuple(linear_in.split()),
-        getattr(ops, name, tied_layer),
+        linear_in=tuple(linear_in.split()),
+        reference=getattr(ops, name, tied_layer),
         **others,
     )
     for name, sizes, arguments, differentiated, linear_in, others in _TABLE
 }
+definitions = SimpleNamespace(**{name: operation.value for name, operation in OPERATIONS.items()})
+"""The right value of each operation."""

@@ -18,6 +18,7 @@ from numpy_cae.verify.property import (
     UPSTREAM,
     Findings,
     Property,
+    copied,
     copies,
     drawn_upstream,
     property_of,
@@ -25,7 +26,7 @@ from numpy_cae.verify.property import (
 )
 
 WIDE_BOUND = 0.99
-
+ZEROS = ("zeros", "signed zeros")
 _STATED: dict[str, list[tuple]] = {}
 """For each operation, the name, statement, findings and sizes of its properties."""
 
@@ -36,22 +37,24 @@ def operation_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(operation, name, statement, findings, UPSTREAM | sizes)
 
 
-def states(name: str, statement: str, *operations: str, **sizes: tuple) -> Callable:
+def states(names: str, name: str, statement: str, **sizes: tuple) -> Callable:
     """Make findings a property of operations, tried at `sizes` in place of the operation's own.
 
     They are drawn with an implementation, a case and the arguments by name.
     """
 
-    def register(drawn: Callable[..., Findings]) -> Callable[..., Findings]:
+    def register(drawn: Callable[..., Findings]) -> None:
         def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
             yield from drawn(implementation, case, **operation.arguments(case))
 
-        stated = drawn if drawn.__name__ == "compared" else findings
-        for operation in operations:
-            _STATED.setdefault(operation, []).append((name, statement, stated, sizes))
-        return drawn
+        _state(names, name, statement, findings, sizes)
 
     return register
+
+
+def _state(names: str, name: str, statement: str, findings: Callable, sizes: dict) -> None:
+    for operation in names.split():
+        _STATED.setdefault(operation, []).append((name, statement, findings, sizes))
 
 
 def _compared(what: str, exactly_zero: bool = False) -> Callable[..., Findings]:
@@ -59,9 +62,9 @@ def _compared(what: str, exactly_zero: bool = False) -> Callable[..., Findings]:
 
     def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
         arguments = operation.arguments(case)
-        dy = drawn_upstream(case, operation.reference(*copies(arguments))[0])
+        dy = drawn_upstream(case, operation.value(*copies(arguments)))
         functions = (implementation, operation.reference)
-        found, expected = (results(operation, f, copies(arguments), dy) for f in functions)
+        found, expected = (results(operation, f, copies(arguments), copied(dy)) for f in functions)
         for name, right in expected.items():
             if what in name and exactly_zero:
                 empty = np.asarray(right) == 0
@@ -72,40 +75,29 @@ def _compared(what: str, exactly_zero: bool = False) -> Callable[..., Findings]:
     return compared
 
 
+ANY, ZERO_GRADIENT = _compared("the"), _compared("gradient", exactly_zero=True)
+EMPTY = "the other frame of the pair is exactly 0"
+SATURATED = "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan"
+BEYOND = "beyond the bound the value is arctanh(±bound) and the gradient exactly 0"
+TIES = "a tie goes to the earlier frame, value and whole gradient"
 COMPARED = (
-    ("ties", "a tie goes to the earlier frame, value and whole gradient", "max_pool", ("the",)),
-    ("loser", "the smaller frame's gradient is exactly 0", "max_pool", ("gradient", True)),
-    ("empty slot", "the other frame of the pair is exactly 0", "unpool_random", ("value", True)),
-    (
-        "large inputs",
-        "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan",
-        "tanh sigmoid",
-        ("the",),
-    ),
-    (
-        "beyond the bound",
-        "beyond the bound the value is arctanh(±bound) and the gradient exactly 0",
-        "arctanh",
-        ("the",),
-    ),
-    ("repeated gru_step", "value and gradients are those of gru_step, repeated", "gru", ("the",)),
-    ("zero at zero", "at y = 0 the gradient is exactly 0", "mean_absolute", ("gradient", True)),
+    ("max_pool", "ties", TIES, ANY, ("ties", *ZEROS)),
+    ("max_pool", "loser", "the smaller frame's gradient is exactly 0", ZERO_GRADIENT, ()),
+    ("unpool_random", "empty slot", EMPTY, _compared("value", exactly_zero=True), ()),
+    ("tanh sigmoid", "large inputs", SATURATED, ANY, ("huge",)),
+    ("arctanh", "beyond the bound", BEYOND, ANY, ("bound", "large", "huge")),
+    ("gru", "repeated gru_step", "value and gradients are those of gru_step, repeated", ANY, ()),
+    ("mean_absolute", "zero at zero", "at y = 0 the gradient is exactly 0", ZERO_GRADIENT, ZEROS),
 )
-VALUES_OF = {
-    "ties": ("ties", "zeros", "signed zeros"),
-    "large inputs": ("huge",),
-    "beyond the bound": ("bound", "large", "huge"),
-    "zero at zero": ("zeros", "signed zeros"),
-}
-for _name, _statement, _operations, _results in COMPARED:
-    _classes = {"values": VALUES_OF[_name]} if _name in VALUES_OF else {}
-    states(_name, _statement, *_operations.split(), **_classes)(_compared(*_results))
+"""Operations, name, statement, findings, and the classes of values if not all."""
+for _names, _name, _statement, _findings, _values in COMPARED:
+    _state(_names, _name, _statement, _findings, {"values": _values} if _values else {})
 
 
 @states(
+    "conv1d",
     "shift in time",
     "away from the edges, a frame's delay of x delays y by a frame",
-    "conv1d",
     frames=(8, 9, 10),
     taps=(1, 3, 5),
 )
@@ -116,22 +108,21 @@ def _shift(conv1d, case, x, w, b):
     yield "one frame later, the value", later, conv1d(x, w, b)[0][:, middle]
 
 
-@states("own inverse", "transposing twice changes nothing", "transpose_filters")
+@states("transpose_filters", "own inverse", "transposing twice changes nothing")
 def _own_inverse(transpose_filters, case, w):
     yield "transposed twice, the bank", transpose_filters(transpose_filters(w)[0])[0], w
 
 
-@states("pair sums", "both frames of a pair sum to y", "unpool_even", "unpool_random")
+@states("unpool_even unpool_random", "pair sums", "both frames of a pair sum to y")
 def _pair_sums(unpool, case, y, **mask):
     x, _ = unpool(y, *mask.values())
     yield "the sum of a pair", x[:, 0::2] + x[:, 1::2], y
 
 
-@states(
-    "inverse of tanh",
-    "arctanh ∘ tanh is the identity inside the bound, its derivative too",
-    "arctanh",
-)
+INVERSE = "arctanh ∘ tanh is the identity inside the bound, its derivative too"
+
+
+@states("arctanh", "inverse of tanh", INVERSE)
 def _inverse_of_tanh(arctanh, case, y, bound):
     x = spread(case.rng(), y.shape, np.arctanh(WIDE_BOUND) * 0.999)
     y, tanh_pullback = ops.tanh(x)
@@ -142,20 +133,20 @@ def _inverse_of_tanh(arctanh, case, y, bound):
     yield "through arctanh and tanh, the gradient", through, dx
 
 
-@states("rows alone", "each row is mapped as if it were alone", "linear")
+@states("linear", "rows alone", "each row is mapped as if it were alone")
 def _rows_alone(linear, case, x, w, b):
     alone = np.stack([linear(row, w, b)[0] for row in x.reshape(-1, len(w))])
     yield "of all rows at once the value", linear(x, w, b)[0], alone.reshape(*x.shape[:-1], -1)
 
 
-@states("causality", "no frame depends on a later one", "gru", frames=(2, 3, 4, 9))
+@states("gru", "causality", "no frame depends on a later one", frames=(2, 3, 4, 9))
 def _causality(gru, case, x, **others):
     earlier, _ = gru(x[:, :-1], *others.values())
     whole, _ = gru(x, *others.values())
     yield "of the earlier frames alone the value", earlier, whole[:, :-1]
 
 
-@states("kept state", "a sequence in two pieces is the whole one", "gru", frames=(2, 3, 4, 9))
+@states("gru", "kept state", "a sequence in two pieces is the whole one", frames=(2, 3, 4, 9))
 def _kept_state(gru, case, x, h0, **weights):
     head, _ = gru(x[:, :1], h0, *weights.values())
     tail, _ = gru(x[:, 1:], head[:, -1], *weights.values())
@@ -163,11 +154,10 @@ def _kept_state(gru, case, x, h0, **weights):
     yield "in two pieces the value", np.concatenate([head, tail], axis=1), whole
 
 
-@states(
-    "zero at the target",
-    "where x_hat equals x, loss and gradient are exactly 0",
-    "mean_squared_error",
-)
+AT_TARGET = "where x_hat equals x, loss and gradient are exactly 0"
+
+
+@states("mean_squared_error", "zero at the target", AT_TARGET)
 def _zero_at_the_target(mean_squared_error, case, x_hat, x):
     loss, pullback = mean_squared_error(x.copy(), x)
     yield "at the target the loss", loss, 0.0, 0
@@ -175,14 +165,14 @@ def _zero_at_the_target(mean_squared_error, case, x_hat, x):
     yield "at the target the gradient", dx_hat, np.zeros_like(x), 0
 
 
-@states("equal sets", "between equal sets distance and gradient are 0", "sliced_wasserstein")
+@states("sliced_wasserstein", "equal sets", "between equal sets distance and gradient are 0")
 def _equal_sets(sliced_wasserstein, case, z, prior, directions):
     loss, pullback = sliced_wasserstein(case.rng().permutation(z), z, directions)
     yield "between equal sets the distance", loss, 0.0
     yield "between equal sets the gradient", np.reshape(pullback(1.0), z.shape), np.zeros_like(z)
 
 
-@states("order", "the order of the points does not matter", "sliced_wasserstein")
+@states("sliced_wasserstein", "order", "the order of the points does not matter")
 def _order(sliced_wasserstein, case, z, prior, directions):
     order = case.rng().permutation(len(z))
     loss, pullback = sliced_wasserstein(z, prior, directions)
@@ -194,40 +184,32 @@ def _order(sliced_wasserstein, case, z, prior, directions):
         yield "in another order the gradient", gradient, of_order
 
 
-@states(
-    "optimal assignment",
-    "in one dimension it is the cheapest assignment on squared costs, mean over points",
-    "sliced_wasserstein",
-    dimensions=(1,),
-)
+CHEAPEST = "in one dimension it is the cheapest assignment on squared costs, mean over points"
+
+
+@states("sliced_wasserstein", "optimal assignment", CHEAPEST, dimensions=(1,))
 def _assignment(sliced_wasserstein, case, z, prior, directions):
     cost = (z - prior.T) ** 2
     cheapest = cost[linear_sum_assignment(cost)].mean()
     yield "the distance", sliced_wasserstein(z, prior, np.ones((1, 1)))[0], cheapest
 
 
-@states(
-    "upstream default",
-    "called without the upstream number, the pullback takes it to be 1",
-    "mean_squared_error",
-    "mean_absolute",
-    "sliced_wasserstein",
-)
+LOSSES = "mean_squared_error mean_absolute sliced_wasserstein"
+BY_DEFAULT = "called without the upstream number, the pullback takes it to be 1"
+
+
+@states(LOSSES, "upstream default", BY_DEFAULT)
 def _one_by_default(loss, case, **arguments):
     _, pullback = loss(*arguments.values())
     yield "by default the gradient", pullback(), pullback(1.0), 0
 
 
-_SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "filters": (1, 2)}
+SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "filters": (1, 2)}
+SMALL["values"] = (ORDINARY, "random")
+OTHER_SHARE = "where the {}'s share of dL/dw is 0, the {}'s is right".format
 
 
-@states(
-    "encoder's share",
-    "where the decoder's share of dL/dw is 0, the encoder's is right",
-    "tied_layer",
-    values=(ORDINARY, "random"),
-    **_SMALL,
-)
+@states("tied_layer", "encoder's share", OTHER_SHARE("decoder", "encoder"), **SMALL)
 def _encoder_alone(tied_layer, case, x, w, b):
     """The upstream gradient is one that cancels in the decoder's share."""
     y = np.tanh(ops.conv1d(x, w, b)[0]) - b
@@ -241,13 +223,7 @@ def _encoder_alone(tied_layer, case, x, w, b):
     yield "the encoder's share of the gradient for w", dw, expected
 
 
-@states(
-    "decoder's share",
-    "where the encoder's share of dL/dw is 0, the decoder's is right",
-    "tied_layer",
-    values=(ORDINARY, "random"),
-    **_SMALL,
-)
+@states("tied_layer", "decoder's share", OTHER_SHARE("encoder", "decoder"), **SMALL)
 def _decoder_alone(tied_layer, case, x, w, b):
     """The units are saturated, and pass no gradient to the encoder."""
     b = 60 * np.sign(b)

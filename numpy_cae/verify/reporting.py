@@ -40,12 +40,17 @@ class Report:
     def earned(self) -> list[int]:
         """Points by property: gradients need a right value, all others right gradients as well."""
         kinds = [_kind(outcome.stated.name) for outcome in self.outcomes]
-        main = kinds if "value" in kinds or "gradient" in kinds else [k or "value" for k in kinds]
-        wrong = {k for k, outcome in zip(main, self.outcomes, strict=True) if not outcome.held}
+        if not {"value", "gradient"} & set(kinds):
+            kinds = [kind or "value" for kind in kinds]
+        wrong = {
+            kind for kind, outcome in zip(kinds, self.outcomes, strict=True) if not outcome.held
+        }
         needed = {"value": set(), "gradient": {"value"}}  # by the others: both
         return [
-            0 if wrong & needed.get(kind, {"value", "gradient"}) else outcome.points
-            for kind, outcome in zip(main, self.outcomes, strict=True)
+            outcome.stated.points
+            if outcome.held and not wrong & needed.get(kind, {"value", "gradient"})
+            else 0
+            for kind, outcome in zip(kinds, self.outcomes, strict=True)
         ]
 
     @property
@@ -133,10 +138,9 @@ def _wrapped(head: str, text: str, indent: int) -> list[str]:
 
 def _kind(name: str) -> str:
     """The kind of a property: "value", "gradient", "form", or "" for the others."""
-    if name in FORM:
-        return "form"
     first = name.partition(" ")[0].rstrip("s")
-    return {"value": "value", "gradient": "gradient", "adjoint": "gradient"}.get(first, "")
+    kinds = {"value": "value", "gradient": "gradient", "adjoint": "gradient"}
+    return "form" if name in FORM else kinds.get(first, "")
 
 
 def report(name: str, function: Callable, any_convention: bool = False) -> Report:
@@ -185,30 +189,32 @@ def _outcomes(properties: tuple[Property, ...], implementation: Callable) -> tup
     return tuple(outcomes)
 
 
-def report_from_json(task: Task, called: str, made: dict) -> Report:
-    """The report that another process made; statements and points are not taken from there.
+def report_from_reply(task: Task, called: str, reply: dict) -> Report:
+    """The report that another process made of a function, or one on why it made none.
 
-    Raises a ValueError or KeyError if it is not what `Report.as_json` makes.
+    Statements and points are not taken from the reply.
     """
-    convention, stated = made["convention"], task.properties
-    if convention != CONTRACT:
-        (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
-        stated = properties_of(task.name, other)
-    outcomes = tuple(
-        Outcome(
-            each,
-            one["held"] is True,
-            *(visible(one[text]) for text in ("problem", "counterexample", "likely_mistake")),
-        )
-        for each, one in zip(stated, made["properties"], strict=True)
-    )
+    convention, outcomes = CONTRACT, ()
+    try:
+        problem = visible(reply.get("failed", ""))
+        if not problem:
+            outcomes = tuple(_outcomes_from(task, **reply["report"]))
+            convention = reply["report"]["convention"]
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        problem = f"its process sent no reply: {error}"
+    if problem:
+        outcomes = tuple(Outcome(each, held=False, problem=problem) for each in task.properties)
     return Report(task.name, called, outcomes, convention, task.hint)
 
 
-def failed_report(task: Task, called: str, problem: str) -> Report:
-    """The report on a function whose test came to no end: no property held."""
-    outcomes = tuple(Outcome(stated, held=False, problem=problem) for stated in task.properties)
-    return Report(task.name, called, outcomes, hint=task.hint)
+def _outcomes_from(task: Task, convention: str, properties: list, **others) -> Iterator[Outcome]:
+    stated = task.properties
+    if convention != CONTRACT:
+        (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
+        stated = properties_of(task.name, other)
+    for each, made in zip(stated, properties, strict=True):
+        texts = (visible(made[name]) for name in ("problem", "counterexample", "likely_mistake"))
+        yield Outcome(each, made["held"] is True, *texts)
 
 
 def holds(task: Task, implementation: Callable) -> bool:

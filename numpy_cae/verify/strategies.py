@@ -11,25 +11,15 @@ def test_my_conv1d(example):
 
 from __future__ import annotations
 
-import numpy as np
+from functools import partial
+
 from hypothesis import strategies as st
 
-from numpy_cae.verify.case import VALUES
 from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.property import UPSTREAM
 from numpy_cae.verify.trial import Example, example_of
 
-__all__ = ["arguments", "arrays", "examples"]
-
-SEEDS = st.integers(0, 9999)
-
-
-def arrays(shape: tuple[int, ...], reach: float = 2.0) -> st.SearchStrategy[np.ndarray]:
-    """Arrays of float64 of one shape, each of one of the classes of values in `case.VALUES`."""
-    draw = st.sampled_from(list(VALUES.values()))
-    return st.builds(
-        lambda kind, seed: kind(np.random.default_rng(seed), shape, reach), draw, SEEDS
-    )
+__all__ = ["arguments", "examples"]
 
 
 def examples(name: str) -> st.SearchStrategy[Example]:
@@ -40,7 +30,7 @@ def examples(name: str) -> st.SearchStrategy[Example]:
     properties = find_task(CATALOGUE, name).properties
     sizes = {**properties[0].sizes, **UPSTREAM}
     drawn = st.fixed_dictionaries({size: st.sampled_from(among) for size, among in sizes.items()})
-    return st.builds(lambda seed, sizes: example_of(properties, seed, sizes), SEEDS, drawn)
+    return st.builds(partial(example_of, properties), st.integers(0, 9999), drawn)
 
 
 def arguments(name: str) -> st.SearchStrategy[dict[str, object]]:

@@ -12,7 +12,6 @@ from types import ModuleType
 
 import numpy as np
 
-from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.messages import described
 
 LARGEST_PROGRAM = 2**20
@@ -21,20 +20,18 @@ MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
 DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
 
-class SubmissionError(NumpyCaeError):
-    """A file is too large, or is not a notebook with exercise cells."""
-
-
 @dataclass(frozen=True)
 class Submission:
     """The parts of a file that are run, each with its name: the whole file, or exercise cells.
 
-    `ids` names the exercises of the cells that are there, whoever wrote them.
+    `ids` names the exercises of the cells that are there, whoever wrote them; `fault` tells why a
+    file cannot be read.
     """
 
     path: Path
     cells: tuple[tuple[str, str | bytes], ...] = ()
     ids: frozenset[str] = frozenset()
+    fault: str = ""
 
     @property
     def is_notebook(self) -> bool:
@@ -84,20 +81,24 @@ class Submission:
 def read_submission(path: Path) -> Submission:
     """Read a Python file as it is; of an .ipynb file, the cells that nbgrader marks as solutions.
 
-    Raises
-    ------
-    SubmissionError
-        If it is too large; if it is not a notebook, or has no exercise cell.
-    OSError
-        If it cannot be read.
+    A file that is too large, or no notebook with an exercise cell, has a fault.
     """
-    submission = Submission(path)
-    largest = LARGEST_NOTEBOOK if submission.is_notebook else LARGEST_PROGRAM
+    try:
+        if not path.is_file():
+            raise ValueError("it is no file" if path.exists() else "there is no such file")
+        return _read(path)
+    except (ValueError, OSError) as error:
+        return Submission(path, fault=str(error))
+
+
+def _read(path: Path) -> Submission:
+    is_notebook = Submission(path).is_notebook
+    largest = LARGEST_NOTEBOOK if is_notebook else LARGEST_PROGRAM
     with path.open("rb") as file:
         content = file.read(largest + 1)
     if len(content) > largest:
-        raise SubmissionError(f"it is larger than {largest // 2**20} MB")
-    if not submission.is_notebook:
+        raise ValueError(f"it is larger than {largest // 2**20} MB")
+    if not is_notebook:
         return Submission(path, ((str(path), content),))
     try:
         cells = json.loads(content.decode("utf-8-sig"))["cells"]
@@ -105,9 +106,9 @@ def read_submission(path: Path) -> Submission:
         sources = [(f"cell {_id(cell) or n}", _source(cell)) for n, cell in enumerate(exercises, 1)]
         ids = frozenset(_id(cell).removesuffix("_check") for cell in cells)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise SubmissionError(f"it is not a Jupyter notebook: {error}") from None
+        raise ValueError(f"it is not a Jupyter notebook: {error}") from None
     if not sources:
-        raise SubmissionError("it has no exercise cell: is it a copy of a lesson?")
+        raise ValueError("it has no exercise cell: is it a copy of a lesson?")
     return Submission(path, tuple(sources), ids)
 
 

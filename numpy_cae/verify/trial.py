@@ -94,37 +94,19 @@ def example_of(
     return Example(arguments, dy, value, differentiated(operation, pullback(copied(dy))))
 
 
-def try_property(
-    tried: Property,
-    implementation: Callable,
-    examples: int | None = None,
-    shrink: bool = True,
-) -> Outcome:
+def try_property(tried: Property, implementation: Callable, shrink: bool = True) -> Outcome:
     """Test an implementation for a property on drawn cases, the same ones every time.
 
-    Parameters
-    ----------
-    tried : Property
-    implementation : callable
-        In the form of the operation in `numpy_cae.ops`.
-    examples : int, optional
-        By default the number that the property states.
-    shrink : bool
-        Whether to look for the smallest counterexample rather than take the first.
+    The counterexample is the smallest one, or the first if not `shrink`.
     """
-    for case in drawn_cases(tried, examples or tried.examples):
-        error, _ = _failure(tried, implementation, case)
-        if error is not None:
-            break
-    else:
+    failures = ((case, _failure(tried, implementation, case)[0]) for case in drawn_cases(tried))
+    case, kind = next(((case, type(e)) for case, e in failures if e is not None), (None, None))
+    if case is None:
         return Outcome(tried, held=True)
-    kind = type(error)
     if shrink and kind is not NotImplementedError:
-
-        def fails(simpler: Case) -> bool:
-            return type(_failure(tried, implementation, simpler)[0]) is kind
-
-        case = smallest(case, tried, fails)
+        case = smallest(
+            case, tried.sizes, lambda c: type(_failure(tried, implementation, c)[0]) is kind
+        )
     error, last = _failure(tried, implementation, case)
     if error is None:  # it fails in one call and not in the next
         return Outcome(tried, False, "it does not do the same when called again", str(case))
@@ -147,7 +129,9 @@ def check_property(stated: Property, function: Callable) -> None:
         raise AssertionError("\n".join(filter(None, told)))
 
 
-def _failure(tried: Property, implementation: Callable, case: Case):
+def _failure(
+    tried: Property, implementation: Callable, case: Case
+) -> tuple[Exception | None, Recorder]:
     """What a check raises in a case, if anything, and the calls before it."""
     recorder = Recorder(implementation)
     try:

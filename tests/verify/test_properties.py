@@ -23,7 +23,7 @@ def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
     seeds = set()
     for task in CATALOGUE.values():
         for tried in task.properties:
-            cases = list(drawn_cases(tried, tried.examples))
+            cases = list(drawn_cases(tried))
             for name, options in tried.sizes.items():
                 assert {case[name] for case in cases} == set(options)
             assert len(tried.sizes["values"]) < len(VALUES) or "ties" in tried.sizes["values"]

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,7 +39,9 @@ def test_an_unknown_operation_is_an_error_with_the_names():
 def problem_of(operation, name, function):
     """What a report says about one property."""
     tried = next(each for each in verify.properties(operation) if each.name == name)
-    return " ".join(try_property(tried, function, 5, shrink=False).problem.split())
+    return " ".join(
+        try_property(replace(tried, examples=5), function, shrink=False).problem.split()
+    )
 
 
 def test_one_reason_is_told_once_and_the_same_every_time():

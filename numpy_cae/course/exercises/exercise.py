@@ -14,7 +14,8 @@ from numpy_cae.course.exercises.checks import Arguments, Claim, Differentiated, 
 from numpy_cae.verify.catalogue import Task, properties_of
 from numpy_cae.verify.operation import OPERATIONS, Operation, Sizes
 from numpy_cae.verify.operation_properties import operation_properties
-from numpy_cae.verify.property import Property, shared_properties
+from numpy_cae.verify.property import Property
+from numpy_cae.verify.shared_properties import shared_properties
 
 Exercise = Task
 

@@ -9,9 +9,8 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import claim
 from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
-from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import OPERATIONS
+from numpy_cae.verify.operation import OPERATIONS, definitions
 from numpy_cae.verify.property import require_equal
 
 CONV1D = OPERATIONS["conv1d"]

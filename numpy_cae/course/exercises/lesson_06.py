@@ -30,8 +30,8 @@ from numpy_cae.course.exercises.lesson_05 import (
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training import decayed_rate
-from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
+from numpy_cae.verify.operation import definitions
 from numpy_cae.verify.property import require_equal
 
 P = 0.3

@@ -26,9 +26,8 @@ from numpy_cae.course.exercises.sequence_network import (
     reconstruction_by_loops,
 )
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.operation import Operation, definitions
 
 WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
 

@@ -12,9 +12,8 @@ from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_ex
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
-from numpy_cae.verify import definitions
 from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.operation import Operation, definitions
 from numpy_cae.verify.property import require_equal
 
 

@@ -1,0 +1,260 @@
+"""The properties that every operation shares: its value, each gradient, dtype, purity, strides.
+
+Not tested, as the contract leaves it open: which of several equal points of sliced Wasserstein gets
+which gradient, the dtype of a gradient where dy has another dtype than the arguments, a list for a
+tuple, views of the arguments as results, a loss as a Python float, warnings, empty arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from numpy_cae.verify.adjoint import check_adjoint
+from numpy_cae.verify.call import call_of_array
+from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case
+from numpy_cae.verify.gradients import check_gradients
+from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.property import (
+    EXACT,
+    UPSTREAM,
+    Findings,
+    Property,
+    agrees,
+    copied,
+    copies,
+    differentiated,
+    drawn_upstream,
+    property_of,
+    results,
+)
+
+FLOAT32 = float(np.finfo(np.float32).eps)
+FLOAT32_ULPS = 64
+GRADIENT_POINTS = VALUE_POINTS = 2
+LAYOUT = {"layout": tuple(LAYOUTS)}
+
+
+def shared_properties(operation: Operation) -> Iterator[Property]:
+    """The properties that every operation has, those of its arguments one by one."""
+    value = "the value is that of the definition, loop by loop"
+    yield property_of(operation, "value", value, _value, {}, VALUE_POINTS)
+    for name in operation.differentiated:
+        statement = f"the pullback's gradient for {name} is that of central differences"
+        check, points = _gradient_for(name), {"points": GRADIENT_POINTS}
+        yield property_of(operation, f"gradient for {name}", statement, check, **points)
+    for name in operation.linear_in:
+        statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
+        yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name))
+    for name, statement, findings, classes in SHARED:
+        yield property_of(operation, name, statement, findings, classes)
+
+
+def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    arguments = operation.arguments(case)
+    value, _ = call_of_array(implementation, copies(arguments))
+    yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.selects
+
+
+def _gradient_for(argument: str) -> Callable:
+    def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
+        """Compare with the definition's; if the value is another, with that value's differences."""
+        arguments, names = operation.arguments(case), operation.differentiated
+        value, pullback = call_of_array(implementation, copies(arguments))
+        if operation.reference and agrees(value, operation.value(*copies(arguments))):
+            _, reference = operation.reference(*copies(arguments))
+            dy = drawn_upstream(case, value)
+            both = (differentiated(operation, f(copied(dy))) for f in (pullback, reference))
+            alike = (operation.alike(arguments, gradients[argument]) for gradients in both)
+            yield f"the gradient for {argument}", *alike, EXACT, operation.selects
+        elif case.get("values") == case.get("state") == ORDINARY:
+
+            def f(*inputs):
+                given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
+                value, pullback = call_of_array(implementation, given)
+                return value, lambda dy: pullback(copied(dy))
+
+            inputs = [arguments[name] for name in names]
+            try:
+                check_gradients(f, *inputs, rng=case.rng(), names=names, only=(argument,))
+            finally:  # the call that a report shows
+                implementation(*copies(arguments))
+
+    return findings
+
+
+def _adjoint_in(argument: str) -> Callable:
+    def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
+        arguments = operation.arguments(case)
+        if "b" in arguments:
+            arguments["b"] = np.zeros_like(arguments["b"])
+        x = arguments[argument]
+        at_zero = np.copy(implementation(*copies({**arguments, argument: np.zeros_like(x)}))[0])
+        dy = drawn_upstream(case, at_zero)
+        value, *gradients = results(operation, implementation, copies(arguments), dy).values()
+        pulled = gradients[operation.differentiated.index(argument)]
+        check_adjoint(lambda x: (value - at_zero, lambda dy: pulled), x, dy)
+        yield "A' dy", pulled, pulled
+
+    return findings
+
+
+def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    value, pullback = implementation(*copies(operation.arguments(case)))
+    one = drawn_upstream(case, value)
+    other = np.flip(one).copy() if np.ndim(one) else 1 / 3
+    of_one, of_other, of_both = (
+        {name: np.copy(g) for name, g in differentiated(operation, pullback(dy)).items()}
+        for dy in (copied(one), copied(other), 2 * one - 3 * other)
+    )
+    for name, gradient in of_both.items():
+        expected = 2 * of_one[name] - 3 * of_other[name]
+        yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
+
+
+def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """float32 is compared with float64; rounding the arguments tells how far it may be off."""
+    rng, arguments = np.random.default_rng(0), operation.arguments(case)
+    dy = drawn_upstream(case, implementation(*copies(arguments))[0])
+    for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
+        _require_dtype(what, result, np.float64)
+    given = {name: _in_float32(argument) for name, argument in arguments.items()}
+    dy = dy if type(dy) in (int, float) else np.float32(dy)
+
+    def in_float64(rounding: float) -> dict:
+        def widened(array: np.ndarray) -> np.ndarray:
+            if array.dtype != np.float32:
+                return array
+            return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
+
+        return results(operation, implementation, copies(given, widened), np.float64(dy))
+
+    exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
+    floor = _largest(dy, *given.values()) if operation.saturates else 1.0
+    for what, found in results(operation, implementation, copies(given), copied(dy)).items():
+        _require_dtype(what, found, np.float32)
+        expected = operation.alike(arguments, exact[what])
+        if np.all(np.isfinite(expected)):
+            by = max(float(np.max(np.abs(m[what] - exact[what]), initial=0.0)) for m in moved)
+            allowed = FLOAT32_ULPS * (FLOAT32 * max(floor, _largest(expected)) + by)
+            off = operation.alike(arguments, np.float64(found)) - expected
+            yield f"of float32, the error of {what}", off, np.zeros_like(off), allowed
+
+
+def _in_float32(argument: object) -> object:
+    """An argument rounded to float32; a number such as a bound stays a Python float."""
+    if isinstance(argument, float):
+        return float(np.float32(argument))
+    return argument.astype(np.float32) if np.asarray(argument).dtype == np.float64 else argument
+
+
+def _largest(*arrays) -> float:
+    """The product of the largest size of the first and of the others, each at least 1."""
+    sizes = [max(1.0, float(np.max(np.abs(array), initial=0.0))) for array in arrays]
+    return sizes[0] * max(sizes[1:], default=1.0)
+
+
+def _require_dtype(what: str, result, dtype: type) -> None:
+    found = np.asarray(result).dtype
+    if found != dtype and type(result) is not float:  # a Python number has no dtype to lose
+        raise AssertionError(f"given {np.dtype(dtype)}, {what} is {found}")
+
+
+def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    layout, arguments = LAYOUTS[case.get("layout")], operation.arguments(case)
+    given = copies(arguments, layout)
+
+    def arguments_after(call: str) -> Findings:
+        for name, after in zip(arguments, given, strict=True):
+            yield f"{name}, which the {call} must not alter,", 1 * after, 1 * arguments[name], 0
+
+    value, pullback = implementation(*given)
+    dy = drawn_upstream(case, value)
+    yield from arguments_after("call")
+    for layout_of_dy in (layout, np.copy):
+        dy_given = layout_of_dy(dy) if np.ndim(dy) else dy
+        pullback(dy_given)
+        yield "the upstream gradient, which the pullback must not alter,", dy_given, dy, 0
+        yield from arguments_after("pullback")
+
+
+def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Two calls with pullbacks in turn, results overwritten, then arguments changed in place."""
+    another = Case(case.sizes, case.seed + 1)
+    others = operation.arguments(another)
+    given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
+    returned, pullback = implementation(*given)
+    value, dy = np.copy(returned), drawn_upstream(case, returned)
+
+    def pulled(by: Callable, upstream) -> dict[str, np.ndarray]:
+        return differentiated(operation, by(copied(upstream)))
+
+    first = pulled(pullback, dy)
+    before = {name: np.copy(gradient) for name, gradient in first.items()}
+    other_value, other_pullback = implementation(*copies(others))
+    other_value, other_dy = np.copy(other_value), drawn_upstream(another, other_value)
+    other = {name: np.copy(gradient) for name, gradient in pulled(other_pullback, other_dy).items()}
+    pulled(pullback, other_dy)
+    yield _again("after further calls, the value that was returned first", returned, value)
+    for name, gradient in first.items():
+        what = f"after further calls, the gradient for {name} that was returned first"
+        yield _again(what, gradient, before[name])
+        if isinstance(gradient, np.ndarray) and gradient.flags.writeable:
+            gradient[...] = np.nan
+    for by, upstream, expected in ((pullback, dy, before), (other_pullback, other_dy, other)):
+        for name, gradient in pulled(by, upstream).items():
+            yield _again(f"called again, the gradient for {name}", gradient, expected[name])
+    if case.get("layout") != "read-only":
+        for number, new in enumerate(others.values()):
+            if isinstance(new, np.ndarray):
+                given[number][...] = new
+            else:
+                given[number] = new
+        again = implementation(*given)[0]
+        yield _again("of the same arrays with other numbers, the value", again, other_value)
+
+
+def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    arguments, layout = operation.arguments(case), LAYOUTS[case.get("layout")]
+    dy = drawn_upstream(case, implementation(*copies(arguments))[0])
+    plain, laid_out = (f(dy) if np.ndim(dy) else dy for f in (np.array, layout))
+    expected = results(operation, implementation, copies(arguments), plain)
+    expected = {what: np.copy(result) for what, result in expected.items()}
+    found = results(operation, implementation, copies(arguments, layout), laid_out)
+    for what, before in expected.items():
+        alike = (operation.alike(arguments, a) for a in (found[what], before))
+        yield _again(f"of arrays {case.get('layout')}, {what}", *alike)
+
+
+def _again(what: str, found, expected) -> tuple:
+    """A result and the same result before; where that is not finite, only its shape counts."""
+    found, finite = np.asarray(found), np.isfinite(expected)
+    if found.shape == np.shape(expected):
+        return what, np.where(finite, found, 0), np.where(finite, expected, 0)
+    return what, found, expected
+
+
+SHARED = (
+    (
+        "linearity",
+        "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each",
+        _linearity,
+        UPSTREAM,
+    ),
+    ("dtype", "float32 stays float32, with its precision, float64 likewise", _dtype, UPSTREAM),
+    ("purity", "no argument and no upstream gradient is altered", _purity, UPSTREAM | LAYOUT),
+    (
+        "independence",
+        "a pullback called again returns the same, whatever was called in between",
+        _independence,
+        UPSTREAM | LAYOUT,
+    ),
+    (
+        "strides",
+        "views in any memory order, or that cannot be written, give the same as copies",
+        _strides,
+        {**UPSTREAM, "layout": tuple(LAYOUTS)[1:]},
+    ),
+)
+"""Name, statement, findings and classes of what does not depend on an operation's arguments."""
