@@ -11,25 +11,25 @@ from __future__ import annotations
 import ast
 import importlib.abc
 import importlib.machinery
-import inspect
+import linecache
 import os
 import re
 import sys
-import textwrap
 import traceback
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from symtable import SymbolTable, symtable
-from types import FunctionType, ModuleType
+from types import ModuleType
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.exercises import CATALOGUE
+from numpy_cae.course.exercises import CATALOGUE, EXERCISES
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.submission import is_exercise
+from numpy_cae.verify.submission import MAGIC, is_exercise
+from numpy_cae.verify.trial import try_property
 
 FILE = "mine.py"
+IMPORTS = (ast.Import, ast.ImportFrom)
 EMPTY = '''"""My functions. course.solved() writes a function here when all its properties hold.
 
 In a lesson, after importing numpy_cae.course:    from mine import conv1d
@@ -57,24 +57,29 @@ def stand_in(name: str) -> Callable:
 
 
 def save(name: str, function: Callable) -> bool:
-    """Write a function, and what it uses of the notebook, to the mine.py of the current folder.
+    """Write a function, with all that its cell defines, to the mine.py of the current folder.
 
     Returns False where there is no mine.py, or nbgrader runs the notebook.
 
     Raises
     ------
     NotSavedError
-        If mine.py cannot be run, the source is not found, or it uses what cannot be written.
+        If mine.py cannot be run, or the function does not work with what its cell defines.
     """
     if not Path(FILE).is_file() or os.environ.get("NBGRADER_EXECUTION"):
         return False
     before = Path(FILE).read_text(encoding="utf-8")
     run(before)
-    pieces = _pieces(function, {})
-    if function.__name__ != name:
-        pieces[name] = f"{name} = {function.__name__}"
-    after = with_pieces(before, pieces)
-    run(after)
+    file = getattr(getattr(function, "__code__", None), "co_filename", "")
+    cell = "".join(linecache.getlines(file))  # IPython has a file name for each cell
+    after = with_definitions(before, MAGIC.sub("pass", cell))
+    saved = run(after).get(name)
+    if saved is None:
+        raise NotSavedError(f"no def {name} was found")
+    outcome = try_property(EXERCISES[name].properties[0], saved, examples=1, shrink=False)
+    if not outcome.held:
+        problem, _, _ = outcome.problem.partition(" (line")
+        raise NotSavedError(f"{problem}. Define what it needs in its own cell")
     with atomic_write(FILE) as beside:
         beside.write_text(after, encoding="utf-8")
     sys.modules.pop("mine", None)  # the next import reads the file again
@@ -86,22 +91,23 @@ def mine_before(lesson: Path) -> str:
     text = EMPTY
     for path in find_lessons(lesson.parent):
         if path.name < lesson.name:
-            cells = filter(is_exercise, read_notebook(path)["cells"])
-            solved = {c["metadata"]["nbgrader"]["grade_id"]: c["source"] for c in cells}
-            text = with_pieces(text, solved)
+            for cell in filter(is_exercise, read_notebook(path)["cells"]):
+                text = with_definitions(text, cell["source"])
     return re.sub("^ +### .* SOLUTION\n", "", text, flags=re.M)
 
 
-def with_pieces(text: str, pieces: dict[str, str]) -> str:
-    """The text of mine.py with these definitions, by name, at its end instead of earlier ones."""
-    lines = text.splitlines()
-    pieces = {name: piece for name, piece in pieces.items() if piece not in lines}
-    for node in reversed(ast.parse(text).body):
-        if _bound(node) & pieces.keys() and not isinstance(node, ast.Import | ast.ImportFrom):
-            first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-            del lines[first - 1 : node.end_lineno]
+def with_definitions(text: str, cell: str) -> str:
+    """The text of mine.py with what a cell defines at its end, instead of what has its names."""
+    lines, statements = text.splitlines(), ast.parse(text).body
+    known = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
+    added = [node for node in ast.parse(cell).body if ast.unparse(node) not in known]
+    names = set().union(*map(_names, added))
+    for node in reversed(statements):
+        if _names(node) & names:
+            del lines[_first(node) - 1 : node.end_lineno]
+    sources = [_source(n, cell) for n in added if isinstance(n, IMPORTS) or _names(n)]
     kept = "\n".join(lines).rstrip()
-    return "\n\n\n".join([kept, *(piece.strip() for piece in pieces.values())]) + "\n"
+    return "\n\n\n".join([kept, *sources]) + "\n"
 
 
 def run(text: str) -> dict[str, object]:
@@ -152,61 +158,25 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         module.__getattr__ = package_own
 
 
-def _pieces(function: Callable, found: dict[str, str]) -> dict[str, str]:
-    """The source of a function by its name, after that of what it uses."""
-    own = function.__name__
-    try:
-        source = textwrap.dedent(inspect.getsource(function))
-        (node,) = ast.parse(source).body
-    except (OSError, TypeError, SyntaxError, ValueError):
-        raise NotSavedError(f"the source of {own} was not found") from None
-    if own not in _bound(node) or function.__closure__:
-        raise NotSavedError(f"{own} is not defined by a def of its own")
-    found[own] = ""  # a function may call itself
-    space = function.__globals__
-    for name in sorted(_globals(symtable(source, own, "exec")) & space.keys() - {own}):
-        value = space[name]
-        if name in CATALOGUE or name in found:
-            continue
-        if isinstance(value, FunctionType) and value.__module__ == function.__module__:
-            _pieces(value, found)
-        else:
-            found[name] = _statement(name, value, own)
-    del found[own]
-    found[own] = source
-    return found
-
-
-def _statement(name: str, value: object, user: str) -> str:
-    """The statement that binds a name to a module, to something of a module, or to a number."""
-    if isinstance(value, ModuleType):
-        return f"import {value.__name__}" + (f" as {name}" if name != value.__name__ else "")
-    module, there = getattr(value, "__module__", ""), getattr(value, "__name__", "")
-    if module and getattr(sys.modules.get(module), there, None) is value and module != "__main__":
-        return f"from {module} import {there}" + (f" as {name}" if name != there else "")
-    try:
-        if ast.literal_eval(repr(value)) == value:
-            return f"{name} = {value!r}"
-    except (ValueError, SyntaxError):
-        pass
-    raise NotSavedError(f"{user} uses {name}, which only this notebook has: make it an argument")
-
-
-def _bound(node: ast.stmt) -> set[str]:
-    """The names that a statement at the top of a file defines."""
+def _names(node: ast.stmt) -> set[str]:
+    """The names of a function, a class or constants; of any other statement, none."""
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
         return {node.name}
-    if isinstance(node, ast.Import | ast.ImportFrom):
-        return {alias.asname or alias.name for alias in node.names}
-    if isinstance(node, ast.Assign):
-        return {target.id for target in node.targets if isinstance(target, ast.Name)}
+    if isinstance(node, ast.Assign) and all(isinstance(t, ast.Name) for t in node.targets):
+        try:
+            ast.literal_eval(node.value)
+        except (ValueError, TypeError):
+            return set()
+        return {target.id for target in node.targets}
     return set()
 
 
-def _globals(table: SymbolTable) -> set[str]:
-    """The global names that a source refers to, in its functions too."""
-    own = {s.get_name() for s in table.get_symbols() if s.is_global() and s.is_referenced()}
-    return own.union(*map(_globals, table.get_children()))
+def _first(node: ast.stmt) -> int:
+    return min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", ()))])
+
+
+def _source(node: ast.stmt, text: str) -> str:
+    return "\n".join(text.splitlines()[_first(node) - 1 : node.end_lineno])
 
 
 sys.meta_path.insert(0, _Finder())

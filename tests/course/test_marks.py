@@ -27,7 +27,7 @@ def hand_in(path: Path, source: str) -> None:
     ("file", "student", "lesson"),
     [
         ("ann/week3/03_convolution_by_hand.ipynb", "ann", ""),
-        ("ann/07.ipynb", "ann", ""),
+        ("ann/07.ipynb", "ann", "07"),
         ("ann_03.ipynb", "ann", "03"),
         ("ann_b_03.py", "ann_b", "03"),
         ("03_ann.py", "ann", ""),

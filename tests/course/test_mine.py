@@ -2,34 +2,51 @@
 
 from __future__ import annotations
 
+import linecache
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from numpy_cae import course
-from numpy_cae.course.mine import mine_before, run
+from numpy_cae.course.mine import EMPTY, mine_before, run
 from numpy_cae.course.student_copy import BEGIN
 
+CELL = """
+%time
+import math
+HALF, unused = 0.5, print("shown")
 HALF = 0.5
-
 
 def half(y):
     return HALF * y
 
-
 def unpool_even(y):
-    """With what the notebook defines elsewhere."""
-
     def pullback(dx):
         return half(dx.reshape(len(y), y.shape[1], 2, -1).sum(axis=2))
 
     return np.repeat(half(y), 2, axis=1), pullback
 
-
+print(unpool_even(np.ones((1, 2, 3))))
+"""
+SGD_STEP = """
 def sgd_step(parameter, gradient, rate, decay, epoch):
     return parameter - rate * decay**epoch * gradient
+"""
+
+
+def in_cell(name: str, source: str, **others):
+    """A function that a cell defines, as a kernel does it."""
+    file = f"<cell of {name} {len(linecache.cache)}>"
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    space = {"np": np, "__name__": "__main__", **others}
+    exec(compile(source.replace("%time", ""), file, "exec"), space)
+    return space[name]
+
+
+sgd_step = in_cell("sgd_step", SGD_STEP)
 
 
 @pytest.fixture
@@ -37,14 +54,14 @@ def mine(tmp_path, monkeypatch):
     """mine.py in the current folder."""
     monkeypatch.chdir(tmp_path)
     path = Path("mine.py")
-    path.write_text(course.EMPTY)
+    path.write_text(EMPTY)
     sys.modules.pop("mine", None)
     yield path
     sys.modules.pop("mine", None)
 
 
 def test_a_solved_function_is_imported_by_later_lessons(mine, capsys):
-    course.solved("unpool_even", unpool_even)
+    course.solved("unpool_even", in_cell("unpool_even", CELL))
     course.solved("sgd_step", sgd_step)
     assert "later lessons (mine.py) use your function" in capsys.readouterr().out
     from mine import conv1d, unpool_even as saved  # noqa: I001
@@ -84,10 +101,24 @@ def test_a_broken_file_is_kept_and_the_packages_own_are_used(text, message, mine
     assert mine.read_text() == text
 
 
-def test_what_cannot_be_written_is_named(mine, capsys):
-    course.solved("sgd_step", lambda p, g, rate, decay, epoch: p - rate * decay**epoch * g)
-    assert "not saved to mine.py: <lambda> is not defined by a def" in capsys.readouterr().out
-    assert mine.read_text() == course.EMPTY
+@pytest.mark.parametrize(
+    ("function", "problem"),
+    [
+        (
+            in_cell("sgd_step", "sgd_step = lambda p, g, r, d, e: p - r * d**e * g"),
+            "no def sgd_step",
+        ),
+        (
+            in_cell("sgd_step", SGD_STEP.replace("epoch *", "epoch * ONE *"), ONE=1),
+            "NameError: name 'ONE' is not defined. Define what it needs in its own cell",
+        ),
+        (partial(sgd_step), "no def sgd_step"),
+    ],
+)
+def test_what_would_not_work_is_not_written(function, problem, mine, capsys):
+    assert course.solved("sgd_step", function) is function
+    assert f"not saved to mine.py: {problem}" in capsys.readouterr().out
+    assert mine.read_text() == EMPTY
 
 
 def test_without_mine_py_nothing_is_written(tmp_path, monkeypatch, capsys):
