@@ -6,6 +6,6 @@ convolutional  the first network's cases, here and in PyTorch
 sequential     the second network's training step, here and in PyTorch
 table          the rows and the header of the table
 paper          the paper's whole training
-quality        the times that two trainings need to the same held-out error
+quality        the times that trainings need to the same held-out error
 convolutional_quality  the first network's training, here and in PyTorch
 """

@@ -1,7 +1,7 @@
 """End-to-end denoising of `ConvAutoencoder`, here and in PyTorch, for `quality`.
 
-Both start from the same weights and learn from the same windows, in an order and with a corruption
-of their own.
+All start from the same weights and learn from the same windows, each in an order and with a
+corruption of its own.
 """
 
 from __future__ import annotations
@@ -16,34 +16,37 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Stage
+from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.schedule import rate_at
 from numpy_cae.training.step import denoising_step, make_optimiser
 
-THEIRS = Stage(60, 0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
-"""PyTorch's training: of Adam with `OneCycleLR` and their default settings the batch, the peak rate
-and the epochs that need the least time (docs/lab_book.md)."""
+USUAL = Stage(50, 0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
+"""PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
+the peak rate and the epochs are those that need the least time (docs/lab_book.md)."""
 
 Repair = Callable[[np.ndarray], np.ndarray]
 
 
 def trainings(
     windows: np.ndarray, stage: Stage, error: Callable[[Repair], float], seed: int = 0
-) -> tuple[Training, Training]:
-    """Ours by `stage` and PyTorch's by `THEIRS`, on normalised windows (N, T, 63).
+) -> list[Training]:
+    """Ours by `stage`, PyTorch's by `USUAL` and by `stage`, on normalised windows (N, T, 63).
 
     `error` measures a function that repairs normalised windows, in cm.
     """
     torch.manual_seed(seed)
     model = accelerate(ConvAutoencoder(rng=np.random.default_rng(seed)))
-    theirs = TorchModel(model)
+    usual, same = TorchModel(model), TorchModel(model)
 
     def measured(project: Repair) -> Callable[[], float]:
         return lambda: error(lambda x: project(x / (1 - zeroed_fraction(x))))
 
-    return (
-        Training("numpy_cae", stage.epochs, epochs(model, windows, stage), measured(model.project)),
-        Training("PyTorch", THEIRS.epochs, torch_epochs(theirs, windows), measured(theirs.project)),
+    rows = (
+        ("numpy_cae", stage, epochs(model, windows, stage), model.project),
+        ("PyTorch, usual settings", USUAL, torch_epochs(usual, windows, USUAL), usual.project),
+        ("PyTorch, our settings", stage, torch_epochs(same, windows, stage, BETA_2), same.project),
     )
+    return [Training(name, by.epochs, turns, measured(f)) for name, by, turns, f in rows]
 
 
 def epochs(
@@ -61,16 +64,18 @@ def epochs(
         yield
 
 
-def torch_epochs(model: TorchModel, windows: np.ndarray) -> Iterator[None]:
-    """The same in PyTorch, by `THEIRS`."""
+def torch_epochs(
+    model: TorchModel, windows: np.ndarray, stage: Stage, beta_2: float = 0.999
+) -> Iterator[None]:
+    """The same in PyTorch."""
     windows = torch.tensor(np.ascontiguousarray(windows.transpose(0, 2, 1)))
     parameters = [parameter for w, b, _ in model.layers for parameter in (w, b)]
-    optimiser = torch.optim.Adam(parameters, fused=True)
-    steps = -(-len(windows) // THEIRS.batch)
-    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, THEIRS.rate, THEIRS.epochs * steps)
-    (low, high), whole = THEIRS.zeroed, [None] * len(model.layers)
-    for _ in range(THEIRS.epochs):
-        for chosen in torch.randperm(len(windows)).split(THEIRS.batch):
+    optimiser = torch.optim.Adam(parameters, betas=(0.9, beta_2), fused=True)
+    steps = stage.epochs * -(-len(windows) // stage.batch)
+    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, stage.rate, steps)
+    (low, high), whole = stage.zeroed, [None] * len(model.layers)
+    for _ in range(stage.epochs):
+        for chosen in torch.randperm(len(windows)).split(stage.batch):
             x = windows[chosen]
             p = low + (high - low) * torch.rand(len(x), 1, 1)
             corrupted = x * (torch.rand(x.shape) >= p) / (1 - p)
@@ -78,6 +83,8 @@ def torch_epochs(model: TorchModel, windows: np.ndarray) -> Iterator[None]:
             y = model.encode(corrupted, model.layers)
             loss = ((model.decode(y, model.layers, whole) - x) ** 2).mean()
             loss.backward()
+            if stage.norm is not None:
+                torch.nn.utils.clip_grad_norm_(parameters, stage.norm)
             optimiser.step()
             rates.step()
         yield

@@ -1,4 +1,4 @@
-"""The times that two trainings need to the same held-out error; both run in turns."""
+"""The times that trainings need to the same held-out error; they run in turns."""
 
 from __future__ import annotations
 
@@ -41,39 +41,41 @@ class Training:
 
 @dataclass(frozen=True)
 class Quality:
-    """Two trainings compared."""
+    """Trainings compared; ours is the first."""
 
-    ours: Training
-    theirs: Training
+    trainings: Sequence[Training]
     unit: str
 
     @property
     def target(self) -> float:
-        """The lowest error that both reach."""
-        return max(min(self.ours.errors), min(self.theirs.errors))
+        """The lowest error that all reach."""
+        return max(min(each.errors) for each in self.trainings)
 
     @property
-    def ratio(self) -> float:
-        """The seconds of the other to the target, divided by ours."""
-        return self.theirs.seconds_to(self.target) / self.ours.seconds_to(self.target)
+    def ratios(self) -> dict[str, float]:
+        """The seconds of each training to the target, divided by ours."""
+        ours = self.trainings[0].seconds_to(self.target)
+        return {each.name: each.seconds_to(self.target) / ours for each in self.trainings}
 
     def text(self) -> str:
-        """A table of both trainings, and the ratio."""
-        target = f"{self.target:.3f} {self.unit}"
-        columns = f"seconds to {target}", "seconds in all", f"last error, {self.unit}"
-        lines = [f"| training | {' | '.join(columns)} |", "|---|--:|--:|--:|"]
-        for each in (self.ours, self.theirs):
-            seconds = f"{each.seconds_to(self.target):.1f} | {each.seconds[-1]:.1f}"
-            lines.append(f"| {each.name} | {seconds} | {each.errors[-1]:.3f} |")
-        return "\n".join([*lines, "", f"ratio to {target}: {self.ratio:.2f}"])
+        """A table with a row for each training."""
+        seconds = f"seconds to {self.target:.3f} {self.unit}"
+        names = f"training | {seconds} | ratio | seconds in all | lowest error, {self.unit}"
+        lines = [f"| {names} |", "|---|--:|--:|--:|--:|"]
+        for each in self.trainings:
+            numbers = f"{each.seconds_to(self.target):.1f} | {self.ratios[each.name]:.2f}"
+            numbers += f" | {each.seconds[-1]:.1f} | {min(each.errors):.3f}"
+            lines.append(f"| {each.name} | {numbers} |")
+        return "\n".join(lines)
 
     def data(self) -> dict:
-        """For JSON: the target, the ratio, and the course of both."""
+        """For JSON: the target, the ratios, and seconds and errors of each training by turn."""
         courses = {
-            each.name: {"seconds": each.seconds, "errors": each.errors}
-            for each in (self.ours, self.theirs)
+            each.name: {"seconds": each.seconds, "errors": each.errors} for each in self.trainings
         }
-        return {"unit": self.unit, "target": self.target, "ratio": self.ratio, "courses": courses}
+        return {"unit": self.unit, "target": self.target, "ratios": self.ratios} | {
+            "courses": courses
+        }
 
 
 def train_in_turns(

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("time to a given quality").add_argument
     trainings = (
         "train by --recipe fast and, in turns, in PyTorch with Adam, and compare the times to the "
-        "lowest error of half zeroed held-out motion that both reach (minutes)"
+        "lowest error of half zeroed held-out motion that all reach (minutes)"
     )
     add("--quality", **kinds.FLAG, help=trainings)
     data = "folders of motion files for --quality (default: 20 minutes of synthetic motions)"
@@ -66,14 +66,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _quality(args: argparse.Namespace) -> int:
-    """Train both in turns; print the table."""
+    """Train in turns; print the table."""
     if args.paper:
         raise ValueError("--quality and --paper are two measurements: give one of them")
     quality.require_torch()
     _warn_if_busy()
     trainings = _sequential_trainings(args) if args.sequential else _trainings(args)
     quality.train_in_turns(trainings, (lambda line: None) if args.quiet else note)
-    compared = quality.Quality(*trainings, "of the variance" if args.sequential else "cm")
+    compared = quality.Quality(trainings, "of the variance" if args.sequential else "cm")
     if args.json:
         print_json(compared.data())
     else:
@@ -81,7 +81,7 @@ def _quality(args: argparse.Namespace) -> int:
     return 0
 
 
-def _trainings(args: argparse.Namespace) -> tuple[quality.Training, quality.Training]:
+def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     from numpy_cae.bench.convolutional_quality import trainings
     from numpy_cae.cli.ablation import material_of
@@ -102,7 +102,7 @@ def _trainings(args: argparse.Namespace) -> tuple[quality.Training, quality.Trai
     return trainings(evaluation.windows, RECIPES["fast"].fine_tuning, error)
 
 
-def _sequential_trainings(args: argparse.Namespace) -> tuple[quality.Training, quality.Training]:
+def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     raise ValueError("--quality is of the convolutional network alone")
 
 
