@@ -1,7 +1,7 @@
 """Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
-folders. A recipe is a set of training options: paper is that of holden2015, best repairs best, fast
-trains all layers at once with Adam, starter is that of the model in the package. Options given
-beside it replace its own.
+folders. A recipe is a set of training options: paper is that of holden2015, fast trains all layers
+at once with Adam, best does so for three times as many epochs, starter is that of the model in the
+package. Options given beside it replace its own.
 
 example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
