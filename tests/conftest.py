@@ -36,18 +36,39 @@ def data_folder() -> Path:
 
 
 @pytest.fixture(scope="session")
-def walk_manifold():
-    """A small manifold trained on fourteen walks."""
+def walk_takes():
+    """Fourteen walks, (F, 20, 3) each."""
     from data_synth import make_take
-    from numpy_cae.manifold import learn_manifold
     from numpy_cae.motion import body_of
+
+    return [body_of(make_take("walk", seed, 2.0, 30.0).motion) for seed in range(14)]
+
+
+@pytest.fixture(scope="session")
+def walk_manifold(walk_takes):
+    """A small manifold trained on them."""
+    from numpy_cae.manifold import learn_manifold
     from numpy_cae.training import Schedule, Stage
 
-    takes = [body_of(make_take("walk", seed, 2.0, 30.0).motion) for seed in range(14)]
     schedule = Schedule(layer=Stage(epochs=8), fine_tuning=Stage(12, 0.1, 0.9, 0.0))
-    return learn_manifold(
-        takes, schedule, window=32, overlap=16, filters=(16, 24), taps=5, show_progress=False
-    )
+    return learn_manifold(walk_takes, schedule, 0, 32, 16, (16, 24), 5, show_progress=False)
+
+
+@pytest.fixture(scope="session")
+def tiny_manifolds():
+    """A manifold of each kind, trained for an epoch, and the motion that they are learned from."""
+    from data_synth import make_take
+    from numpy_cae.manifold import learn_manifold, learn_sequences
+    from numpy_cae.motion import angles_of, body_of
+    from numpy_cae.training import Schedule, SequenceSchedule, Stage
+
+    motion = make_take("walk", 0, seconds=2.0, rate=50.0).motion
+    stages = Schedule(Stage(epochs=1), Stage(epochs=1, rescaled=True))
+    conv = learn_manifold([body_of(motion)], stages, 0, 16, 8, (4, 6), 5, show_progress=False)
+    short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
+    sizes = {"hidden": 6, "latent": 3, "frames": 30}
+    sequence = learn_sequences([angles_of(motion)], short, **sizes, show_progress=False)
+    return {"conv": conv, "sequence": sequence}, motion
 
 
 @pytest.fixture(scope="session")
@@ -63,3 +84,29 @@ def untrained_manifold():
     found = MotionManifold(network, np.zeros(63), np.full(63, 0.25), bone_lengths(body))
     found.mean_pose = found.features(body)[0].mean(axis=0)
     return found
+
+
+@pytest.fixture(scope="session")
+def run():
+    """Run a command that must succeed."""
+    from numpy_cae.cli import main
+
+    def run(*words):
+        assert main([str(word) for word in words]) == 0
+
+    return run
+
+
+@pytest.fixture
+def error_of(capsys):
+    """Run a command that must fail; return its one line on standard error."""
+    from numpy_cae.cli import main
+
+    def error_of(*words):
+        assert main([str(word) for word in words]) == 2
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert lines[-1].startswith(f"numpy-cae {words[0]}: ")
+        assert not any("Traceback" in line for line in lines)
+        return lines[-1]
+
+    return error_of

@@ -25,29 +25,17 @@ def note(text: str) -> None:
 
 
 def with_progress(things: Iterable[Thing], count: int, done: str) -> Iterator[Thing]:
-    """The same things; say how many are `done` ("files read") and the time that is left.
-
-    After two seconds, then twice a second on a terminal, where the line is replaced, else every
-    five seconds.
-    """
-    terminal = sys.stderr.isatty()
+    """The same things; say after two seconds, then every five seconds how many are `done` ("files
+    read") and the time that is left."""
     begun = time.monotonic()
     due = begun + 2
     for number, thing in enumerate(things):
         now = time.monotonic()
         if number and now > due:
             left = (now - begun) / number * (count - number)
-            text = f"{number} of {count} {done}, {left:.0f} s to go"
-            print(
-                f"\r{text}\033[K" if terminal else text,
-                end="" if terminal else "\n",
-                file=sys.stderr,
-                flush=True,
-            )
-            due = now + (0.5 if terminal else 5)
+            note(f"{number} of {count} {done}, {left:.0f} s to go")
+            due = now + 5
         yield thing
-    if terminal and due > begun + 2:
-        print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -31,7 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "are coloured by their distance from the first file's where the rigs and lengths agree"
     )
     add("--html", **kinds.FLAG, help=page)
-    add("--poses", **kinds.COUNT, default=9, help="number of poses in the strip (default: 9)")
     kinds.add_shared(parser, "unit up floor")
 
 
@@ -64,8 +63,8 @@ def _write_pictures(args: argparse.Namespace, actor: Actor, rate: float) -> None
 
     stem = Path(actor.label).stem
     strip, gif = (args.output / f"{stem}.{suffix}" for suffix in ("png", "gif"))
-    save_figure(strip_figure([actor], rate, args.poses), strip)
-    print(f"{strip}: {args.poses} poses")
+    save_figure(strip_figure([actor], rate), strip)
+    print(f"{strip}: a strip of poses")
     print(f"{gif}: {save_gif([actor], gif, rate)}")
 
 

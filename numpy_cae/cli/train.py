@@ -40,14 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--resume", **kinds.FLAG, help=resume)
     kinds.add_shared(parser, "seed quiet json mapping unit up floor")
     options.add_training_options(parser)
-    group = parser.add_argument_group("advanced, files")
-    add = group.add_argument
+    add = parser.add_argument_group("advanced, files").add_argument
     often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
     add("--checkpoint", type=kinds.rate, default=60.0, metavar="SECONDS", help=often)
-    caching = group.add_mutually_exclusive_group().add_argument
     cache = "folder for what was read of the files (default: the user's cache, for 20 MB or more)"
-    caching("--cache", **kinds.FOLDER, help=cache)
-    caching("--no-cache", **kinds.FLAG, help="read every file anew")
+    add("--cache", **kinds.FOLDER, help=cache)
     add("--strict", **kinds.FLAG, help="stop at a file that cannot be used, not skip it")
 
 
@@ -99,7 +96,7 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     found = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for some in found.values() for path in some]
     cache = args.cache
-    if cache is None and not args.no_cache and is_worthwhile(paths):
+    if cache is None and is_worthwhile(paths):
         cache = default_cache()
     training, testing = read_takes(
         paths, mapping, kinds.chosen_coordinates(args), args.test, args.strict, cache

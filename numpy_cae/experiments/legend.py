@@ -22,7 +22,7 @@ MEANINGS = {
     "along the manifold": "hidden units are interpolated and decoded",
     "constrained projection": "projection, then bone lengths, standing feet and ground are kept",
     "untrained": "the same network before training",
-    "fitted prior": "hidden units drawn from a Gaussian fitted to those of the training motions",
+    "fitted prior": "hidden units of a training window, mixed with those of its nearest neighbours",
     "uniform prior": "hidden units drawn independently and uniformly",
 }
 """Part of a method's name to its meaning."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import io
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from numpy_cae.atomic_write import atomic_write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,7 +68,7 @@ class Animation:
     `numpy_cae.viz.save_gif`.
     """
 
-    actors: Sequence[Actor]
+    actors: list[Actor]
     rate: float
     azimuth: float = 40.0
     seconds: float = 10.0
@@ -118,20 +115,13 @@ class Result:
         return "\n\n".join([*parts, self.note] if self.note else parts)
 
     def data(self) -> dict:
-        """Everything but the pictures, in what JSON knows; null where a value is not finite."""
-        return {
-            "title": self.title,
-            "tables": [
-                {
-                    "caption": table.caption,
-                    "header": list(table.header),
-                    "rows": [[_plain(value) for value in row] for row in table.rows],
-                }
-                for table in self.tables
-            ],
-            "claims": [vars(claim) | {"held": bool(claim.held)} for claim in self.claims],
-            "note": self.note,
-        }
+        """Everything but the pictures and the formats, for `numpy_cae.cli.output.print_json`."""
+        tables = [
+            {"caption": table.caption, "header": table.header, "rows": table.rows}
+            for table in self.tables
+        ]
+        claims = [vars(claim) for claim in self.claims]
+        return {"title": self.title, "tables": tables, "claims": claims, "note": self.note}
 
     def png(self) -> bytes:
         """The figure as PNG; empty where there is none."""
@@ -140,19 +130,6 @@ class Result:
         picture = io.BytesIO()
         self.figure().savefig(picture, format="png", dpi=110, facecolor="white")
         return picture.getvalue()
-
-    def gif(self) -> bytes:
-        """The animation as GIF; empty where there is none."""
-        if self.animation is None:
-            return b""
-        from numpy_cae.viz import save_gif
-
-        moving = self.animation
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "animation.gif")
-            view = {"azimuth": moving.azimuth, "seconds": moving.seconds}
-            save_gif(list(moving.actors), path, moving.rate, **view)
-            return path.read_bytes()
 
     def viewer(self) -> str:
         """The animation in the viewer, as HTML; empty where there is none."""
@@ -163,12 +140,16 @@ class Result:
         return fragment(self.animation.actors, self.animation.rate)
 
     def save_picture(self, path: str | Path) -> None:
-        """Write the figure as a PNG file."""
-        _save(self.png(), path)
+        """Write the figure, which there must be, as a PNG file."""
+        from numpy_cae.viz import save_figure
+
+        save_figure(self.figure(), path)
 
     def save_gif(self, path: str | Path) -> None:
-        """Write the animation as a GIF file."""
-        _save(self.gif(), path)
+        """Write the animation, which there must be, as a GIF file."""
+        from numpy_cae.viz import save_gif
+
+        save_gif(**vars(self.animation), path=path)
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -189,13 +170,3 @@ def _printed(value: object, form: str) -> str:
     if isinstance(value, float | np.floating):
         return "" if np.isnan(value) else format(float(value), form)
     return "" if value is None else str(value)
-
-
-def _plain(value: object) -> object:
-    value = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def _save(content: bytes, path: str | Path) -> None:
-    with atomic_write(path) as beside:
-        Path(beside).write_bytes(content)

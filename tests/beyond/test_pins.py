@@ -9,7 +9,6 @@ import pytest
 from data_synth import make_take
 from numpy_cae.beyond import Pin, constrain, read_pins
 from numpy_cae.beyond.pins import pins_on_mean_skeleton
-from numpy_cae.cli import main
 from numpy_cae.manifold import Repaired, save_manifold
 from numpy_cae.motion import (
     JOINTS,
@@ -112,13 +111,12 @@ def test_pinned_hips_take_the_rest_of_the_way_along(brief, walk_manifold):
     assert np.linalg.norm(steps, axis=-1).max() < 0.05
 
 
-def test_pins_from_the_command_line(brief, untrained_manifold, tmp_path, capsys):
+def test_pins_from_the_command_line(brief, untrained_manifold, tmp_path, capsys, run, error_of):
     model, file, pins, out = (tmp_path / n for n in ("m.npz", "a.bvh", "p.json", "o.bvh"))
     save_manifold(untrained_manifold, model)
     write_bvh(brief, file)
-    words = ["repair", str(file), "-m", str(model), "-o", str(out), "--pin", str(pins)]
-    assert main(words) == 2
-    assert "p.json: cannot be read" in capsys.readouterr().err
+    words = ["repair", file, "-m", model, "-o", out, "--pin", pins]
+    assert "p.json: cannot be read" in error_of(*words)
     pins.write_text('[{"joint": "head", "frames": [0, 9], "at": [0, 170, 0]}]')
-    assert main(words) == 0
+    run(*words)
     assert "head, frames 0 to 9: within" in capsys.readouterr().err

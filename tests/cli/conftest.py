@@ -1,9 +1,8 @@
-"""Fixtures of the command line's tests: a folder of walks, a tiny training, a failing command."""
+"""Fixtures of the command line's tests: a folder of walks, a tiny training."""
 
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cli import main
 from numpy_cae.motion import write_bvh
 
 TINY = (
@@ -24,16 +23,6 @@ def walks(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def run():
-    """Run a command that must succeed."""
-
-    def run(*words):
-        assert main([str(word) for word in words]) == 0
-
-    return run
-
-
-@pytest.fixture(scope="session")
 def train(run):
     """Train a tiny convolutional model on one folder or a list of them, with more options."""
 
@@ -43,17 +32,3 @@ def train(run):
         return out
 
     return train
-
-
-@pytest.fixture
-def error_of(capsys):
-    """Run a command that must fail; return its one line on standard error."""
-
-    def error_of(*words):
-        assert main([str(word) for word in words]) == 2
-        lines = capsys.readouterr().err.strip().splitlines()
-        assert lines[-1].startswith(f"numpy-cae {words[0]}: ")
-        assert not any("Traceback" in line for line in lines)
-        return lines[-1]
-
-    return error_of

@@ -5,9 +5,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
-from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
-from numpy_cae.motion import angles_of, body_of, write_bvh
-from numpy_cae.training import Schedule, SequenceSchedule, Stage
+from numpy_cae.manifold import save_manifold
+from numpy_cae.motion import write_bvh
 
 NAMES = list(SUBCOMMANDS)
 
@@ -32,22 +31,16 @@ COMMANDS = {
 
 
 @pytest.fixture(scope="module")
-def things(tmp_path_factory):
+def things(tiny_manifolds, tmp_path_factory):
     """What the words of a command stand for, all of it valid; in `base` also what is not."""
     base = tmp_path_factory.mktemp("things")
     (base / "motions").mkdir()
     (base / "empty").mkdir()
-    motions = [make_take("walk", seed, seconds=2.0, rate=50.0).motion for seed in range(2)]
-    for number, motion in enumerate(motions):
-        write_bvh(motion, base / "motions" / f"walk_{number}.bvh", unit=0.01)
-    once = Schedule(Stage(epochs=1), Stage(epochs=1))
-    bodies = [body_of(motion) for motion in motions]
-    manifold = learn_manifold(bodies, once, 0, 16, 8, (4, 4, 4), 5, show_progress=False)
-    save_manifold(manifold, base / "model.npz")
-    short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
-    angles = [angles_of(motion) for motion in motions]
-    sequences = learn_sequences(angles, short, hidden=4, latent=2, show_progress=False)
-    save_manifold(sequences, base / "sequences.npz")
+    for seed in range(2):
+        motion = make_take("walk", seed, seconds=2.0, rate=50.0).motion
+        write_bvh(motion, base / "motions" / f"walk_{seed}.bvh", unit=0.01)
+    for name, kind in (("model", "conv"), ("sequences", "sequence")):
+        save_manifold(tiny_manifolds[0][kind], base / f"{name}.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
     words = {"WALK": "motions/walk_0.bvh", "FOLDER": "motions", "MODEL": "model.npz"}

@@ -57,18 +57,6 @@ def test_samples_of_both_priors_are_written_to_one_file_each(folder, model, tmp_
     assert gif.read_bytes().startswith(b"GIF")
 
 
-def test_an_error_is_one_line(folder, model, tmp_path, error_of):
-    walk, out = folder / "walk.bvh", tmp_path / "o.bvh"
-    assert "--data" in error_of("sample", "-m", model, "-o", out)
-    assert "written as .bvh" in error_of("sample", "-m", model, "-o", tmp_path / "o.fbx")
-    words = ["interpolate", walk, tmp_path / "no.bvh", "-m", model, "-o", out]
-    assert "no.bvh" in error_of(*words)
-    with pytest.raises(SystemExit) as exit_:
-        main(["interpolate", str(walk), str(walk), "-m", str(model), "-o", "x", "--share", "2"])
-    assert exit_.value.code == 2
-    assert not out.exists()
-
-
 @pytest.fixture(scope="module")
 def nested(folder, tmp_path_factory):
     nested = tmp_path_factory.mktemp("nested")
@@ -102,11 +90,16 @@ def test_two_files_of_one_name_are_told_apart(nested, model, capsys, run):
     assert first.split()[-1] == second.split()[-1]
 
 
-def test_an_error_of_compare_is_one_line(nested, model, tmp_path, error_of):
-    for argv, message in (
-        ([nested / "a.bvh"], "one motion alone"),
-        ([nested / "a.bvh", tmp_path / "no.bvh"], "no such file"),
-        ([nested, "-o", tmp_path / "no" / "m.csv"], "no folder"),
+def test_an_error_is_one_line(nested, model, tmp_path, error_of):
+    for name, words, message in (
+        ("sample", ["-o", tmp_path / "o.bvh"], "--data"),
+        ("sample", ["-o", tmp_path / "o.fbx"], "written as .bvh"),
+        ("compare", [nested / "a.bvh"], "one motion alone"),
+        ("compare", [nested / "a.bvh", tmp_path / "no.bvh"], "no such file"),
+        ("compare", [nested, "-o", tmp_path / "no" / "m.csv"], "no folder"),
     ):
-        assert message in error_of("compare", *argv, "-m", model)
+        assert message in error_of(name, *words, "-m", model)
+    with pytest.raises(SystemExit) as exit_:
+        main(["interpolate", "a.bvh", "b.bvh", "-m", str(model), "-o", "x", "--share", "2"])
+    assert exit_.value.code == 2
     assert not list(tmp_path.iterdir())

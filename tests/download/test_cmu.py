@@ -57,16 +57,16 @@ def names(folder):
     return sorted(path.relative_to(folder).as_posix() for path in found)
 
 
-def test_a_subject_by_the_command(site, tmp_path, capsys):
-    argv = ["download", "cmu", "--subjects", "7", "-o", str(tmp_path), "--site", site.address]
-    assert main(argv) == 0
+def test_a_subject_by_the_command(site, tmp_path, capsys, run):
+    argv = ["download", "cmu", "--subjects", 7, "-o", tmp_path, "--site", site.address]
+    run(*argv)
     printed = capsys.readouterr()
     assert "NSF EIA-0196217" in printed.out
     assert "3 new files, 0 downloaded before" in printed.out
     assert "07_02.amc" in printed.err
     assert names(tmp_path) == ["07/07.asf", "07/07_01.amc", "07/07_02.amc"]
     assert [len(load_motion(path)) for path in find_motion_files(tmp_path)] == [60, 60]
-    assert main(argv) == 0
+    run(*argv)
     assert "0 new files, 3 downloaded before" in capsys.readouterr().out
 
 
@@ -172,12 +172,10 @@ def test_one_at_a_time_in_a_folder(site, tmp_path):
     assert download_cmu(tmp_path, [7], polite(site)).new == 3
 
 
-def test_a_subject_that_is_not_there_and_a_site_that_is_none(site, tmp_path, capsys):
-    argv = ["download", "cmu", "--subjects", "9", "-o", str(tmp_path), "--site"]
-    assert main([*argv, site.address]) == 2
-    assert "404" in capsys.readouterr().err
-    assert main([*argv, "ftp://x"]) == 2
-    assert "not the address" in capsys.readouterr().err
+def test_a_subject_that_is_not_there_and_a_site_that_is_none(site, tmp_path, error_of):
+    argv = ["download", "cmu", "--subjects", 9, "-o", tmp_path, "--site"]
+    assert "404" in error_of(*argv, site.address)
+    assert "not the address" in error_of(*argv, "ftp://x")
 
 
 @pytest.mark.parametrize("promised", [-1, -3000])

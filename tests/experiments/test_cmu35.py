@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from numpy_cae.cli import main
 from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
 from numpy_cae.experiments.published.protocol import GROUPS, read_columns, read_protocol
 from numpy_cae.motion import MotionFileError
@@ -91,13 +90,12 @@ def test_missing_takes_are_named(tmp_path):
         read_protocol([tmp_path])
 
 
-def test_the_command_trains_and_writes_the_tables(table, tmp_path, monkeypatch, capsys):
+def test_the_command_trains_and_writes_the_tables(table, tmp_path, monkeypatch, capsys, run):
     monkeypatch.setattr(protocol, "TRAINING", [17, 19, 20, 21, 22])
     monkeypatch.setattr(networks, "STEPS", 2)
     monkeypatch.setattr(networks, "SEQUENCE_STEPS", 2)
     monkeypatch.setattr(cmu35, "SEEDS", 2)
-    words = ["report", "--only", "cmu35", "--data", table, "-o", tmp_path, "--json"]
-    assert main([str(word) for word in words]) == 0
+    run("report", "--only", "cmu35", "--data", table, "-o", tmp_path, "--json")
     (experiment,) = json.loads(capsys.readouterr().out)["experiments"]
     assert experiment["failure"] is None and len(experiment["claims"]) == 5
     published, test, left_out = experiment["tables"]

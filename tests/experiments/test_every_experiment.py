@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from numpy_cae.cli.output import plain
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import EXPERIMENTS, drawn
 
@@ -19,7 +20,7 @@ def test_the_result_is_well_formed(result_of, name):
     for claim in result.claims:
         assert claim.sentence.endswith(".") and claim.figures.endswith(".")
         assert "nan" not in claim.figures
-    data = json.loads(json.dumps(result.data(), allow_nan=False))
+    data = json.loads(json.dumps(plain(result.data()), allow_nan=False))
     assert [claim["held"] for claim in data["claims"]] == [bool(c.held) for c in result.claims]
     section = drawn(name, result)
     assert section.picture.startswith(b"\x89PNG") and len(section.picture) > 5000

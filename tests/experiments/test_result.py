@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from numpy_cae.cli.output import plain
 from numpy_cae.experiments import section as sections
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.result import Claim, Result, Table
@@ -39,7 +40,7 @@ def test_formats_by_column_and_empty_cells():
     row = ["z", 0.25, None, np.float32("nan"), np.float64(2), "7, 2"]
     table = Table("", list("abcdef"), [row], ("", ".0%", ".1f", ".1f", ".3f", ""))
     assert table.cells() == [["z", "25%", "", "", "2.000", "7, 2"]]
-    assert Result("t", [table]).data()["tables"][0]["rows"] == [
+    assert plain(Result("t", [table]).data())["tables"][0]["rows"] == [
         ["z", 0.25, None, None, 2.0, "7, 2"]
     ]
 

@@ -43,12 +43,16 @@ def error(motion, truth, frames, joints):
     return np.linalg.norm(off, axis=-1).mean()
 
 
+def assert_other_frames_are_kept(repaired, motion):
+    untouched = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[untouched], motion.rotations[untouched])
+
+
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     repaired = repair(walk, manifold)
     assert repaired.known
     assert repaired.touched.mean() < 0.01
-    untouched = ~repaired.touched.any(axis=1)
-    np.testing.assert_array_equal(repaired.motion.rotations[untouched], walk.rotations[untouched])
+    assert_other_frames_are_kept(repaired, walk)
     assert repaired.moved[~repaired.touched].max(initial=0.0) < 1e-6
 
 
@@ -59,8 +63,7 @@ def test_a_twisted_leg_is_found_and_straightened_and_the_rest_stays(manifold, wa
     assert repaired.touched[frames][:, LEG].mean() > 0.9
     before, after = (error(each, walk, frames, LEG) for each in (damaged, repaired.motion))
     assert after < 0.3 * before
-    untouched = ~repaired.touched.any(axis=1)
-    np.testing.assert_array_equal(repaired.motion.rotations[untouched], walk.rotations[untouched])
+    assert_other_frames_are_kept(repaired, walk)
     half = repair(damaged, manifold, damaged=repaired.touched, strength=0.5).motion
     assert after < error(half, walk, frames, LEG) < before
 
@@ -121,8 +124,7 @@ def test_values_that_are_not_finite_are_filled_in(manifold, walk):
     wrist = JOINTS.index("left_wrist")
     assert repaired.touched[50:60, wrist].all()
     assert error(repaired.motion, walk, slice(50, 60), [wrist]) < 0.02
-    others = ~repaired.touched.any(axis=1)
-    np.testing.assert_array_equal(repaired.motion.rotations[others], walk.rotations[others])
+    assert_other_frames_are_kept(repaired, walk)
 
 
 def test_direct_tests():

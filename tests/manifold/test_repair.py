@@ -22,15 +22,14 @@ class Identity(MotionManifold):
         return np.array(features)
 
 
+def jitter(motion):
+    return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
+
+
 @pytest.mark.parametrize(("rate", "frames"), [(30.0, 1), (120.0, 2), (25.0, 37), (59.94, 37)])
 def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
-    motion = make_take("walk", 1, seconds=3.0, rate=rate).motion
-    motion = replace(
-        motion,
-        rotations=motion.rotations[:frames],
-        translations=motion.translations[:frames],
-        unit=0.0254,
-    )
+    motion = make_take("walk", 1, seconds=3.0, rate=rate).motion.at(slice(frames))
+    motion = replace(motion, unit=0.0254)
     fixed = project_motion(motion, untrained_manifold)
     assert fixed.skeleton is motion.skeleton
     assert (fixed.rate, fixed.unit, len(fixed)) == (motion.rate, 0.0254, frames)
@@ -58,10 +57,6 @@ def test_noise_between_the_poses_does_not_come_through(untrained_manifold):
     rotations = calm.rotations + noise
     rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
     shaken = replace(calm, rotations=rotations)
-
-    def jitter(motion):
-        return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
-
     assert jitter(shaken) > 20 * jitter(calm)
     assert jitter(project_motion(shaken, untrained_manifold)) < 0.1 * jitter(shaken)
 
@@ -134,8 +129,4 @@ def test_a_smoothed_motion_has_its_rig_and_less_jitter(untrained_manifold):
     fixed = repair(shaken, untrained_manifold, smooth=True, force=True)
     assert fixed.motion.skeleton is shaken.skeleton
     np.testing.assert_array_equal(fixed.touched, fixed.moved > 0)
-
-    def jitter(motion):
-        return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
-
     assert jitter(fixed.motion) < 0.2 * jitter(shaken)

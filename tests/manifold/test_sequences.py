@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cli import main
 from numpy_cae.manifold import (
     learn_sequences,
     project_sequence,
@@ -119,14 +118,13 @@ def test_samples_of_any_length(manifold, frames, monkeypatch):
         sample_sequence(manifold, 0, np.random.default_rng(0))
 
 
-def test_from_the_command_line(manifold, tmp_path, capsys, monkeypatch):
+def test_from_the_command_line(manifold, tmp_path, monkeypatch, run, error_of):
     monkeypatch.setattr("numpy_cae.manifold.long_sequences.CANDIDATES", 3)
     model, file, out = tmp_path / "m.npz", tmp_path / "a.bvh", tmp_path / "o.bvh"
     save_manifold(manifold, model)
     write_bvh(walked(3.0, 60.0), file)
-    assert main(["repair", str(file), "-m", str(model), "-o", str(out)]) == 0
+    run("repair", file, "-m", model, "-o", out)
     assert len(load_motion(out)) == 180
-    assert main(["sample", "-m", str(model), "-o", str(out), "--seconds", "3"]) == 0
+    run("sample", "-m", model, "-o", out, "--seconds", 3)
     assert len(load_motion(out)) == 75
-    assert main(["compare", str(file), str(file), "-m", str(model)]) == 2
-    assert "not a convolutional" in capsys.readouterr().err
+    assert "not a convolutional" in error_of("compare", file, file, "-m", model)

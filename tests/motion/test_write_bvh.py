@@ -153,10 +153,7 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"translations.*frame 3, joint 'joint 2'"):
         write_bvh(replace(motion, translations=holed), path)
     with pytest.raises(ValueError, match="no frames"):
-        write_bvh(
-            replace(motion, rotations=motion.rotations[:0], translations=motion.translations[:0]),
-            path,
-        )
+        write_bvh(motion.at(slice(0)), path)
     for name in ("", " hips", "a{b", "a\nb", "\ud800"):
         names = (name, *motion.skeleton.names[1:])
         with pytest.raises(ValueError, match="joint name"):

@@ -1,4 +1,4 @@
-"""Layerwise training: what each stage uses, that it learns, that a seed determines the result."""
+"""Layerwise training: what each stage uses, that it learns, how it steps."""
 
 from dataclasses import replace
 
@@ -24,10 +24,10 @@ def small_model():
     return ConvAutoencoder(5, (6, 7), taps=5, rng=np.random.default_rng(0))
 
 
-def trained(seed=0, **changes):
+def trained(**changes):
     schedule = Schedule(Stage(epochs=4, **changes), Stage(4, 0.05, 0.9, 0.0, **changes))
     model = small_model()
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     history = train_autoencoder(model, waves(), schedule, rng, show_progress=False)
     return model, history
 
@@ -44,15 +44,6 @@ def test_every_stage_lowers_its_loss():
     for losses in history.losses.values():
         assert len(losses) == 4
         assert losses[-1] < losses[0]
-
-
-def test_same_seed_same_bits_other_seed_other_weights():
-    (one, _), (two, _), (other, _) = trained(1), trained(1), trained(2)
-    assert one.layers[0].w.dtype == np.float32
-    for a, b, c in zip(one.layers, two.layers, other.layers, strict=True):
-        np.testing.assert_array_equal(a.w, b.w)
-        np.testing.assert_array_equal(a.b, b.b)
-        assert np.any(a.w != c.w)
 
 
 def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):

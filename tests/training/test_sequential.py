@@ -1,4 +1,4 @@
-"""Training jang2018's network: it learns, draws anew at each step, and repeats for one seed."""
+"""Training jang2018's network: it learns, draws anew at each step, and bounds its steps."""
 
 import numpy as np
 import pytest
@@ -14,13 +14,13 @@ def waves(rng, batch):
     return np.sin(np.arange(8)[None, :, None] / 2 + phases + lags).astype(np.float32)
 
 
-def trained(seed=0, each=None, draw=waves, off=0.0, **changes):
+def trained(each=None, draw=waves, off=0.0, **changes):
     numbers = {"epochs": 3, "steps": 40, "batch": 16, "directions": 8, "weight": 0.05}
     numbers |= {"rate": 1.0, "momentum": 0.0}
     model = SequentialAutoencoder(3, 12, 2, np.random.default_rng(3))
     model.weights["latent_b"] += off
     schedule = SequenceSchedule(**numbers | changes)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     history = train_sequential(model, draw, schedule, rng, show_progress=False, each=each)
     return model, history
 
@@ -44,16 +44,6 @@ def test_it_learns_to_reconstruct():
     assert len(history.reconstruction) == len(history.discrepancy) == len(history.norm) == 120
     assert np.mean(history.reconstruction[-12:]) < np.mean(history.reconstruction[:12]) / 2
     assert history.seconds > 0
-
-
-def test_same_seed_same_bits_other_seed_other_weights():
-    (one, a), (two, b), (other, _) = (trained(seed, steps=3) for seed in (1, 1, 2))
-    assert a.reconstruction == b.reconstruction
-    assert a.discrepancy == b.discrepancy
-    for name, weight in one.weights.items():
-        np.testing.assert_array_equal(weight, two.weights[name])
-        assert weight.dtype == np.float32
-    assert np.any(one.weights["frame_w"] != other.weights["frame_w"])
 
 
 def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):

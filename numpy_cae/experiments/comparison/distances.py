@@ -77,34 +77,26 @@ def all_distances(
     manifold: MotionManifold, training: Sequence[np.ndarray], seed: int = 0
 ) -> list[Distance]:
     """All of them; PCA is fitted to the features of training takes."""
-
-    def raw_mean(features: np.ndarray) -> np.ndarray:
-        return manifold.normalise(features).mean(axis=0)[None]
-
     return [
         equation_4(manifold),
         equation_4(untrained(manifold, seed), UNTRAINED),
         euclidean(manifold),
         raw_extremes(manifold),
-        Distance("mean of the features", raw_mean),
-        *_of_pca(manifold, training),
+        whitened_extremes(manifold, training),
     ]
 
 
-def _of_pca(manifold: MotionManifold, training: Sequence[np.ndarray]) -> list[Distance]:
-    """Equation 4 of PCA on frames, as it is and with axes of unit variance."""
+def whitened_extremes(manifold: MotionManifold, training: Sequence[np.ndarray]) -> Distance:
+    """Equation 4 of PCA on frames, whose axes are scaled to unit variance."""
     frames = np.concatenate([manifold.normalise(take) for take in training]).astype(np.float64)
     by_frame = PCA.fit(frames)
     axes = by_frame.axes[:AXES]
     spread = ((frames - by_frame.mean) @ axes.T).std(axis=0)
 
-    def numbers(features: np.ndarray) -> np.ndarray:
-        return (manifold.normalise(features) - by_frame.mean) @ axes.T
+    def rows(features: np.ndarray) -> np.ndarray:
+        return signature((manifold.normalise(features) - by_frame.mean) @ axes.T / spread)[None]
 
-    return [
-        Distance(f"min and max of {AXES} PCA numbers", lambda x: signature(numbers(x))[None]),
-        Distance(WHITENED, lambda x: signature(numbers(x) / spread)[None]),
-    ]
+    return Distance(WHITENED, rows)
 
 
 def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:

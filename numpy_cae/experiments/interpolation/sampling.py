@@ -3,7 +3,7 @@
 Φ† "always produces" motion "within the subspace of valid human motion", and "the uniform
 distribution of values […] drawn from [-1, 1]^(i×k) represents a prior probability distribution
 over the space of human motion which can be augmented with other beliefs". The uniform prior is
-compared with a Gaussian fitted to encoded windows and with the prior of `numpy-cae sample`.
+compared with the prior of `numpy-cae sample`.
 """
 
 from __future__ import annotations
@@ -12,22 +12,19 @@ from dataclasses import astuple
 
 import numpy as np
 
-from numpy_cae.baselines import PCA
 from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
-from numpy_cae.manifold.sample import decode_units, encode_windows
+from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.measures import Validity, ValidityMeasure
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED
+from numpy_cae.viz import CORRUPTED, PROJECTED
 
 DRAWN = 24
 """Motions drawn from each prior."""
-AXES = 100
-"""Of the Gaussian: more than nine tenths of the variance of the hidden units."""
 SLACK = 1.25
 """At most so many times the error of projected real motion counts as valid."""
 REAL, PROJECTED_REAL = "test takes", "test takes, projected"
-UNIFORM, GAUSSIAN, FITTED = "uniform prior", "Gaussian of windows", "fitted prior"
+UNIFORM, FITTED = "uniform prior", "fitted prior"
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -42,7 +39,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.frames_per_unit
     drawn = {
         UNIFORM: [sample(manifold, frames, rng) for _ in range(DRAWN)],
-        GAUSSIAN: _from_gaussian(manifold, encoded, rng),
         FITTED: [sample(manifold, frames, rng, prior) for _ in range(DRAWN)],
     }
     clips = {REAL: testing, PROJECTED_REAL: [manifold.project(take) for take in testing], **drawn}
@@ -50,7 +46,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     measured = {name: Validity.mean([measure.of(x) for x in clips[name]]) for name in clips}
     rows = [[name, *astuple(each)] for name, each in measured.items()]
     caption = f"Mean over {DRAWN} motions drawn from each prior:"
-    motions = {UNIFORM: (drawn[UNIFORM][0], CORRUPTED), GAUSSIAN: (drawn[GAUSSIAN][0], PLAIN)}
+    motions = {UNIFORM: (drawn[UNIFORM][0], CORRUPTED)}
     for letter, motion in zip("abc", drawn[FITTED], strict=False):
         motions[f"{FITTED}, {letter}"] = motion, PROJECTED
     return Result(
@@ -85,16 +81,3 @@ def _claim(sentence: str, made: Validity, real: Validity) -> Claim:
         f"{made.against(real)} of the projected test takes. Held if at most {SLACK} times theirs "
         "in bone length, sliding, jitter and nearest pose.",
     )
-
-
-def _from_gaussian(
-    manifold: MotionManifold, encoded: np.ndarray, rng: np.random.Generator
-) -> list[np.ndarray]:
-    """Y = m + Σ_i σ_i ε_i u_i, clipped to [-1, 1]: windows drawn from one Gaussian."""
-    flat = encoded.reshape(len(encoded), -1).astype(np.float64)
-    pca = PCA.fit(flat)
-    axes = pca.axes[:AXES]
-    spread = ((flat - pca.mean) @ axes.T).std(axis=0)
-    drawn = pca.mean + (rng.standard_normal((DRAWN, len(axes))) * spread) @ axes
-    y = np.clip(drawn, -1, 1).reshape(DRAWN, *encoded.shape[1:]).astype(encoded.dtype)
-    return [decode_units(manifold, one) for one in y]
