@@ -35,18 +35,19 @@ class Operation:
 
 CLASSES = {"values": tuple(VALUES)}
 EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
-WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 6, 9), "channels": (1, 2, 3)}
-FILTERS = {"channels": (1, 2, 3), "filters": (1, 2, 3, 4), "taps": (1, 3, 5, 7, 9)}
+CHANNELS = (1, 2, 3, 17)
+WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 6, 9, 34), "channels": CHANNELS}
+FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
 ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)}
 LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}
-GRU = {"batch": (1, 2, 3, 6), "channels": (1, 2, 3), "hidden": (1, 2, 3)} | STATE | CLASSES
-FRAMES = {"frames": (1, 2, 3, 4, 9)}
+GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
+FRAMES = {"frames": (1, 2, 3, 4, 9, 18)}
 POINTS = {
-    "points": (1, 2, 3, 4, 5, 7, 8, 13, 300),
-    "dimensions": (1, 2, 3),
-    "directions": (1, 2, 5),
+    "points": (1, 2, 3, 4, 5, 7, 8, 13, 300, 530),
+    "dimensions": (1, 2, 3, 17),
+    "directions": (1, 2, 5, 34),
 }
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9

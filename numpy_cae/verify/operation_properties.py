@@ -205,6 +205,7 @@ def _one_by_default(loss, case, **arguments):
 
 
 SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "filters": (1, 2)}
+SMALL["channels"] = (1, 2, 3)
 SMALL["values"] = (ORDINARY, "random")
 OTHER_SHARE = "where the {}'s share of dL/dw is 0, the {}'s is right".format
 

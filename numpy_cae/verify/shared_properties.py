@@ -128,7 +128,8 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
                 return array
             return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
 
-        return results(operation, implementation, copies(given, widened), np.float64(dy))
+        wide_dy = widened(dy) if np.ndim(dy) else np.float64(dy)
+        return results(operation, implementation, copies(given, widened), wide_dy)
 
     exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
@@ -211,8 +212,10 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
                 given[number][...] = new
             else:
                 given[number] = new
-        again = implementation(*given)[0]
-        yield _again("of the same arrays with other numbers, the value", again, other_value)
+        again = results(operation, implementation, given, copied(other_dy))
+        expected = [other_value, *other.values()]
+        for (what, found), right in zip(again.items(), expected, strict=True):
+            yield _again(f"of the same arrays with other numbers, {what}", found, right)
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
