@@ -70,12 +70,8 @@ class Quality:
 
     def data(self) -> dict:
         """For JSON: the target, the ratios, and seconds and errors of each training by turn."""
-        courses = {
-            each.name: {"seconds": each.seconds, "errors": each.errors} for each in self.trainings
-        }
-        return {"unit": self.unit, "target": self.target, "ratios": self.ratios} | {
-            "courses": courses
-        }
+        courses = {each.name: [each.seconds, each.errors] for each in self.trainings}
+        return {"target": self.target, "ratios": self.ratios, "seconds and errors": courses}
 
 
 def train_in_turns(

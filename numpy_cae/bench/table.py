@@ -45,21 +45,15 @@ class Row:
         return f"{1e3 * timing.median / self.batch:7.3f} ± {timing.spread:4.0%}"
 
 
-def versions(peak: float) -> str:
-    """The versions of NumPy and PyTorch, and their numbers of threads."""
-    text = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
-    text += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
-    if torch is not None:
-        text += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"
-    return text
-
-
 def header(peak: float) -> str:
-    """The versions, and the names of the columns."""
+    """The versions, the numbers of threads, and the names of the columns."""
+    versions = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
+    versions += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
     names = ["what            ", "  B", "ms a window   "]
     if torch is not None:
+        versions += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"
         names += ["PyTorch, ms   ", "ratio"]
-    return f"{versions(peak)}\n\n| {' | '.join(names)} |\n|{'---|' * len(names)}"
+    return f"{versions}\n\n| {' | '.join(names)} |\n|{'---|' * len(names)}"
 
 
 def rows(batches: Sequence[int] | None = None, rounds: int = 21) -> Iterator[Row]:

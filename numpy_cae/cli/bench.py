@@ -77,7 +77,7 @@ def _quality(args: argparse.Namespace) -> int:
     if args.json:
         print_json(compared.data())
     else:
-        print(f"{table.versions(matrix_product_peak())}\n\n{compared.text()}")
+        print(compared.text())
     return 0
 
 
@@ -87,17 +87,11 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     from numpy_cae.cli.ablation import material_of
     from numpy_cae.cli.train_options import RECIPES
     from numpy_cae.experiments.ablation.evaluation import Evaluation
-    from numpy_cae.experiments.clips import clips_of
-    from numpy_cae.experiments.repair.half_zeroed import P
-    from numpy_cae.training import zero_values
 
-    material = material_of(args)
-    evaluation = Evaluation(material)
-    truth = clips_of(evaluation.frame, [take.positions for take in material.testing])
-    lost = zero_values(truth.x, P, np.random.default_rng(0))
+    evaluation = Evaluation(material_of(args))
 
     def error(repair: Callable[[np.ndarray], np.ndarray]) -> float:
-        return truth.error(repair(lost))
+        return evaluation.measure(repair, seed=0)["half_zeroed"]
 
     return trainings(evaluation.windows, RECIPES["fast"].fine_tuning, error)
 

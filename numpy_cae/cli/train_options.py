@@ -18,17 +18,7 @@ from numpy_cae.motion import CLIP
 from numpy_cae.motion.windows import LENGTH, OVERLAP
 from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
-_FAST = Stage(
-    epochs=40,
-    rate=0.0015,
-    alpha=0.0,
-    batch=16,
-    zeroed=(0.1, 0.8),
-    rescaled=True,
-    norm=0.03,
-    optimiser="adam",
-    rate_schedule="one-cycle",
-)
+_FAST = Stage(40, 0.0015, 0.9, 0.0, 16, (0.1, 0.8), True, 0.0, 0.03, None, "adam", "one-cycle")
 _STARTER = Stage(
     epochs=50,
     rate=3e-4,
