@@ -223,7 +223,10 @@ EXERCISES: tuple[Exercise, ...] = (
         SIZES,
         value="the loss is that of equation 3, computed by loops",
         gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
-        given=("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
+        given=(
+            *("arctanh", "conv1d", "max_pool", "tanh", "transpose_filters", "unpool_random"),
+            *("decode_layer", "encode_layer"),
+        ),
     ),
     exercise(
         train_layer,

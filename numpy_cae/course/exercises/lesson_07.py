@@ -125,6 +125,6 @@ EXERCISES: tuple[Exercise, ...] = (
         SIZES,
         value="the loss is the mean squared error of the whole stack, computed by loops",
         gradients={f"gradients for {of}": (4, _names_in_layers(of)) for of in "wb"},
-        given=("encode_layer", "decode_layer", "mean_squared_error"),
+        given=("mean_squared_error", "layer_loss", "sgd_step", "train_layer", "zero_values"),
     ),
 )

@@ -227,6 +227,7 @@ EXERCISES: tuple[Exercise, ...] = (
         ),
         value="an unknown value is that of the projection of the window with zeros there",
         points=3,
+        given=("zero_values",),
     ),
     exercise(
         G,

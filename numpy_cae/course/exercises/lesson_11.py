@@ -99,6 +99,6 @@ EXERCISES: tuple[Exercise, ...] = (
         value="the loss is reconstruction + λ · discrepancy, computed by loops",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (4, ENCODER)},
         float32=True,
-        given=("read_clips", "write_clips", "mean_squared_error"),
+        given=("clip_gradients", "mean_squared_error", "read_clips", "write_clips"),
     ),
 )

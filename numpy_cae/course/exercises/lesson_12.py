@@ -290,5 +290,6 @@ EXERCISES: tuple[Exercise, ...] = (
         _names_the_input,
         _inputs_stay,
         pure=False,
+        given=("decode_layer", "encode_layer", "mean_squared_error", "sgd_step", "zero_values"),
     ),
 )
