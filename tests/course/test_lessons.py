@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -114,6 +115,14 @@ def test_lesson_00_ends_with_the_glossary():
     glossary = Path(__file__).parents[2] / "docs" / "glossary.md"
     last = read_notebook(LESSONS[0])["cells"][-1]["source"]
     assert last == glossary.read_text(encoding="utf-8").replace("# ", "## ").strip()
+
+
+@every_lesson
+def test_links_to_the_glossary_name_its_headings(path):
+    headings = re.findall(r"^### (.+)$", read_notebook(LESSONS[0])["cells"][-1]["source"], re.M)
+    prose = "".join(c["source"] for c in read_notebook(path)["cells"][:-1])
+    linked = set(re.findall(rf"\]\((?:{LESSONS[0].name})?#([\w-]+)\)", prose))
+    assert linked <= {heading.replace(" ", "-") for heading in headings}
 
 
 @pytest.mark.lessons
