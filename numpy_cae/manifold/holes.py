@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import label
 
 from numpy_cae.motion.motion import Motion, slerp
@@ -18,6 +17,8 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
     The curve is a monotone cubic (PCHIP), which does not overshoot. Beyond the first and the last
     known frame their values are held; a column without known frames is left unchanged.
     """
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
     filled = np.array(values, dtype=np.float64)
     frames = np.arange(len(filled))
     for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):

@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from numpy_cae.motion.motion import Motion
 
@@ -42,6 +41,8 @@ def smooth_motion(motion: Motion) -> Motion:
 
 def smooth_curves(values: np.ndarray, rate: float) -> np.ndarray:
     """Values (F, N, C) of N curves at `rate` frames a second, filtered."""
+    from scipy.signal import butter, sosfiltfilt  # slow to import, and seldom needed
+
     smooth = np.array(values, dtype=np.float64)
     cut_offs = CUT_OFFS[CUT_OFFS < 0.48 * rate]
     if len(values) < LEAST_FRAMES or len(cut_offs) < 2:
