@@ -19,11 +19,12 @@ def source_hash(notebook: dict) -> str:
     return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
 
-def execute(notebook: dict, mine: str = EMPTY) -> dict:
+def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
     """A copy of the notebook with the outputs of its execution in a fresh kernel.
 
-    The kernel runs without NUMPY_CAE_DATA, so that every machine stores results of synthetic
-    motion, and in a folder that holds nothing but a mine.py with the text given.
+    The kernel runs with `data` as NUMPY_CAE_DATA, by default without, so that every machine stores
+    results of synthetic motion, and in a folder that holds nothing but a mine.py with the text
+    given.
 
     Raises
     ------
@@ -50,6 +51,7 @@ def execute(notebook: dict, mine: str = EMPTY) -> dict:
             resources={"metadata": {"path": folder}},
         )
         kept = {k: v for k, v in os.environ.items() if k != "NUMPY_CAE_DATA"}
+        kept |= {"NUMPY_CAE_DATA": data} if data else {}
         try:
             # A kernel's standard error is about its ports, not about the lesson.
             client.execute(env=kept | {"OPENBLAS_NUM_THREADS": "1"}, stderr=subprocess.DEVNULL)

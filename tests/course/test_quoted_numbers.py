@@ -19,9 +19,10 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course import find_lessons, read_notebook
+from numpy_cae.course import execute, find_lessons, mine_before, read_notebook
 
-FOLDER = Path(__file__).parents[2] / "lessons"
+LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
+every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 NOT_COMPARED = re.compile(
     r"```.*?```|`[^`]*`|\"[^\"\n]{1,300}?\"|“.*?”|\]\([^)]*\)|<[^>]*>", re.DOTALL
 )
@@ -67,9 +68,15 @@ def unfounded(notebook: dict) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("path", find_lessons(FOLDER), ids=lambda path: path.stem)
+@every_lesson
 def test_the_numbers_of_the_prose_stand_in_a_cell(path):
     assert unfounded(read_notebook(path)) == []
+
+
+@pytest.mark.lessons
+@every_lesson
+def test_a_lesson_runs_on_real_motion_and_its_numbers_hold(path, data_folder):
+    assert unfounded(execute(read_notebook(path), mine_before(path), str(data_folder))) == []
 
 
 def test_a_number_that_no_cell_has_is_found():
