@@ -6,9 +6,10 @@ larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
+from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.operation import OPERATIONS
 from numpy_cae.verify.operation_properties import operation_properties
 from numpy_cae.verify.patch import Patch, right_operation
@@ -28,6 +29,7 @@ class Task:
     properties: tuple[Property, ...] = field(repr=False)
     hint: str = ""  # shown where a property does not hold
     given: tuple[str, ...] = ()  # names that an implementation may call without defining them
+    convention: str = CONTRACT
 
     @property
     def points(self) -> int:
@@ -45,6 +47,13 @@ def properties_of(name: str, convention: Patch | None = None) -> tuple[Property,
         only_ours = convention.caught_by
     every = (*shared_properties(operation), *operation_properties(operation))
     return tuple(stated for stated in every if stated.name != only_ours)
+
+
+def in_other_conventions(task: Task) -> Iterator[Task]:
+    """The task in each documented convention other than the contract's."""
+    for patch in conventions_of(task.name):
+        stated = properties_of(task.name, patch)
+        yield replace(task, properties=stated, convention=patch.sentence)
 
 
 CATALOGUE: dict[str, Task] = {

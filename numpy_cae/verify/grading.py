@@ -84,23 +84,14 @@ def grade(
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
-    Parameters
-    ----------
-    path : Path
-        A Python file, whose functions with the name of an operation are tested; or a lesson's
-        notebook, whose exercise cells are tested.
-    catalogue : str
-        The module whose `CATALOGUE` lists what is tested; its `ASSIGNMENTS`, if it has them, the
-        names in each lesson.
-    named : mapping of operation to function name, optional
-        Functions with other names. A ValueError if the catalogue lacks an operation.
-    seconds, megabytes : number
-        Limits of the whole file, and of the memory of one process (on Linux).
-    lesson : str
-        The assignment, such as "03", all of whose exercises count; by default that of a notebook's
-        cells or of a name such as 03_mine.py. A ValueError if there is no such lesson.
-    any_convention : bool
-        Whether another documented convention than that of `numpy_cae.ops` may be followed.
+    The file is a Python file, whose functions with the name of an operation are tested, or a
+    lesson's notebook, whose exercise cells are. `catalogue` is the module whose `CATALOGUE` lists
+    what is tested, and whose `ASSIGNMENTS`, if it has them, the names in each lesson. `named` has
+    the functions with other names, by operation. The limits are those of the whole file, and of
+    the memory of one process (on Linux). All exercises of `lesson`, such as "03", count; by default
+    it is that of a notebook's cells or of a name such as 03_mine.py.
+
+    Raises a ValueError if there is no such operation or lesson.
     """
     module = import_module(catalogue)
     named = dict(named or {})

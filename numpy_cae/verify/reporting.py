@@ -6,11 +6,10 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from numpy_cae.verify.catalogue import CATALOGUE, CONTRACT, Task, find_task, properties_of
-from numpy_cae.verify.conventions import conventions_of
+from numpy_cae.verify.catalogue import CATALOGUE, CONTRACT, Task, find_task, in_other_conventions
 from numpy_cae.verify.messages import visible
-from numpy_cae.verify.property import Outcome, Property
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.property import Outcome
+from numpy_cae.verify.trial import failing_case, try_property
 
 WIDTH = 98
 INDENT = 10
@@ -169,24 +168,18 @@ def report_on(
 ) -> Report:
     """`report`, for a task of any catalogue and an implementation of any name."""
     called = called or getattr(implementation, "__name__", task.name)
-    made = Report(task.name, called, _outcomes(task.properties, implementation), hint=task.hint)
-    if any_convention and not made.held:
-        for other in conventions_of(task.name):
-            stated = properties_of(task.name, other)
-            if all(try_property(p, implementation, shrink=False).held for p in stated):
-                outcomes = tuple(Outcome(each, held=True) for each in stated)
-                return Report(task.name, called, outcomes, other.sentence, task.hint)
-    return made
-
-
-def _outcomes(properties: tuple[Property, ...], implementation: Callable) -> tuple[Outcome, ...]:
     outcomes: list[Outcome] = []
-    for stated in properties:
+    for stated in task.properties:
         if outcomes and outcomes[0].problem.startswith(UNSOLVED):
             outcomes.append(Outcome(stated, held=False, problem=UNSOLVED))
         else:
             outcomes.append(try_property(stated, implementation))
-    return tuple(outcomes)
+    others = in_other_conventions(task) if any_convention else ()
+    if not all(outcome.held for outcome in outcomes):
+        for other in others:
+            if holds(other, implementation):
+                return _report(other, called, [Outcome(each, True) for each in other.properties])
+    return _report(task, called, outcomes)
 
 
 def report_from_reply(task: Task, called: str, reply: dict) -> Report:
@@ -194,29 +187,30 @@ def report_from_reply(task: Task, called: str, reply: dict) -> Report:
 
     Statements and points are not taken from the reply.
     """
-    convention, outcomes = CONTRACT, ()
     try:
         problem = visible(reply.get("failed", ""))
         if not problem:
-            outcomes = tuple(_outcomes_from(task, **reply["report"]))
-            convention = reply["report"]["convention"]
+            return _report(*_checked(task, called, **reply["report"]))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    if problem:
-        outcomes = tuple(Outcome(each, held=False, problem=problem) for each in task.properties)
-    return Report(task.name, called, outcomes, convention, task.hint)
+    return _report(task, called, [Outcome(each, False, problem) for each in task.properties])
 
 
-def _outcomes_from(task: Task, convention: str, properties: list, **others) -> Iterator[Outcome]:
-    stated = task.properties
-    if convention != CONTRACT:
-        (other,) = (c for c in conventions_of(task.name) if c.sentence == convention)
-        stated = properties_of(task.name, other)
-    for each, made in zip(stated, properties, strict=True):
-        texts = (visible(made[name]) for name in ("problem", "counterexample", "likely_mistake"))
-        yield Outcome(each, made["held"] is True, *texts)
+def _checked(task: Task, called: str, convention: str, properties: list, **others) -> tuple:
+    """The arguments of `_report`, from the JSON of a report."""
+    (task,) = (t for t in (task, *in_other_conventions(task)) if t.convention == convention)
+    texts = ("problem", "counterexample", "likely_mistake")
+    outcomes = [
+        Outcome(stated, made["held"] is True, *(visible(made[text]) for text in texts))
+        for stated, made in zip(task.properties, properties, strict=True)
+    ]
+    return task, called, outcomes
+
+
+def _report(task: Task, called: str, outcomes: list[Outcome]) -> Report:
+    return Report(task.name, called, tuple(outcomes), task.convention, task.hint)
 
 
 def holds(task: Task, implementation: Callable) -> bool:
     """Whether every property holds; stops at the first that does not."""
-    return all(try_property(tried, implementation, shrink=False).held for tried in task.properties)
+    return all(failing_case(tried, implementation) is None for tried in task.properties)

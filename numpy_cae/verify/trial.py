@@ -99,15 +99,16 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
 
     The counterexample is the smallest one, or the first if not `shrink`.
     """
-    failures = ((case, _failure(tried, implementation, case)[0]) for case in drawn_cases(tried))
-    case, kind = next(((case, type(e)) for case, e in failures if e is not None), (None, None))
+    case = failing_case(tried, implementation)
     if case is None:
         return Outcome(tried, held=True)
+    error, last = _failure(tried, implementation, case)
+    kind = type(error)
     if shrink and kind is not NotImplementedError:
         case = smallest(
             case, tried.sizes, lambda c: type(_failure(tried, implementation, c)[0]) is kind
         )
-    error, last = _failure(tried, implementation, case)
+        error, last = _failure(tried, implementation, case)
     if error is None:  # it fails in one call and not in the next
         return Outcome(tried, False, "it does not do the same when called again", str(case))
     problem = str(error)[:LONGEST_TEXT]
@@ -116,6 +117,12 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
         problem = described(error, getattr(code, "co_filename", ""))
     example = "\n".join([str(case), *_described(tried, case, last)])
     return Outcome(tried, False, problem, example, likely_mistake(tried, implementation))
+
+
+def failing_case(tried: Property, implementation: Callable) -> Case | None:
+    """The first of the drawn cases in which a property does not hold, if there is one."""
+    cases = drawn_cases(tried)
+    return next((c for c in cases if _failure(tried, implementation, c)[0] is not None), None)
 
 
 def check_property(stated: Property, function: Callable) -> None:
