@@ -211,7 +211,7 @@ def test_what_is_no_notebook_is_refused(tmp_path, content, problem):
 def test_a_notebook_may_begin_with_a_mark_and_hold_half_of_a_character(graded):
     content = notebook(conv1d="x = '\ud800'", unfold="def unfold(x, taps):\n    return x")
     file = graded(b"\xef\xbb\xbf" + content.encode(), "week3.ipynb")
-    assert file.possible == 35 and "cell conv1d: UnicodeEncodeError" in file.faults[0]
+    assert file.possible == 80 and "cell conv1d: UnicodeEncodeError" in file.faults[0]
 
 
 def test_a_folder_and_a_device_are_no_files(tmp_path):
