@@ -8,6 +8,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from nbformat import v4
+
 from numpy_cae.course.notebook import write_notebook
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.reporting import Report
@@ -22,21 +24,29 @@ def grade_notebook(notebook, resources):
         path = Path(folder, f"{resources['nbgrader']['notebook']}.ipynb")
         write_notebook(notebook, path)
         graded = grade(path, "numpy_cae.course.catalogue")
-    reports = {report.operation: report for report in graded.reports}
+    checks = {}
     for cell in notebook.cells:
         marks = cell.metadata.get("nbgrader", {})
         if marks.get("grade"):
-            report = reports.get(marks["grade_id"].removesuffix("_check"))
-            cell.outputs = _outputs(report, "\n".join(graded.faults))
+            checks[marks["grade_id"].removesuffix("_check")] = cell
+            cell.outputs = _outputs("\n".join(graded.faults) or "not graded", 0)
+    for report in graded.reports:
+        if report.operation not in checks:
+            checks[report.operation] = _check_cell(report)
+            notebook.cells.append(checks[report.operation])
+        checks[report.operation].outputs = _outputs(str(report), report.points)
     return notebook, resources
 
 
-def _outputs(report: Report | None, faults: str) -> list:
-    from nbformat import v4
+def _check_cell(report: Report):
+    """The check cell of an exercise, for a student who has deleted it."""
+    marks = {"grade": True, "locked": True, "solution": False, "task": False, "schema_version": 3}
+    marks |= {"grade_id": f"{report.operation}_check", "cell_type": "code"}
+    return v4.new_code_cell(metadata={"nbgrader": marks | {"points": report.possible}})
 
-    text = str(report) if report else faults or "not graded"
-    points = str(report.points if report else 0)
+
+def _outputs(text: str, points: int) -> list:
     return [
         v4.new_output("stream", name="stdout", text=f"{text}\n"),
-        v4.new_output("execute_result", {"text/plain": points}, execution_count=None),
+        v4.new_output("execute_result", {"text/plain": str(points)}, execution_count=None),
     ]

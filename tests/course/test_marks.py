@@ -72,3 +72,23 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     ]
     text = (feedback / "_cmd__.md").read_text(encoding="utf-8")
     assert "## frames_seen: 0 of 10 points" in text and "      FAILED  value" in text
+
+
+def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    from numpy_cae.course.nbgrader import grade_notebook
+
+    hand_in(tmp_path / "07_going_deep.ipynb", LOOPS)
+    (cell,) = json.loads((tmp_path / "07_going_deep.ipynb").read_text())["cells"]
+    marks = {"nbgrader": {"grade": True, "grade_id": "stack_loss_check", "points": 40}}
+    check = {"cell_type": "code", "metadata": marks, "source": "1 / 0"}
+    cells = [{**each, "execution_count": None, "outputs": []} for each in (cell, check)]
+    node = nbformat.from_dict({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+    graded, _ = grade_notebook(node, {"nbgrader": {"notebook": "07_going_deep"}})
+    shown = {}
+    for each in graded.cells[1:]:
+        text, points = each.outputs
+        assert f"{points.data['text/plain']} of " in text.text
+        shown[each.metadata["nbgrader"]["grade_id"]] = points.data["text/plain"]
+    assert shown.pop("frames_seen_check") == "10"  # whose check cell was deleted
+    assert set(shown.values()) == {"0"} and {"stack_loss_check", "stage_inputs_check"} <= set(shown)
