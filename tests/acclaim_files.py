@@ -4,8 +4,6 @@ The root is called "root"; every bone may rotate about three axes parallel to th
 children of a joint must all be at the end of its bone.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The structure: imports point inwards, sizes stay within budgets, the map is complete."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

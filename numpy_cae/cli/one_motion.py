@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import with_progress
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import JOINTS, PARENTS, Motion, find_motion_files, load_body, write_motion
+from numpy_cae.motion import JOINTS, PARENTS, Motion, write_motion
 from numpy_cae.motion.io.write import require_writer
 from numpy_cae.viz import Actor, save_gif, save_viewer
 
@@ -45,16 +44,6 @@ def load_model(args: argparse.Namespace, sequential: bool = False, motion: bool 
     if isinstance(manifold, SequenceManifold) and not sequential:
         raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")
     return manifold
-
-
-def load_features(args: argparse.Namespace, manifold: Manifold) -> list[np.ndarray]:
-    """The features of every motion in the folders of `--data`."""
-    mapping, coordinates = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
-    files = [path for folder in args.data or [] for path in find_motion_files(folder)]
-    return [
-        manifold.features(load_body(path, mapping, coordinates)[0])[0]
-        for path in with_progress(files, len(files), "files read")
-    ]
 
 
 def write(motion: Motion, path: Path) -> None:

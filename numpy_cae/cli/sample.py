@@ -12,10 +12,18 @@ import numpy as np
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import one_motion
 from numpy_cae.cli.output import with_progress
+from numpy_cae.cli.takes import usable_bodies
 from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.motion import RootTransform, body_of, features_to_positions, fit_motion, load_body
+from numpy_cae.motion import (
+    RootTransform,
+    body_of,
+    features_to_positions,
+    find_motion_files,
+    fit_motion,
+    load_body,
+)
 from numpy_cae.motion.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
@@ -80,4 +88,7 @@ def _prior(args: argparse.Namespace, manifold: Manifold) -> NeighbourPrior | Non
         return None
     if not args.data:
         raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
-    return NeighbourPrior(encode_windows(manifold, one_motion.load_features(args, manifold)))
+    files = [path for folder in args.data for path in find_motion_files(folder)]
+    bodies = usable_bodies(files, kinds.chosen_mapping(args), kinds.chosen_coordinates(args))
+    features = [manifold.features(body.positions)[0] for body in bodies]
+    return NeighbourPrior(encode_windows(manifold, features))

@@ -66,14 +66,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
-        lengths = args.minutes, args.minutes
-        return [synthetic_action(name, *lengths, args.seed) for name in args.actions]
-    mapping = kinds.chosen_mapping(args)
+        return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
+    how = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
     actions = [
-        read_action(
-            folder.resolve().name, [folder], args.test, mapping, kinds.chosen_coordinates(args)
-        )
-        for folder in args.data
+        read_action(folder.resolve().name, [folder], args.test, *how) for folder in args.data
     ]
     for action in actions:
         if not (action.training and action.testing):

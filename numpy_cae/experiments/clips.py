@@ -11,7 +11,7 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shifted
 from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
-from numpy_cae.motion.windows import LENGTH, cut_windows
+from numpy_cae.motion.windows import cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
 ALL_SHIFTS = "the network, ends held, all shifts"
@@ -110,7 +110,7 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     """
     if not takes:
         raise ValueError("there are no takes to cut into windows")
-    length = window_length(manifold)
+    length = manifold.window
     windows, reals = [], []
     for take in takes:
         cut, real = cut_windows(manifold.features(take)[0], length, length // 2)
@@ -118,11 +118,6 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
         reals.append(real)
     numbers = np.repeat(np.arange(len(windows)), [len(each) for each in windows])
     return Clips(manifold, np.concatenate(windows), np.concatenate(reals), numbers)
-
-
-def window_length(manifold: MotionManifold) -> int:
-    """Frames of the windows that the manifold was trained on."""
-    return manifold.settings.get("window", LENGTH)
 
 
 def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:

@@ -1,7 +1,5 @@
 """What the names of methods in the tables of the report mean, for its legend."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from numpy_cae.experiments.result import Result

@@ -1,7 +1,5 @@
 """A report as one self-contained HTML page with its pictures inside it, and as plain text."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping, Sequence
 from html import escape

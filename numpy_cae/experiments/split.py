@@ -4,8 +4,6 @@ Every fifth training take is held back from a first fit of a baseline; its setti
 length of a filter) is chosen on these takes; then it is fitted to all training takes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

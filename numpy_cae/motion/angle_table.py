@@ -9,8 +9,6 @@ MBR17 drops the constant columns of Human3.6M's own text, which also leaves 54: 
 six (knees, elbows, toes) rotate about x only. That is the second table.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

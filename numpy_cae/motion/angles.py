@@ -7,8 +7,6 @@ keeps its orientation:
     R_j = G_ancestorᵀ · G_j
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Clips of 50 frames: jang2018, "randomly selected from the input motion sequence"."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ The height was chosen on 88 takes of Bandai and 49 of CMU: within 2.5 cm of the 
 13% and 4% of the frames in which it moves faster than 1 m/s (21% and 11% within 3.5 cm).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.ndimage import binary_closing, binary_opening
 

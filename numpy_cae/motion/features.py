@@ -13,8 +13,6 @@ and the inverse, from the first frame's h_0 and θ_0, by summation:
     θ_{t+1} = θ_t + ω_t,    h_{t+1} = h_t + R(θ_t) v_t,    p_t = h_t + R(θ_t) q_t
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

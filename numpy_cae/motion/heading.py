@@ -1,8 +1,6 @@
 """The heading of a body, an angle about Y that holden2015, section 4 removes from a motion, and the
 rotation by such an angle: from Z towards X."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 

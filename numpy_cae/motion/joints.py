@@ -5,8 +5,6 @@ These are four along the spine and four for each limb. There is no neck: its pos
 chest and head, and half of the rigs have two.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

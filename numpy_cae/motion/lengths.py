@@ -5,8 +5,6 @@ whole take, target length over own length, which keeps its direction. The hips m
 of the legs, so that a short person takes the mean person's steps and the feet stay on the floor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Windows from a folder of motion files, for lessons and short experiments."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path

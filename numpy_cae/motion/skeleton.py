@@ -1,7 +1,5 @@
 """A skeleton: a tree of named joints, each at an offset from its parent in the rest pose."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

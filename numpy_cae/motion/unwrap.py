@@ -6,8 +6,6 @@ ball, and a network would have to learn that jump. Here each frame gets the equi
 nearest to the frame before (as in MBR17 and Grassia, 1998).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 _PERIOD = 2 * np.pi

@@ -1,7 +1,5 @@
 """Windows of a motion, the input of a network (holden2015, section 4)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.features import VELOCITY

@@ -1,7 +1,5 @@
 """Damage leaves the truth alone, says where it struck, and strikes as often as it was told."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings

@@ -1,7 +1,5 @@
 """The parts that people are made of: bodies, joint limits, gait curves, inverse kinematics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Series of takes: how much, who, the files that come out, and the command line."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np

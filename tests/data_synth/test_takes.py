@@ -3,8 +3,6 @@
 Seeds and lengths are drawn; `-m thorough` draws many more of them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """A server on this machine that behaves as servers do when they misbehave."""
 
-from __future__ import annotations
-
 import re
 import threading
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """The CMU database from a correct site, and from sites that send wrong or dangerous files."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 

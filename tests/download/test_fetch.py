@@ -1,7 +1,5 @@
 """A file is downloaded byte for byte, whatever the server does, or there is an error."""
 
-from __future__ import annotations
-
 import sys
 import time
 

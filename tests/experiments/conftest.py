@@ -1,7 +1,5 @@
 """A small manifold, a few labelled takes, and the result of every experiment on them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from importlib import import_module

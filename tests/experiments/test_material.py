@@ -1,7 +1,5 @@
 """Labels come from file names and tables, and the split from the names of files."""
 
-from __future__ import annotations
-
 from data_synth import plan_takes, write_series
 from numpy_cae.experiments.material import labels_of, read_material
 

@@ -1,7 +1,5 @@
 """Results as text, JSON, pictures and a page: well formed, self-contained, escaped."""
 
-from __future__ import annotations
-
 from html.parser import HTMLParser
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Body: features of a motion on the mean skeleton, and the way back into its rig."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Interpolation meets its ends, and samples come from the stated priors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

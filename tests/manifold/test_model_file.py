@@ -1,7 +1,5 @@
 """Model files: what was saved is loaded; a damaged file is loaded, all finite, or refused."""
 
-from __future__ import annotations
-
 import io
 import json
 import tracemalloc

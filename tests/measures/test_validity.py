@@ -1,7 +1,5 @@
 """The measures of validity, where the answer can be computed by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """What happens to files: disks, editors, scripts and people."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

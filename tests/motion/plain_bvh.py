@@ -3,8 +3,6 @@
 Nothing here imports the package: text by print, rotations by 3 x 3 matrices, positions by loops.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, radians, sin
 

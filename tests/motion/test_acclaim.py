@@ -1,7 +1,5 @@
 """Acclaim files: bones turn about their own axes, files fit each other, and damage is refused."""
 
-from __future__ import annotations
-
 import re
 from itertools import permutations
 

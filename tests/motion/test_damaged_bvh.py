@@ -1,7 +1,5 @@
 """Every damage to a BVH file is refused, with its line and what was expected there."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Damaged mappings and labels raise the documented error and no other exception."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`load_motion` and `find_motion_files`: supported files, and errors for all others."""
 
-from __future__ import annotations
-
 import pytest
 
 from numpy_cae.motion import MotionFileError, find_motion_files, load_motion

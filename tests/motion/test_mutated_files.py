@@ -4,8 +4,6 @@ bounded time, and in memory that is a small multiple of the file's size.
 The seeds are real files where there are some, cut to a few frames, else synthetic ones.
 """
 
-from __future__ import annotations
-
 import os
 import time
 import tracemalloc

@@ -1,7 +1,5 @@
 """A whole BVH file is read as it stands, however its program spaced, cased or ordered it."""
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

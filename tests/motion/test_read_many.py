@@ -1,7 +1,5 @@
 """Reading many files: the same takes in parallel and from the cache, which knows content alone."""
 
-from __future__ import annotations
-
 import os
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A file that is cut off after any of its bytes is refused, or only its last number is another."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from plain_bvh import HIERARCHY

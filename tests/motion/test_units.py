@@ -1,7 +1,5 @@
 """The unit of a BVH file is guessed from its bones, whatever the pose and wherever the root."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

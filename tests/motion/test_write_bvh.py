@@ -1,7 +1,5 @@
 """What is written reads back the same, opens in Blender, and never leaves half a file."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A changed motion is written as the text of its file, with only the changed numbers replaced."""
 
-from __future__ import annotations
-
 import logging
 import re
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Slow but easy to check by reading: the definitions of `numpy_cae.ops` are tested against these.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Interrupted anywhere and resumed, training ends in the same bits; no good state is lost."""
 
-from __future__ import annotations
-
 import errno
 import gc
 import json

@@ -6,8 +6,6 @@ same content in another style, and the same style in another content, with the t
 both removed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ of two clips is the Euclidean distance of their nearest rows. For signatures tha
 as G does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -64,10 +62,10 @@ def raw_extremes(manifold: MotionManifold) -> Distance:
 
 def euclidean(manifold: MotionManifold) -> Distance:
     """The paper's naive distance: between windows, frame by frame."""
-    length, overlap = (manifold.settings[key] for key in ("window", "overlap"))
 
     def windows(features: np.ndarray) -> np.ndarray:
-        x = manifold.normalise(cut_windows(features, length, overlap)[0])
+        overlap = manifold.settings["overlap"]
+        x = manifold.normalise(cut_windows(features, manifold.window, overlap)[0])
         return x.reshape(len(x), -1)
 
     return Distance(EUCLIDEAN, windows)

@@ -4,8 +4,6 @@ of holden2015, section 7, "Motion Comparison".
 The motions are synthetic (`data_synth`), so that their content is known exactly.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import chain
 

@@ -5,8 +5,6 @@ A window of 160 frames, 40 frames later, ends with 40 new frames: no distance th
 stay at zero. √G is used, so that all distances are lengths.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.experiments.comparison.distances import (
@@ -38,7 +36,7 @@ _COLOURS = (PROJECTED, CORRUPTED, PLAIN)
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Shift the first window of every test take that is long enough; the seed is for resampling."""
-    window = manifold.settings["window"]
+    window = manifold.window
     needed = window + SHIFTS[-1]
     takes = [take.positions for take in material.testing if len(take.positions) >= needed]
     if len(takes) < 2:

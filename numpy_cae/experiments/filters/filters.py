@@ -4,8 +4,6 @@ How many joints and frames the filters of each layer move, compared with the sam
 training.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

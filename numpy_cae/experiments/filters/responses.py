@@ -5,8 +5,6 @@ layer cannot. So at one moment a unit is raised from its mean to its 99th percen
 below decode the difference, with tanh⁻¹ and its bound.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

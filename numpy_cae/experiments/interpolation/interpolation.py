@@ -6,8 +6,6 @@ creates motion which remains valid." Also walks of two styles, for which PCA "do
 well". PCA on windows is linear: it projects the linear interpolation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import astuple
 from functools import partial
@@ -15,7 +13,6 @@ from functools import partial
 import numpy as np
 
 from numpy_cae.baselines import PCA
-from numpy_cae.experiments.clips import window_length
 from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
@@ -73,7 +70,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
 
 def _methods(manifold: MotionManifold, training: list[np.ndarray]) -> dict[str, Method]:
-    length = window_length(manifold)
+    length = manifold.window
     cut = [cut_windows(take, length, length // 2)[0] for take in training]
     windows = manifold.normalise(np.concatenate(cut)).reshape(-1, length * FEATURES)
     pca = PCA.fit(windows.astype(np.float64))
@@ -151,7 +148,7 @@ def clips_of_pair(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The features of both from their first frames, the longer one truncated, at most a window."""
     first, second = (manifold.features(take.positions)[0] for take in (one, other))
-    frames = min(len(first), len(second), window_length(manifold))
+    frames = min(len(first), len(second), manifold.window)
     return first[:frames], second[:frames]
 
 

@@ -6,8 +6,6 @@ over the space of human motion which can be augmented with other beliefs". The u
 compared with the prior of `numpy-cae sample`.
 """
 
-from __future__ import annotations
-
 from dataclasses import astuple
 
 import numpy as np

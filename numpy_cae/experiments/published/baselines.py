@@ -1,7 +1,5 @@
 """Simple methods of filling in hidden columns; `Method` of protocol.py describes their form."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -6,8 +6,6 @@ filling in starts with that prediction, and the network corrects it. Its output 
 shifts of the pooling grid (convolutional) or all clips that contain a row (sequential).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

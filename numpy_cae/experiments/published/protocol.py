@@ -6,8 +6,6 @@ variable model" (AISTATS 2007), the columns and the angular error. From row 63 o
 right leg or the upper body is hidden; all other columns and all rows before are given.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,8 +1,6 @@
 """Projection that keeps bone lengths, standing feet and the ground, compared with the plain one:
 future work in holden2015, section 7."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.beyond import project_constrained

@@ -5,8 +5,6 @@ Positions are those of forward kinematics in the file's rig, in the frames of th
 the mean distance of a joint from its true position over the damaged joints and frames.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 

@@ -1,8 +1,6 @@
 """Simple methods that repair a damaged motion in its rig: filters, and two that are told what is
 damaged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Damage to a motion in the rig of its file, with the joints and frames that are damaged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ which is zero for the network, and read from the projection; of stepped animatio
 held, the paper finds smooth transitions. Where it is known what is missing, see `damage`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project_ends_held

@@ -5,8 +5,6 @@ windows of test takes, so zero is the mean pose. The error is the root mean squa
 of the 60 position features, in centimetres; padded frames do not count.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

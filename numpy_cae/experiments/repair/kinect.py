@@ -6,8 +6,6 @@ and the take itself is the truth. Part of these errors cannot be recognised in t
 with a constant offset of a few centimetres, or an inclined floor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

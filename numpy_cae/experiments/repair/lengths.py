@@ -5,11 +5,8 @@ A network trained on windows of 160 frames projects clips of other lengths: the 
 whole, or cut into pieces that are projected one by one and joined.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from numpy_cae.experiments.clips import window_length
 from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
@@ -30,7 +27,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     A jump is how much further a joint steps across a seam than in truth.
     """
     takes = features_of(manifold, material.testing)
-    takes = [take for take in takes if len(take) > window_length(manifold)] or takes
+    takes = [take for take in takes if len(take) > manifold.window] or takes
     truth = np.concatenate(takes)
     rows = []
     for length in PIECES:

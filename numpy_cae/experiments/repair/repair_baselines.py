@@ -1,7 +1,5 @@
 """Simple methods that repair windows, each with its best setting."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

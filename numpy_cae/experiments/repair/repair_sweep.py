@@ -5,8 +5,6 @@ Zeroing with probability p scales the expected value: E[X_c] = (1 - p) X. So the
 the network are also given X_c / (1 - p), whose expected value is X.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.baselines import interpolate_linearly

@@ -7,8 +7,6 @@ The paper trains its layers with the first and decodes its results with the seco
 trained network decodes the same hidden units with both.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.experiments.clips import cut_ends, hold_ends, project_ends_held

@@ -1,12 +1,10 @@
 """Actions: motions in joint space to train jang2018's network on and to measure it on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from data_synth import JANG2018_KINDS, plan_takes
+from data_synth import plan_takes
 from numpy_cae.experiments.material import each_usable, is_test
 from numpy_cae.motion import (
     ANGLE_RATE,
@@ -39,22 +37,19 @@ class Action:
     periodic: bool = False
 
 
-def synthetic_action(
-    kind: str, minutes: float = 180.0, test_minutes: float = 180.0, seed: int = 0
-) -> Action:
-    """Synthesise an action of `data_synth.JANG2018_KINDS`; every take is of another person.
+def synthetic_action(kind: str, minutes: float, seed: int = 0) -> Action:
+    """Synthesise an action of `data_synth.JANG2018_KINDS`, so many minutes to train on and to test
+    on; every take is of another person.
 
     With few people, the discrepancy of the held-out clips would measure who these people are
     rather than how the network encodes them.
     """
-    if kind not in JANG2018_KINDS:
-        raise ValueError(f"unknown action {kind!r}; the actions are {', '.join(JANG2018_KINDS)}")
     halves = [
         [
             angles_of(replace(plan, person=plan.number).make(ANGLE_RATE).motion)
-            for plan in plan_takes(total, number, [kind])
+            for plan in plan_takes(minutes, number, [kind])
         ]
-        for total, number in ((minutes, 2 * seed + 1), (test_minutes, 2 * seed + 2))
+        for number in (2 * seed + 1, 2 * seed + 2)
     ]
     return Action(kind, *halves, periodic=kind in PERIODIC)
 

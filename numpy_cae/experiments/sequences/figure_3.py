@@ -5,8 +5,6 @@ multivariate normal distribution, fitted to the latent vectors of the training c
 regulariser succeeds, it equals the prior. Samples of both are drawn.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.experiments.result import Animation, Result

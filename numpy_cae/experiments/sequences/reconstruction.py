@@ -5,8 +5,6 @@ first frame held. Errors are mean squares of standardised numbers (the mean pose
 jang2018's own, the Euclidean distance of a frame's 51 angles in radians.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

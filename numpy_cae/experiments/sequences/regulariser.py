@@ -1,7 +1,5 @@
 """λ = 0 against λ > 0: does the regulariser match the prior, and what does it cost?"""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ diversity      mean distance between two samples, relative to that between two h
 stride / real  median strides a second of walking, relative to that of held-out clips
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

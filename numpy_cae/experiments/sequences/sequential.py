@@ -1,7 +1,5 @@
 """All results of jang2018: the trainings that they need, the tables and the pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -19,7 +17,7 @@ from numpy_cae.training import SequenceSchedule
 
 
 def sequential(
-    actions: Sequence[Action], schedule: SequenceSchedule | None = None, seed: int = 0, **options
+    actions: Sequence[Action], schedule: SequenceSchedule, seed: int = 0, **options
 ) -> tuple[dict[str, Result], dict[str, SequenceManifold]]:
     """Train on each action with the regulariser and without, and teacher-forced on the first.
 
@@ -27,7 +25,6 @@ def sequential(
     `learn_sequences`. Returns the results by the names of their picture files, and the manifolds
     trained with the regulariser by action.
     """
-    schedule = schedule or SequenceSchedule()
     free = replace(schedule, weight=0.0)
     studies = [train_study(action, schedule, seed, **options) for action in actions]
     without = [train_study(action, free, seed, **options) for action in actions]

@@ -6,8 +6,6 @@ discrepancy   the sliced Wasserstein distance between the latent vectors of held
               fresh draws of the prior
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,14 +55,11 @@ class Study:
         return body_positions(self.manifold.motion(clip))
 
 
-def train_study(
-    action: Action, schedule: SequenceSchedule | None = None, seed: int = 0, **options
-) -> Study:
+def train_study(action: Action, schedule: SequenceSchedule, seed: int = 0, **options) -> Study:
     """Train on one action and record the curve of held-out errors.
 
     `schedule`, `seed` and `options` are those of `learn_sequences`.
     """
-    schedule = schedule or SequenceSchedule()
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
     measured: list[tuple[int, float, float]] = []
     rng = np.random.default_rng([seed, 1])

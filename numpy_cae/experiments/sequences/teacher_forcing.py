@@ -4,8 +4,6 @@ Under teacher forcing the decoder's next input is the true frame instead of its 
 are measured in the way they are used: fed with their own frames.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae import ops

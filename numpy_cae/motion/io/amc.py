@@ -4,8 +4,6 @@ Angles are about fixed axes in the order of the skeleton's `dof` (for the root: 
 so that `rx ry rz` is R = R_z · R_y · R_x; `asf` defines the axes.
 """
 
-from __future__ import annotations
-
 import logging
 from array import array
 from pathlib import Path

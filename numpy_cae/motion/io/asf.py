@@ -10,8 +10,6 @@ joint. A joint here is named for its bone and is at the bone's base: lfemur at t
 at the knee.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field

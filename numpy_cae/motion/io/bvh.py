@@ -5,8 +5,6 @@ the common interpretation is used: rotations are about the joint's own axes in t
 channels; a position channel replaces the joint's offset, on any joint.
 """
 
-from __future__ import annotations
-
 import logging
 import re
 from pathlib import Path

@@ -15,8 +15,6 @@ ROOT Hips
 }
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ joint or none, and `Frames:` and `Frame Time:` as written here. Its bones end at
 a last joint needs an End Site.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

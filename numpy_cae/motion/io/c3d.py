@@ -5,8 +5,6 @@ are ignored. Points on the skin (marker files) are another matter: joints would 
 from them.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ The result of a file is cached under a hash of its content, so that a moved, ren
 is found again and a changed one is not. The folder of the cache can be deleted at any time.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import logging

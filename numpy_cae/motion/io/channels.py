@@ -4,8 +4,6 @@ Three angles and (a ± 180°, 180° - b, c ± 180°), each plus whole turns, are
 these the ones nearest to the frame before are used, so that curves in an editor do not jump.
 """
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass, field
 from itertools import permutations

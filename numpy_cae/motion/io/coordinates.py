@@ -10,8 +10,6 @@ to the bit. Two observations decide, on the twenty joints:
   stays is far from 0, and it is seldom near 0, the floor is there.
 """
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The error that a motion file can cause: which file, which line, what was expected."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

@@ -9,8 +9,6 @@ The first frame of CMU's text confirms it: the T-pose rotates the left thigh by 
 BVH, and the text has +0.3665.
 """
 
-from __future__ import annotations
-
 from array import array
 from pathlib import Path
 

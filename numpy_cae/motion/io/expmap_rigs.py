@@ -6,8 +6,6 @@ and for each tip of a bone, in the order of the tables below. The layouts are th
 draws with. The CMU text has no bone lengths: these are subject 02's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

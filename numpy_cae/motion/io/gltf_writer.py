@@ -4,8 +4,6 @@ A glTF file of a skeleton alone is a tree of empty nodes in Blender, so each bon
 octahedron that is skinned to its parent joint. Lengths are metres, Y up, as in `Motion`.
 """
 
-from __future__ import annotations
-
 import json
 import struct
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Read any supported motion file, chosen by its suffix."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -4,8 +4,6 @@ It is not part of the motion: the person leaves it within a 120th of a second. S
 by its shape and by the jump after it; someone recorded in a T-pose leaves it slowly and keeps it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS

@@ -1,7 +1,5 @@
 """Write the positions of a motion as a table: a NumPy archive (.npz) or text (.csv)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -8,8 +8,6 @@ tips; it is about 1.3 times the stature in any pose (less in a rig that ends at 
 Bandai's, more with fingers, as in CMU's).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.skeleton import Skeleton

@@ -1,7 +1,5 @@
 """Write a motion to any supported file, chosen by its suffix."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from numpy_cae.motion.io.bvh_writer import write_bvh

@@ -4,8 +4,6 @@ The header, the order of channels, line ends, spaces and all other numbers stay 
 byte. The text is processed in blocks of frames, so that a long file needs little memory.
 """
 
-from __future__ import annotations
-
 import logging
 import re
 from collections.abc import Callable, Iterable, Iterator

@@ -5,8 +5,6 @@ chest or from the chest to the shoulder. A point that is fixed to a bone of the 
 missing joint. No writer writes it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

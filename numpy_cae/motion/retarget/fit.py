@@ -5,8 +5,6 @@ that its bones point as the positions say. One bone leaves its twist undetermine
 from the parent joint; several bones (hips, chest) are fitted together.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

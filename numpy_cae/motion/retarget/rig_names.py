@@ -5,8 +5,6 @@ or chest, they follow from the hierarchy (`numpy_cae.motion.retarget.rigs`): rig
 differ in their number of spine joints. Blanks and punctuation in names do not matter.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 from numpy_cae.motion.joints import JOINTS

@@ -5,8 +5,6 @@ Names are compared without case, blanks and punctuation and without a prefix up 
 joint nearest to the middle between hips and chest.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Sequence

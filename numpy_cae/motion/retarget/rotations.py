@@ -10,8 +10,6 @@ axis that the bones determine poorly the rotation stays small. A second pass, fr
 the first, restores most of what the regularisation removed from a well determined rotation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -10,8 +10,6 @@ rotations that are missing at its first and at its last frame are interpolated a
 which keeps the detail in between and restores a joint that is off by a constant rotation or frozen.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 

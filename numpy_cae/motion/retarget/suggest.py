@@ -5,8 +5,6 @@ the chest on another branch. Of all such pairs the longest are taken. Knees and 
 into two long bones.
 """
 
-from __future__ import annotations
-
 import re
 from itertools import combinations, pairwise, product
 

@@ -1,7 +1,5 @@
 """From a motion of any rig to the input of a network: twenty joints, thirty frames a second."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

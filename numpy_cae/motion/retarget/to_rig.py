@@ -18,8 +18,6 @@ they are. For a wrist or an ankle that has to be reached exactly, the target of 
 knee is moved to the nearest point from which it can be: on a circle about the limb's line.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
