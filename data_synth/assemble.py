@@ -4,8 +4,6 @@ From the pelvis to the leaves, each joint's rotation is R = G_parent⁻¹ · G.
 Legs, and arms that hold on to something, bend by two-bone inverse kinematics.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

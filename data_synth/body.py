@@ -6,8 +6,6 @@ CMU database's Acclaim skeletons, and so is the split of the trunk, the neck and
 several bones. The rest pose is a T: standing straight, facing +Z, arms along ±X, left being +X.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -3,8 +3,6 @@
 Every curve is a function of time in seconds, so that a motion can be sampled at any rate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

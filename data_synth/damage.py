@@ -4,8 +4,6 @@ The damage of holden2015, section 7: values set to zero, a missing marker, stepp
 errors of a Kinect are in `kinect`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 One of the three actions of jang2018, after Human3.6M's "WalkDog".
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.body import SIGN, Body

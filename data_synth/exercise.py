@@ -1,7 +1,5 @@
 """Exercises on the feet: squats and jumping jacks, every repetition slightly different."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

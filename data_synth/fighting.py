@@ -4,8 +4,6 @@ This order is that of measured strikes and throws (Putnam, 1993,
 *J. Biomech.* 26 suppl. 1:125).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.body import SIDES, SIGN

@@ -4,8 +4,6 @@ A step from A to B is a minimum-jerk path along the floor and an arch above it. 
 while the ball of the foot stays where it is.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

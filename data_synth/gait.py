@@ -9,8 +9,6 @@ correction that joins the two,
 and the leg is bent to it by two-bone inverse kinematics.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation

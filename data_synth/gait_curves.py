@@ -7,8 +7,6 @@ every 5 % of the stride, from heel strike to the next heel strike of the same fo
 measured against the vertical; knee flexion and ankle dorsiflexion are positive.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The kinds of motion by name, and `make_take`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -18,8 +18,6 @@ The publications describe swapped limbs, guesses and the floor's delay without r
 below are our choice.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

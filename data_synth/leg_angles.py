@@ -8,8 +8,6 @@ and the foot is pitched by α - β + ankle. The *fullness* of the angles, 0 stan
 measured, depends on the length of the stride.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

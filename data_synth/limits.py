@@ -7,8 +7,6 @@ Measurement of Joint Motion*, 1994) with the spread of healthy adults in Soucie 
 neck's three joints each have the range of the CMU database's Acclaim skeletons.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ Speeds and cadences are for a stature of 1.75 m; they scale with the Froude numb
 which gaits of people of different size are similar (Alexander, *J. Zool.* 1984).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 
 import numpy as np

@@ -4,8 +4,6 @@ Angles are in radians. Legs are given by the position of the ankle and the rotat
 arms by the angles of shoulder and elbow or by a target position of the hand.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -4,8 +4,6 @@ The slope of the body determines the height of the shoulders; the slope for a gi
 by Brent's method, and the arms reach down to the floor.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

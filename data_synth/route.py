@@ -3,8 +3,6 @@
 position(t) = ∫ speed(τ) · (sin heading(τ), cos heading(τ)) dτ
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Everything is determined by one seed: take n of a series by (seed, n) and its pe
 number of the person), so that any take can be made again without those before it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

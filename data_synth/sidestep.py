@@ -1,7 +1,5 @@
 """Stepping sideways: one foot, then the other, several times, sometimes back again."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.body import LEFT, RIGHT, SIDES, SIGN

@@ -6,8 +6,6 @@ so on (see `Arm`), ``l.heel`` (heel raised), ``l.splay`` (knee outwards), and fo
 ``l.free`` (0 to 1), ``l.thigh l.knee l.out l.ankle``. Lengths: ``aside up ahead`` (pelvis).
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Standing: idling and waving."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.stage import Stage, bump

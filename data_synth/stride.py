@@ -5,8 +5,6 @@ off it stands flat, to toe off it rotates about its ball while the toes stay on 
 heel, ankle and forefoot rockers (1992, chapter 3). So some point of the foot is always at rest.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

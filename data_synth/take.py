@@ -1,7 +1,5 @@
 """A take: a synthetic motion with its labels and ground truth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

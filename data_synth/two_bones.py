@@ -5,8 +5,6 @@
 The hinge axis determines the plane in which the limb bends; all frames are computed at once.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

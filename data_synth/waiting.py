@@ -4,8 +4,6 @@ jang2018 samples such motions in its figure 3. The three follow in random order 
 pauses between them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.body import LEFT, RIGHT, SIDES, SIGN

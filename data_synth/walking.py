@@ -5,8 +5,6 @@ shoulders with a delay, and the head compensates the trunk so that the eyes stay
 (Pozzo, Berthoz & Lefort, 1990, *Exp. Brain Res.* 82:97).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from data_synth.body import Body

@@ -1,7 +1,5 @@
 """Windows of the 63 features of holden2015 from synthetic takes, in memory."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Write a series of takes to a folder, with a subfolder for each person and a table of labels."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Smoothing over time, each feature by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter

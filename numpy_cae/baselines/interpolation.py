@@ -1,8 +1,6 @@
 """Interpolation between known values over time: easier than repair, where the known values are not
 given."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 

@@ -11,8 +11,6 @@ The last step, which leaves the manifold, sets the bone lengths exactly. The los
 and pins are evaluated after this step, so that it cannot undo them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.beyond import constraints

@@ -5,8 +5,6 @@ ground contact and joint lengths." Each function returns the mean squared error 
 in squared metres, and its pullback to the features (F, 63).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

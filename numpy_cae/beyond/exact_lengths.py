@@ -1,7 +1,5 @@
 """Bones set exactly to given lengths, each in its own direction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -8,8 +8,6 @@ Pins come from the manifold (`project_constrained`): the difference from the pla
 added to the motion, fading out around the pins, and hands and feet then meet their pins exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

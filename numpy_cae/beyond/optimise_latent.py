@@ -7,8 +7,6 @@ gradient for Y comes through the decoder. The second term keeps Y near codes of 
 the decoder accepts any Y. The method is L-BFGS-B (`scipy.optimize`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

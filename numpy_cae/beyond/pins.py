@@ -8,8 +8,6 @@ own rate. The positions of the rig's joints are linear in those of the mean skel
 so the loss compares M q with the targets.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass

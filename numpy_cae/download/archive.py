@@ -4,8 +4,6 @@ Names in an archive are not trusted: `../../.bashrc` or an absolute path would b
 the folder ("zip slip"). Of an archive with such a name nothing is extracted.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

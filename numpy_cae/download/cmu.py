@@ -7,8 +7,6 @@
 The site asks not to be crawled, so the whole database is downloaded as one archive.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import time

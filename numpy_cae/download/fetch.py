@@ -5,8 +5,6 @@ continues there. It requests the last few kilobytes again and compares them, so 
 versions of a file are never joined.
 """
 
-from __future__ import annotations
-
 import http.client
 import os
 import re

@@ -78,7 +78,10 @@ def _section(section: Section) -> str:
     if section.failure:
         parts.append(f"<p>Could not be run: {escape(section.failure)}.</p>")
     parts += [_claim(claim) for claim in section.claims]
-    parts += _image(section.picture, "image/png", f"{section.title}: picture")
+    if section.picture:
+        source = f"data:image/png;base64,{base64.b64encode(section.picture).decode()}"
+        label = escape(f"{section.title}: picture")
+        parts.append(f'<figure><img alt="{label}" src="{source}"></figure>')
     parts += [f"<figure>{section.viewer}</figure>"] * bool(section.viewer)
     if section.result:
         parts += [_table(table) for table in section.result.tables]
@@ -97,13 +100,6 @@ def _claim(claim: Claim) -> str:
         f'<div class="claim"><p>{_status(claim.held)} {escape(claim.sentence)}</p>'
         f"<p>Measured: {escape(claim.figures)}</p></div>"
     )
-
-
-def _image(content: bytes, kind: str, label: str) -> list[str]:
-    if not content:
-        return []
-    source = f"data:{kind};base64,{base64.b64encode(content).decode()}"
-    return [f'<figure><img alt="{escape(label)}" src="{source}"></figure>']
 
 
 def _paragraph(text: str) -> str:

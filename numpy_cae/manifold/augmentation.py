@@ -3,8 +3,6 @@
 Neither is in the paper, whose database is larger.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.features import joint_slice

@@ -6,8 +6,6 @@ i counts the hidden frames, the time steps of Y. Only the largest and the smalle
 unit (channel of Y) are kept, so neither the time of an event nor the length of a clip matters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

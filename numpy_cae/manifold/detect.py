@@ -1,7 +1,5 @@
 """Detection of damaged joints: by their distance from the manifold, and by direct tests."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, binary_propagation, median_filter
 

@@ -11,8 +11,6 @@ In holes of a few frames the result is a mean of this and the spline. Only unkno
 from it; known values stay the same to the bit.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Holes in a motion: frames and joints whose values are unknown, as a mask."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -5,8 +5,6 @@
 Hidden units lie within [-1, 1], and so do all points between them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold

@@ -1,7 +1,5 @@
 """Learning manifolds: holden2015, sections 4 and 6; jang2018, "Experimental Setup"."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 

@@ -9,8 +9,6 @@ worst, hardly count. Rotations are blended as quaternions of one sign. The trans
 relative to its first frame, so the position of the motion at t_i is added.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

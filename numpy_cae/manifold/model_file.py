@@ -1,7 +1,5 @@
 """Both kinds of manifold as one `.npz` file: plain arrays and settings in JSON, nothing pickled."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from importlib.resources import as_file, files

@@ -1,7 +1,5 @@
 """A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import TypeVar
 

@@ -4,8 +4,6 @@ The paper projects the whole motion (`project_motion`), which also changes what 
 changes only what is damaged.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

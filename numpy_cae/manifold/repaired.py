@@ -1,7 +1,5 @@
 """The result of a repair, and the change of a motion in some joints and frames."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ probability distribution over the space of human motion which can be augmented w
 in recorded motion; independent units are far from anything that Φ returns (docs/lab_book.md).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

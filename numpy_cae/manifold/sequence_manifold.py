@@ -1,7 +1,5 @@
 """A trained sequential autoencoder with the standardisation of its clips (jang2018)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

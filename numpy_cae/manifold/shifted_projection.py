@@ -4,8 +4,6 @@
 the positions of the pooling grid.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder

@@ -10,8 +10,6 @@ the true curve x follows from the residual alone (Stein's unbiased risk estimate
 cut-offs, the one with the least estimate is used; without noise that is the highest.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """jang2018's measure: "Euclidean distance was used as a metric in the joint angle space"."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.angle_table import ANGLES

@@ -1,7 +1,5 @@
 """Deviation of bones from their lengths: on the manifold a body may stretch."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS, PARENTS

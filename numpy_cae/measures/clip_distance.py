@@ -5,8 +5,6 @@
 over frames and standardised numbers, so that 1 is one standard deviation in each.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """The speed at which the standing foot slides over the floor, 0 in an ideal motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET, STANDING_HEIGHT, floor_height

@@ -5,8 +5,6 @@
 The first peak of r after it was negative is one stride.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS

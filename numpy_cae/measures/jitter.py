@@ -1,7 +1,5 @@
 """The mean magnitude of the joints' acceleration."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

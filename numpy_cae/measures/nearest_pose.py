@@ -1,7 +1,5 @@
 """The distance of a pose from the nearest real pose."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import cKDTree
 

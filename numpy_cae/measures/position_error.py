@@ -1,7 +1,5 @@
 """The error of joint positions, in centimetres."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.motion.features import POSITIONS, joint_slice

@@ -10,8 +10,6 @@ Each function gives one number for each query, so that two methods can be compar
 their means are the precision at 1 and the mean average precision (mAP) of a table.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -8,8 +8,6 @@ Lopez-Paz and Oquab, "Revisiting classifier two-sample tests", ICLR 2017; as 1-N
 (2018).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.measures.clip_distance import clip_distances

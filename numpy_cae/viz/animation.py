@@ -1,7 +1,5 @@
 """A motion as an animated GIF."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An orthographic camera, and the lines of bones."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """A matrix of distances between motions, in the order of the tree that clusters them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from itertools import groupby

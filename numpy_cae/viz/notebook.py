@@ -1,7 +1,5 @@
 """The viewer inside a notebook."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape

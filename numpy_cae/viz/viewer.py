@@ -6,8 +6,6 @@ offset from the root as int16 steps of at most 0.1 mm for a body of human size, 
 between frames, deflated, in base64.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import zlib

@@ -1,20 +1,11 @@
 """`load_motion` and `find_motion_files`: supported files, and errors for all others."""
 
 import pytest
+from plain_bvh import HIERARCHY
 
 from numpy_cae.motion import MotionFileError, find_motion_files, load_motion
 
-BVH = """HIERARCHY
-ROOT Hips
-{
-OFFSET 0 0 0
-CHANNELS 3 Zrotation Xrotation Yrotation
-}
-MOTION
-Frames: 1
-Frame Time: 0.04
-0 0 0
-"""
+BVH = f"{HIERARCHY}MOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0 0 0 0 0 0 0\n"
 
 
 def test_suffixes_in_capitals_are_known(tmp_path):

@@ -54,22 +54,6 @@ def test_a_line_tells_the_time_that_is_left_and_one_within_an_epoch_comes_rarely
     assert capsys.readouterr().err == said
 
 
-def test_divergence_names_the_place_the_rate_and_what_may_help(monkeypatch):
-    losses = iter([1.0, 1.0, 1.0, float("inf")])
-    monkeypatch.setattr(layerwise, "denoising_step", lambda *arguments: next(losses))
-    with pytest.raises(DivergedError) as failure:
-        train_autoencoder(model(), WINDOWS, SCHEDULE, show_progress=False)
-    said = str(failure.value)
-    assert said.startswith(
-        "layer 1, epoch 2, step 1: the loss is inf at rate 0.45, first in the output of layer 1, "
-        "windows "
-    )
-    assert said.endswith(
-        "; there is no checkpoint; a lower rate or smaller values of the input (--rate, --rms) may "
-        "keep it finite"
-    )
-
-
 def test_a_loss_that_is_not_finite_changes_no_weight():
     network, windows = model(), np.full((2, 8, 3), np.nan, np.float32)
     before = [array.copy() for layer in network.layers for array in (layer.w, layer.b)]
