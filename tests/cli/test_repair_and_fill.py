@@ -65,7 +65,7 @@ def test_only_the_text_of_what_is_missing_changes(folder, tmp_path, capsys, run)
     assert set(names) <= {"rhumerus", "rradius", "rwrist"}
 
 
-def test_limbs_and_a_mask_file(folder, tmp_path, capsys, run):
+def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
     mask, out = tmp_path / "mask.json", tmp_path / "m.bvh"
     entries = [{"joint": "lhand", "frames": [9, 9]}, {"limb": "right_leg"}, {"frames": [5, 6]}]
     entries[0]["joint"] = "left_wrist"
@@ -76,6 +76,10 @@ def test_limbs_and_a_mask_file(folder, tmp_path, capsys, run):
     assert "right_knee, right_ankle, right_toe: frames 0 to 119: " in told
     run(*fill(folder, "walk.bvh", out, "--limb", "left_arm", "--frames", 3, 3))
     assert "left_elbow, left_wrist: frame 3: " in capsys.readouterr().out
+    run(*fill(folder, "walk.bvh", out, "--keyframes", 15))
+    came, filled = (load_motion(path).rotations for path in (folder / "walk.bvh", out))
+    np.testing.assert_array_equal(filled[::15], came[::15])
+    np.testing.assert_array_equal(filled[105:], came[105:])  # after the last keyframe
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from numpy_cae.errors import FileError
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.viz import (
     Actor,
     Curve,
     bars_figure,
     curves_figure,
+    save_figure,
     save_gif,
     strip_figure,
 )
@@ -73,6 +75,12 @@ def test_a_gif_plays_at_the_right_speed(tmp_path, overlaid):
         assert picture.n_frames * picture.info["duration"] == 1000
         assert picture.size[1] >= 400
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
+    with pytest.raises(FileError, match="no folder"):
+        save_figure(strip_figure([actor()], 30), tmp_path / "no" / "a.png")
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_animation_is_as_wide_as_a_body_that_lies_down(tmp_path):
