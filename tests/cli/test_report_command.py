@@ -47,7 +47,8 @@ def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path
     words = ["report", "--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
     run(*words, "interpolation", "lengths", "--json")
     captured = capsys.readouterr()
-    assert "could not be run" in captured.err
+    assert "interpolation: could not be run: " in captured.err
+    assert "lengths: " in captured.err and "claims held, " in captured.err
     printed = json.loads(captured.out)
     lacking, measured = printed["experiments"]
     assert lacking["failure"] and not lacking["claims"]

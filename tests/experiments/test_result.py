@@ -1,16 +1,14 @@
 """Results as text, JSON, pictures and a page: well formed, self-contained, escaped."""
 
 from html.parser import HTMLParser
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from numpy_cae.cli.output import plain
-from numpy_cae.experiments import section as sections
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.experiments.section import Section, run_section
+from numpy_cae.experiments.section import Section
 
 HELD = Claim("Motion is <recovered> & well.", True, "3 against 4 cm.")
 NOT_HELD = Claim("It remains valid.", False, "5 cm.")
@@ -89,20 +87,3 @@ def test_the_page_is_self_contained_and_the_text_has_the_same(html):
     text = plain_text(SECTIONS, {"model": "m.npz"})
     for each in ("model: m.npz", TABLE.text(), HELD.text(), NOT_HELD.text(), "no press-ups"):
         assert each in text
-
-
-def test_an_experiment_that_cannot_be_run_says_why(monkeypatch):
-    def fails(manifold, material, seed):
-        raise ValueError("there are no labels")
-
-    modules = {
-        "good": SimpleNamespace(run=lambda manifold, material, seed: RESULT),
-        "bad": SimpleNamespace(run=fails),
-    }
-    monkeypatch.setattr(sections, "EXPERIMENTS", {name: name for name in modules})
-    monkeypatch.setattr(sections, "import_module", lambda path: modules[path.split(".")[-1]])
-    good, bad = (run_section(name, None, None) for name in modules)
-    assert (good.picture, good.viewer, good.held) == (b"", "", 1)
-    assert good.summary().startswith("good: 1 of 2 claims held")
-    assert bad.summary() == "bad: could not be run: there are no labels"
-    assert bad.data()["failure"] == "there are no labels"

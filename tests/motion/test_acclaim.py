@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from plain_bvh import about
 
-from numpy_cae.motion import MotionFileError, load_motion, read_amc, read_asf
+from numpy_cae.motion import MotionFileError, load_motion, read_amc
 from numpy_cae.motion.io.units import CMU_UNIT
 
 ASF = """# a leg and a stump
@@ -300,12 +300,3 @@ def test_conventions_against_a_conversion_by_others(data_folder):
     for bone, joint in pairs.items():
         apart = ours[:, acclaim.skeleton.index(bone)] - theirs[:, bvh.skeleton.index(joint)]
         assert np.abs(apart).max() < 0.001 * CMU_UNIT, bone
-
-
-def test_real_acclaim_files(data_folder):
-    for subject, trial in (("01", "01_01"), ("02", "02_01"), ("03", "03_02")):
-        folder = data_folder / "cmu" / "asfamc" / subject
-        motion = load_motion(folder / f"{trial}.amc")
-        text = (folder / f"{trial}.amc").read_text().split()
-        assert len(motion) == text.count("root") and len(motion.skeleton.names) == 31
-        assert read_asf(folder / f"{subject}.asf").unit == motion.unit == CMU_UNIT

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_bvh import PlainJoint, bvh_text, plain_positions
 
-from numpy_cae.motion import find_motion_files, read_bvh
+from numpy_cae.motion import read_bvh
 
 numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))
 CHANNELS = [axis + kind for kind in ("position", "rotation") for axis in "XYZ"]
@@ -166,13 +166,3 @@ def test_guesses_are_logged_and_unlikely_ones_are_warnings(data_folder, read_tex
     with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.io.bvh"):
         motion = read_text(TIDY)  # one leg alone has no two limbs to measure
     assert "assumed" in motion.unit_note and motion.unit_note in caplog.text
-
-
-def test_real_bandai_files(data_folder):
-    for path in find_motion_files(data_folder / "bandai")[::40]:
-        motion = read_bvh(path)
-        lines = path.read_text().splitlines()
-        assert len(motion) == len(lines) - lines.index("MOTION") - 3
-        # The position channels of the hips replace their offset, which lies metres away.
-        row = [float(word) for word in lines[-1].split()]
-        np.testing.assert_allclose(motion.positions()[-1, 1], 0.01 * np.array(row[6:9]), atol=1e-6)

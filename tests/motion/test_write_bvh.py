@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.errors import FileError
-from numpy_cae.motion import Motion, Skeleton, load_motion, read_bvh, write_bvh
+from numpy_cae.motion import Motion, Skeleton, read_bvh, write_bvh
 from numpy_cae.motion.io import bvh_writer
 from numpy_cae.motion.io.units import CMU_UNIT
 
@@ -159,21 +159,3 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     with pytest.raises(ValueError, match="unit is 0"):
         write_bvh(motion, path, unit=0)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    "take",
-    [
-        "bandai/dataset-2_walk_active_001.bvh",
-        "cmu/bvh/02_03_first_frames.bvh",
-        "cmu/asfamc/02/02_03.amc",
-    ],
-)
-@pytest.mark.parametrize("unit", [None, 1.0])
-def test_real_motions_go_round(data_folder, tmp_path, take, unit):
-    motion = load_motion(data_folder / take)
-    write_bvh(motion, tmp_path / "take.bvh", unit)
-    again = read_bvh(tmp_path / "take.bvh")
-    assert again.unit == pytest.approx(unit or motion.unit), "the unit is guessed again"
-    assert again.skeleton.names == motion.skeleton.names
-    assert_same_motion(again, motion, within=1e-6)
