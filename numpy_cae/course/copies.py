@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Iterator
 from importlib.resources import files
@@ -14,6 +15,9 @@ from numpy_cae.course.student_copy import BEGIN, END, STUB, student_copy
 
 PACKAGED = Path(str(files(__package__) / "notebooks"))
 """The folder of the students' copies that are part of the package."""
+STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
+IN_REGION = rf"\1{BEGIN}\n\1\2\n\1{END}"
+"""As `nbgrader generate_assignment` wants a stub."""
 
 
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
@@ -66,19 +70,5 @@ def write_release(lessons: list[Path], path: Path) -> None:
             copy = student_copy(read_notebook(lesson))
             packed.writestr(f"release/{path.stem}/{lesson.name}", as_text(copy))
             for cell in copy["cells"]:
-                cell["source"] = _with_region(cell["source"])
+                cell["source"] = STUBBED.sub(IN_REGION, cell["source"])
             packed.writestr(f"source/{path.stem}/{lesson.name}", as_text(copy))
-
-
-def _with_region(source: str) -> str:
-    """The source with the stub in a solution region, as `generate_assignment` wants it."""
-    lines = []
-    for line in source.splitlines():
-        indent = line[: len(line) - len(line.lstrip())]
-        if line.strip() == STUB[0]:
-            lines.append(indent + BEGIN)
-        else:
-            lines.append(line)
-            if line.strip() == STUB[1]:
-                lines.append(indent + END)
-    return "\n".join(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import textwrap
 from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,6 +17,7 @@ from numpy_cae.verify.reporting import Report
 OWN_LESSON = re.compile(r"^\d\d_")
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """A cell that begins with one of these is a formula to a spreadsheet."""
+INDENT = " " * 4  # a block of code in Markdown, whose text does nothing else
 
 
 def student_id(file: Path, folder: Path) -> str:
@@ -61,20 +63,17 @@ def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
 def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
     """Write one Markdown file a student, with the report on each exercise."""
     folder.mkdir(parents=True, exist_ok=True)
-    taken: set[str] = set()
-    for student, files in _by_student(graded).items():
-        name = re.sub(r"[^\w-]", "_", student)
-        while name.lower() in taken:
-            name += "_"
-        taken.add(name.lower())
+    for number, (student, files) in enumerate(_by_student(graded).items(), 1):
         lines = []
         for each in files:
-            lines += [f"# {_quoted(each.path.name)}: {each.points} of {each.possible} points", ""]
-            for fault in each.faults:
-                lines += ["The file has a problem:", "", _indented(fault), ""]
+            lines += [f"# {each.points} of {each.possible} points", ""]
+            problems = "\n".join([each.path.name, *each.faults])
+            lines += [textwrap.indent(problems, INDENT), ""]
             for report in each.reports:
                 title = f"## {report.operation}: {report.points} of {report.possible} points"
-                lines += [title, "", _indented(str(report)), ""]
+                lines += [title, "", textwrap.indent(str(report), INDENT), ""]
+        safe = re.sub(r"[^\w-]", "_", student)
+        name = safe if safe == student else f"{safe}_{number}"  # two may differ in a sign only
         with atomic_write(folder / f"{name}.md") as beside:
             beside.write_text("\n".join(lines), encoding="utf-8")
 
@@ -97,12 +96,3 @@ def _best(files: list[FileReport]) -> dict[str, Report]:
 def _as_text(cell: str) -> str:
     """A cell that no spreadsheet takes for a formula."""
     return f"'{cell}" if cell.startswith(FORMULA) else cell
-
-
-def _quoted(name: str) -> str:
-    return "`" + name.replace("`", "'").replace("\n", " ") + "`"
-
-
-def _indented(text: str) -> str:
-    """A block of code in Markdown, whose text does nothing else."""
-    return "\n".join(f"    {line}" for line in text.splitlines())

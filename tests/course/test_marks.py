@@ -65,12 +65,12 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     assert {row["possible"] for row in rows.values()} == {"60"} and "stack_loss" in rows["ann"]
     assert "not a Jupyter notebook" in rows["eve"]["problems"]
     assert sorted(path.name for path in feedback.iterdir()) == [
-        "_cmd__.md",
+        "_cmd___1.md",
         "ann.md",
         "ben.md",
         "eve.md",
     ]
-    text = (feedback / "_cmd__.md").read_text(encoding="utf-8")
+    text = (feedback / "_cmd___1.md").read_text(encoding="utf-8")
     assert "## frames_seen: 0 of 10 points" in text and "      FAILED  value" in text
 
 
