@@ -34,8 +34,6 @@ class Slope:
 
     step: float
     central: float
-    left: float
-    right: float
     jump: float  # Σ |dy| · |slope to the right - slope to the left|, 0 for a straight line
     size: float  # Σ |dy| · |slope|, which the tolerance is relative to
     noise: float  # what rounding may have done
@@ -49,8 +47,7 @@ class Verdict:
     kind: str
     numeric: float
     analytic: float
-    left: float = np.nan
-    right: float = np.nan
+    jump: float = np.nan  # from the slope on one side to that on the other
 
 
 @dataclass(frozen=True)
@@ -108,8 +105,6 @@ class Argument:
         return Slope(
             step=step,
             central=float(np.sum(self.dy * change) / (2 * taken)),
-            left=float(np.sum(self.dy * (self.here - minus)) / taken),
-            right=float(np.sum(self.dy * (plus - self.here)) / taken),
             jump=float(np.sum(weight * bend) / taken),
             size=float(np.sum(weight * np.abs(change)) / (2 * taken)),
             noise=float(rounding / taken),
@@ -161,4 +156,4 @@ def _verdict(slopes: list[Slope], exact: float, analytic: float, tolerance: floa
         kind = KINK
     else:
         kind = WRONG
-    return Verdict(kind, numeric, analytic, smallest.left, smallest.right)
+    return Verdict(kind, numeric, analytic, smallest.jump)

@@ -216,8 +216,8 @@ def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) ->
         index, verdict = _trace(at, *kinks[0], tolerance)
         raise AssertionError(
             f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {len(judged)} "
-            f"entries, such as {index}: slope {verdict.left:.6g} to the left, {verdict.right:.6g} "
-            "to the right\n    too many to be excused: choose inputs away from kinks"
+            f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
+            "    too many to be excused: choose inputs away from kinks"
         )
 
 
@@ -258,7 +258,7 @@ def _trace(at: Argument, direction, verdict, tolerance) -> tuple[tuple[int, ...]
         worse = max((0, 1), key=lambda i: abs(judged[i].numeric - judged[i].analytic))
         entries, verdict = halves[worse], judged[worse]
     index = _plain(np.unravel_index(entries[0], direction.shape))
-    numbers = (verdict.numeric, verdict.analytic, verdict.left, verdict.right)
+    numbers = (verdict.numeric, verdict.analytic, verdict.jump)
     return index, Verdict(verdict.kind, *(number / direction[index] for number in numbers))
 
 
