@@ -1,8 +1,4 @@
-"""End-to-end denoising of `ConvAutoencoder`, here and in PyTorch, for `quality`.
-
-All start from the same weights and learn from the same windows, each in an order and with a
-corruption of its own.
-"""
+"""End-to-end denoising of `ConvAutoencoder`, here and in PyTorch, from the same first weights."""
 
 from __future__ import annotations
 
