@@ -8,4 +8,5 @@ table          the rows and the header of the table
 paper          the paper's whole training
 quality        the times that trainings need to the same held-out error
 convolutional_quality  the first network's training, here and in PyTorch
+sequential_quality     the second network's
 """

@@ -55,6 +55,7 @@ class TorchSequenceModel:
 
     def __init__(self, model: SequentialAutoencoder):
         features, hidden, latent = model.features, model.hidden, model.latent
+        self.burn_in = model.burn_in
         self.encoder = torch.nn.GRU(features, hidden, batch_first=True)
         self.latent = torch.nn.Linear(hidden, latent)
         self.state = torch.nn.Linear(latent, hidden)
@@ -76,13 +77,18 @@ class TorchSequenceModel:
         _, last = self.encoder(x)
         z = self.latent(last[0])
         h, y, written = self.state(z), torch.zeros_like(x[:, 0]), []
-        for _ in range(x.shape[1]):
+        for _ in range(self.burn_in + x.shape[1]):
             h = self.decoder(y, h)
             y = self.frame(h)
             written.append(y)
-        return z, torch.stack(written[::-1], dim=1)
+        return z, torch.stack(written[: -x.shape[1] - 1 : -1], dim=1)
 
-    def function(self, case: SequenceCase) -> Callable[[], Any]:
+    def denoise(self, x: np.ndarray) -> np.ndarray:
+        """Clips (B, T, features) on the manifold."""
+        with torch.inference_mode():
+            return self.reconstruct(torch.tensor(x))[1].numpy()
+
+    def function(self, case: SequenceCase, weight: float = WEIGHT) -> Callable[[], Any]:
         """The step as a function without arguments."""
         x, prior, directions = map(torch.tensor, (case.x, case.prior, case.directions))
 
@@ -92,7 +98,7 @@ class TorchSequenceModel:
             z, x_hat = self.reconstruct(x)
             encoded, drawn = (torch.sort(each @ directions.T, dim=0)[0] for each in (z, prior))
             gap = encoded - drawn
-            loss = ((x_hat - x) ** 2).mean() + WEIGHT * (gap * gap).mean()
+            loss = ((x_hat - x) ** 2).mean() + weight * (gap * gap).mean()
             loss.backward()
             return loss.detach(), [parameter.grad for parameter in self.parameters]
 

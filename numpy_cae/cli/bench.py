@@ -97,7 +97,26 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
 
 
 def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
-    raise ValueError("--quality is of the convolutional network alone")
+    """Of the sequential network, on synthetic walking; the error is of other people's clips."""
+    from numpy_cae.bench.sequential_quality import trainings
+    from numpy_cae.cli.train_options import SEQUENCE_RECIPES
+    from numpy_cae.experiments.sequences.actions import synthetic_action
+    from numpy_cae.motion import cut_clips, draw_clips
+
+    if args.data:
+        raise ValueError("--quality --sequential trains on synthetic walking: leave out --data")
+    action = synthetic_action("walking", test_minutes=30)
+    clips = cut_clips(action.training)
+    mean, deviation = clips.mean(axis=(0, 1)), np.maximum(clips.std(axis=(0, 1)), 1e-3)
+
+    def normalised(clips: np.ndarray) -> np.ndarray:
+        return ((clips - mean) / deviation).astype(np.float32)
+
+    return trainings(
+        lambda rng, batch: normalised(draw_clips(action.training, batch, rng)),
+        normalised(cut_clips(action.testing, step=100)),
+        SEQUENCE_RECIPES["fast"],
+    )
 
 
 def _warn_if_busy() -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.fast.gru_matrices import GruMatrices
-from numpy_cae.fast.sequence_worker import SequenceWorker
+from numpy_cae.fast.sequence_worker import ClipBuffers, SequenceWorker, Sizes
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
 from numpy_cae.models.sequential_autoencoder import (
@@ -23,10 +22,10 @@ from numpy_cae.models.sequential_autoencoder import (
 MAX_CLIPS = 128
 """Clips that one workspace holds when no gradient is computed; more go in parts."""
 
-MAX_UNITS_PER_CLIP = 16
-"""A thread has at least one clip for so many hidden units. With fewer, a step of half the clips
-takes far more than half the time, since it reads all of the weights; the clips are then not divided
-between Python threads, and BLAS divides the rows of a product between its own."""
+MIN_DIVIDED_UNITS = 256
+"""With so many hidden units the threads divide the units, else the clips. A step of half the clips
+takes more than half the time, since it reads all of the weights; but threads that divide the units
+wait for each other at every step."""
 
 MIN_STATES_PER_THREAD = 1024
 """Numbers of a thread's states: NumPy keeps the interpreter lock for less than 500."""
@@ -36,26 +35,22 @@ MAX_WORKSPACES = 4
 
 
 class SequenceWorkspace:
-    """The matrices, and a team of threads with a part of the clips each."""
+    """A team of threads with buffers; each has some clips or, of a large network, some units."""
 
-    def __init__(
-        self,
-        features: int,
-        hidden: int,
-        batch: int,
-        frames: int,
-        dtype: np.dtype,
-        training: bool,
-        team: ThreadTeam,
-    ):
-        self.team = team
-        self.encoder = GruMatrices("encoder", features, hidden, dtype)
-        self.decoder = GruMatrices("decoder", features, hidden, dtype)
+    def __init__(self, sizes: Sizes, batch: int, dtype: np.dtype, training: bool, team: ThreadTeam):
+        self.team, together = team, thread_team(1)  # the threads that work on the same clips
+        if sizes.hidden >= MIN_DIVIDED_UNITS:
+            together = team
+        parts = [share(sizes.hidden, number, together.size) for number in range(together.size)]
+        groups = team.size // together.size
+        self.buffers = [
+            ClipBuffers(sizes, share(batch, group, groups), dtype, training)
+            for group in range(groups)
+        ]
         self.workers = [
-            SequenceWorker(
-                self.encoder, self.decoder, share(batch, number, team.size), frames, dtype, training
-            )
-            for number in range(team.size)
+            SequenceWorker(shared, parts, part, partial(together.wait, part), training)
+            for shared in self.buffers
+            for part in range(together.size)
         ]
 
     def run(self, work: Callable[[SequenceWorker], None]) -> None:
@@ -72,7 +67,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
     """
 
     def __init__(self, model: SequentialAutoencoder, threads: int | None = None):
-        self.weights = model.weights
+        self.weights, self.burn_in = model.weights, model.burn_in
         self._model, self._threads = model, threads
         self._make_workspace = lru_cache(MAX_WORKSPACES)(SequenceWorkspace)
         self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
@@ -88,9 +83,8 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         last_states = np.empty((len(x), self.hidden), dtype)
 
         def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
-            workspace.encoder.load(weights, back=False)
-
             def work(worker: SequenceWorker) -> None:
+                worker.encoder.load(weights, back=False)
                 last_states[part][worker.clips] = worker.read(x[part]).T
 
             workspace.run(work)
@@ -107,9 +101,8 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         out = np.empty((len(z), frames, self.features), dtype)
 
         def decode_part(workspace: SequenceWorkspace, part: slice) -> None:
-            workspace.decoder.load(weights, back=False)
-
             def work(worker: SequenceWorker) -> None:
+                worker.decoder.load(weights, back=False)
                 worker.write(first_states[part][worker.clips].T)
                 worker.copy_clips(out[part])
 
@@ -128,31 +121,33 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
 
         def read(worker: SequenceWorker) -> None:
+            worker.encoder.load(weights, back=True)
+            worker.decoder.load(weights, back=True)
             last_states[worker.clips] = worker.read(x).T
 
         with self._lock:
             workspace = self._workspace(len(x), x.shape[1], dtype, True)
-            workspace.encoder.load(weights, back=True)
-            workspace.decoder.load(weights, back=True)
+            for buffers in workspace.buffers:
+                buffers.new_sums(weights)
             workspace.run(read)
             z = last_states @ weights["latent_w"] + weights["latent_b"]
             first_states = z @ weights["state_w"] + weights["state_b"]
             distance, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
-            dz = prior_pullback(weight)
+            dz_prior = prior_pullback(weight)
+            dz = np.empty_like(dz_prior)
 
             def write_and_pull_back(worker: SequenceWorker) -> None:
-                clips = worker.clips
+                clips, units = worker.clips, worker.units
                 worker.write(first_states[clips].T)
-                worker.loss = worker.compare(x.size)
-                dh, decoder_gradients = worker.write_pullback()
-                d_first_states[clips] = dh.T
-                dz[clips] += d_first_states[clips] @ weights["state_w"].T
-                encoder_gradients = worker.read_pullback(weights["latent_w"] @ dz[clips].T)
-                worker.gradients = encoder_gradients | decoder_gradients
+                worker.compare(x.size)
+                d_first_states[clips, units] = worker.write_pullback().T
+                worker.wait()
+                dz[clips] = dz_prior[clips] + d_first_states[clips] @ weights["state_w"].T
+                worker.read_pullback(weights["latent_w"][units] @ dz[clips].T)
 
             workspace.run(write_and_pull_back)
-            reconstruction = sum(worker.loss for worker in workspace.workers)
-            sums = _sums([worker.gradients for worker in workspace.workers])
+            reconstruction = sum(buffers.workers[0].loss for buffers in workspace.buffers)
+            sums = _sums([buffers.gradients() for buffers in workspace.buffers])
         sums |= {
             "latent_w": last_states.T @ dz,
             "latent_b": dz.sum(axis=0),
@@ -180,14 +175,13 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         self, batch: int, frames: int, dtype: np.dtype, training: bool
     ) -> SequenceWorkspace:
         """The buffers for arguments of these sizes, from the last few that were used."""
-        sizes = self.features, self.hidden, batch, frames
-        return self._make_workspace(*sizes, dtype, training, self._team(batch))
+        sizes = Sizes(self.features, self.hidden, frames, self.burn_in)
+        return self._make_workspace(sizes, batch, dtype, training, self._team(batch))
 
     def _team(self, batch: int) -> ThreadTeam:
-        by_clips = batch * MAX_UNITS_PER_CLIP // self.hidden
         by_states = batch * self.hidden // MIN_STATES_PER_THREAD
-        size = thread_team(self._threads).size
-        return thread_team(max(1, min(size, by_clips, by_states, batch)))
+        by_items = self.hidden if self.hidden >= MIN_DIVIDED_UNITS else batch
+        return thread_team(max(1, min(thread_team(self._threads).size, by_states, by_items)))
 
 
 def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:

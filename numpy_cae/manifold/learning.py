@@ -31,8 +31,8 @@ MAX_WINDOW_RMS = 2.0
 standing would make training diverge."""
 MIN_SPREAD = 1e-3
 """Spread (metres, radians) below which features count as constant and are scaled no further."""
-HIDDEN, LATENT = 128, 8
-"""Units of each GRU and size of z. jang2018 states neither."""
+HIDDEN, LATENT, BURN_IN = 128, 8, 5
+"""Units of each GRU, size of z, first steps of the decoder (docs/lab_book.md); none in jang2018."""
 CLIP_STEP = 5  # frames between the clips of which the mean and deviation are computed
 
 
@@ -110,6 +110,7 @@ def learn_sequences(
     seed: int = 0,
     hidden: int = HIDDEN,
     latent: int = LATENT,
+    burn_in: int = BURN_IN,
     frames: int = CLIP,
     watch: Callable[[SequenceManifold, int], None] | None = None,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
@@ -125,10 +126,8 @@ def learn_sequences(
         Motions shorter than a clip are skipped.
     schedule, seed, show_progress, checkpoint, engine
         As in `learn_manifold`.
-    hidden, latent : int
-        Of `SequentialAutoencoder`.
-    frames : int
-        Of a clip.
+    hidden, latent, burn_in, frames : int
+        Of `SequentialAutoencoder`, and of a clip.
     watch : function (manifold, step), optional
         Called before the first step, with 0, and after every step.
     network : type
@@ -142,7 +141,8 @@ def learn_sequences(
     deviation = clips.std(axis=(0, 1))
     deviation[deviation < MIN_SPREAD] = 1.0
     rng = np.random.default_rng(seed)
-    model = with_engine(network(len(table.columns), hidden, latent, rng), engine)
+    plain = network(len(table.columns), hidden, latent, rng, burn_in=burn_in)
+    model = with_engine(plain, engine)
     manifold = SequenceManifold(model, clips.mean(axis=(0, 1)), deviation, table, bones)
     manifold.frames = frames
     if watch is not None:

@@ -18,9 +18,10 @@ from numpy_cae.motion.joints import JOINTS
 
 Manifold = MotionManifold | SequenceManifold
 CONVOLUTIONAL = "numpy_cae convolutional manifold 3"
-SEQUENTIAL = "numpy_cae sequential manifold 3"
+SEQUENTIAL = "numpy_cae sequential manifold 4"
 CONVOLUTIONAL_2, SEQUENTIAL_2 = CONVOLUTIONAL[:-1] + "2", SEQUENTIAL[:-1] + "2"
-"""Formats of earlier versions: the same arrays without a digest."""
+SEQUENTIAL_3 = SEQUENTIAL[:-1] + "3"
+"""Formats of earlier versions: the first two without a digest, sequential ones without burn_in."""
 SMALLEST, MAX_LENGTH, MAX_RATE = 1e-6, 10.0, 1000.0
 """Least factor and deviation; longest bone in metres; most frames a second."""
 MAX_FRAMES = 100_000
@@ -49,10 +50,8 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
         its arrays do not fit together.
     """
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
-        CONVOLUTIONAL: _motions_of,
-        CONVOLUTIONAL_2: _motions_of,
-        SEQUENTIAL: _sequences_of,
-        SEQUENTIAL_2: _sequences_of,
+        **dict.fromkeys((CONVOLUTIONAL, CONVOLUTIONAL_2), _motions_of),
+        **dict.fromkeys((SEQUENTIAL, SEQUENTIAL_3, SEQUENTIAL_2), _sequences_of),
     }
     manifold = load_arrays(path, readers, (CONVOLUTIONAL_2, SEQUENTIAL_2))
     manifold.network = with_engine(manifold.network, engine)
@@ -130,6 +129,7 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
         "offsets": manifold.offsets,
         "rate": np.array(manifold.rate),
         "frames": np.array(manifold.frames),
+        "burn_in": np.array(manifold.network.burn_in),
         **manifold.network.weights,
     }
 
@@ -145,6 +145,8 @@ def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     if hidden**2 > sum(array.size for array in arrays.values()):
         raise ValueError("its weights are smaller than state_w says")
     network = SequentialAutoencoder(numbers, hidden, latent)
+    if word(arrays, "format") == SEQUENTIAL:
+        network.burn_in = whole(arrays, "burn_in", 0, MAX_FRAMES)
     for name, weight in network.weights.items():
         weight[...] = checked(arrays, name, weight.shape)
     return SequenceManifold(

@@ -71,6 +71,8 @@ class SequentialAutoencoder:
     rng : numpy.random.Generator, optional
         For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
+    burn_in : int
+        Steps that the decoder makes before the first frame of a clip; see `decode_with_pullback`.
 
     Attributes
     ----------
@@ -85,15 +87,17 @@ class SequentialAutoencoder:
         latent: int = 32,
         rng: np.random.Generator | None = None,
         dtype: np.dtype | type = np.float32,
+        burn_in: int = 0,
     ):
         rng = rng or np.random.default_rng(0)
         self.weights: Weights = initial_weights(features, hidden, latent, rng, dtype)
+        self.burn_in = burn_in
 
     @classmethod
-    def from_weights(cls, weights: Weights) -> SequentialAutoencoder:
+    def from_weights(cls, weights: Weights, burn_in: int = 0) -> SequentialAutoencoder:
         """The network of given weights; neither the dict nor the arrays are copied."""
         model = cls.__new__(cls)
-        model.weights = weights
+        model.weights, model.burn_in = weights, burn_in
         return model
 
     @property
@@ -195,21 +199,24 @@ class SequentialAutoencoder:
         """Decode z into a clip. The input of each step is the frame that the previous step wrote.
 
             h_0 = z · W_state + b_state,   y_0 = 0
-            h_k = gru_step(y_(k-1), h_(k-1)),   y_k = h_k · W_frame + b_frame      for k = 1, …, T
-            x̂_t = y_(T+1-t)
+            h_k = gru_step(y_(k-1), h_(k-1)),   y_k = h_k · W_frame + b_frame    for k = 1, …, S + T
+            x̂_t = y_(S+T+1-t)                                                    for t = 1, …, T
 
         y_0 is zero, the mean pose; the decoder never sees frames of the input clip. It writes the
-        last frame first: the last line reverses the order, so callers see the order of time.
+        last frame first: the last line reverses the order, so callers see the order of time. The
+        first S = `burn_in` frames are fed back but not part of the clip: the decoder needs a few
+        steps from zero and a linear map of z to a pose and a facing direction.
 
         The frame y_k acts on the loss along two paths: it is compared with the source, and it is
         the input of step k + 1. The state h_k also acts along two: through its frame y_k, and as
         the state that step k + 1 starts from. So, from the last step to the first,
 
-            dy_k = dx̂_(T+1-k) + (the dx that step k + 1's pullback returns; 0 after the last)
+            dy_k = dx̂_(S+T+1-k) + (the dx that step k + 1's pullback returns; 0 after the last)
             dh_k = dy_k · W_frameᵀ + (the dh that step k + 1's pullback returns; 0 after the last)
             dx, dh, dW, dU, db, dc    from the pullback of step k at dh_k
 
-        dx of step 1 is for the constant y_0 and is dropped; dh of step 1 is dh_0, and
+        The frames up to S are not compared: the first term of their dy_k is 0. dx of step 1 is for
+        the constant y_0 and is dropped; dh of step 1 is dh_0, and
 
             dz = dh_0 · W_stateᵀ
 
@@ -232,32 +239,30 @@ class SequentialAutoencoder:
         h, state_pullback = ops.linear(z, weights["state_w"], weights["state_b"])
         y = np.zeros((len(z), len(frame_b)), h.dtype)
         written, step_pullbacks, frame_pullbacks = [], [], []
-        for _ in range(frames):
+        for _ in range(self.burn_in + frames):
             h, step_pullback = ops.gru_step(y, h, *gru_weights(weights, "decoder"))
             y, frame_pullback = ops.linear(h, frame_w, frame_b)
             written.append(y)
             step_pullbacks.append(step_pullback)
             frame_pullbacks.append(frame_pullback)
-        x_hat = np.stack(written[::-1], axis=1)
+        x_hat = np.stack(written[: -frames - 1 : -1], axis=1)
 
         def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
-            gru_totals = [np.zeros_like(weight) for weight in gru_weights(weights, "decoder")]
-            frame_totals = [np.zeros_like(frame_w), np.zeros_like(frame_b)]
+            learned = *gru_weights(weights, "decoder"), frame_w, frame_b
+            totals = [np.zeros_like(weight) for weight in learned]
             dy_fed, dh = np.zeros_like(y), np.zeros_like(h)
-            d_written = [dx_hat[:, t] for t in reversed(range(frames))]
-            for k in reversed(range(frames)):
+            d_written = [np.zeros_like(y)] * self.burn_in
+            d_written += [dx_hat[:, t] for t in reversed(range(frames))]
+            for k in reversed(range(len(d_written))):
                 dh_through_frame, *frame_terms = frame_pullbacks[k](d_written[k] + dy_fed)
                 dy_fed, dh, *gru_terms = step_pullbacks[k](dh + dh_through_frame)
-                _add(frame_totals, frame_terms)
-                _add(gru_totals, gru_terms)
+                for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
+                    total += term
             dz, d_state_w, d_state_b = state_pullback(dh)
-            return dz, {
-                "state_w": d_state_w,
-                "state_b": d_state_b,
-                **_named("decoder", gru_totals),
-                "frame_w": frame_totals[0],
-                "frame_b": frame_totals[1],
-            }
+            *of_gru, d_frame_w, d_frame_b = totals
+            of_state = {"state_w": d_state_w, "state_b": d_state_b}
+            of_frame = {"frame_w": d_frame_w, "frame_b": d_frame_b}
+            return dz, {**of_state, **_named("decoder", of_gru), **of_frame}
 
         return x_hat, pullback
 
@@ -272,12 +277,9 @@ class SequentialAutoencoder:
         Parameters
         ----------
         x : (B, T, features) array of float
-            The clips to reproduce.
-        prior : (B, latent) array of float
-            Draws of the prior.
+        prior : (B, latent) array of float, draws of the prior
         directions : (L, latent) array of float, rows of length 1
-        weight : float
-            λ.
+        weight : float, λ
 
         Returns
         -------
@@ -353,9 +355,3 @@ def gru_weights(weights: Weights, name: str) -> tuple[np.ndarray, ...]:
 def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
     """dW, dU, db and dc of the "encoder" or the "decoder", by name."""
     return {f"{gru}_{letter}": each for letter, each in zip("wubc", gradients, strict=True)}
-
-
-def _add(totals: list[np.ndarray], terms: list[np.ndarray]) -> None:
-    """Add each term to its total, in place."""
-    for total, term in zip(totals, terms, strict=True):
-        total += term

@@ -31,7 +31,7 @@ def small(dtype=np.float32):
 
 def small_sequential():
     rng = np.random.default_rng(0)
-    model = SequentialAutoencoder(5, 7, 3, rng, np.float64)
+    model = SequentialAutoencoder(5, 7, 3, rng, np.float64, burn_in=2)
     for name, weight in model.weights.items():
         model.weights[name] = rng.normal(scale=0.4, size=weight.shape)
     return model

@@ -6,14 +6,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from numpy_cae.bench import convolutional_quality, quality
+from numpy_cae.bench import convolutional_quality, quality, sequential_quality
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.paper import synthetic_windows
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import Schedule, Stage, train_autoencoder, zero_values
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.training import (
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    train_autoencoder,
+    train_sequential,
+    zero_values,
+)
 
 STAGE = Stage(8, 0.001, 1.0, 0.0, 2, (0.1, 0.8), True, 0.0, 1.0, None, "adam", "one-cycle")
+SEQUENCES = SequenceSchedule(2, 20, 0.01, batch=8, optimiser="adam", rate_schedule="one-cycle")
+
+
+def waves(rng, batch):
+    """Clips of 6 frames of a sine at a phase drawn anew."""
+    phases = rng.uniform(0, 2 * np.pi, size=(batch, 1, 1))
+    return np.sin(np.arange(6)[None, :, None] / 2 + phases + np.arange(3)).astype(np.float32)
 
 
 def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
@@ -63,6 +77,27 @@ def test_all_networks_learn(monkeypatch):
     trainings = convolutional_quality.trainings(x, STAGE, lambda f: np.mean((f(lost) - x) ** 2))
     train_in_turns(trainings)
     assert [len(each.errors) for each in trainings] == [8, 9, 8]
+    assert all(each.errors[-1] < each.errors[0] for each in trainings)
+
+
+def test_our_training_of_sequences_is_that_of_numpy_cae_train():
+    trained, expected = (
+        SequentialAutoencoder(3, 7, 2, np.random.default_rng(0), burn_in=2) for _ in range(2)
+    )
+    assert len(list(sequential_quality.epochs(trained, waves, SEQUENCES))) == SEQUENCES.epochs
+    train_sequential(expected, waves, SEQUENCES, np.random.default_rng(0), show_progress=False)
+    for name, weight in trained.weights.items():
+        np.testing.assert_array_equal(weight, expected.weights[name])
+
+
+@pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
+def test_all_sequential_networks_learn(monkeypatch):
+    monkeypatch.setattr(sequential_quality, "USUAL", replace(SEQUENCES, epochs=3))
+    monkeypatch.setattr(sequential_quality, "HIDDEN", 12)
+    held_out = waves(np.random.default_rng(5), 50)
+    trainings = sequential_quality.trainings(waves, held_out, SEQUENCES)
+    train_in_turns(trainings)
+    assert [len(each.errors) for each in trainings] == [2, 3, 2]
     assert all(each.errors[-1] < each.errors[0] for each in trainings)
 
 

@@ -110,7 +110,7 @@ def test_both_engines_and_every_recipe_train(walks, tmp_path, train, engine):
         (["--window", 150], "multiple of 8"),
         (["--overlap", 160], "overlap is 160"),
         (["--model", "sequential", "--window", 64], "--window is not an option of the sequential"),
-        (["--model", "sequential", "--recipe", "fast"], "is for the convolutional model"),
+        (["--model", "sequential", "--recipe", "best"], "is for the convolutional model"),
         (["--latent", 3], "--latent is not an option of the convolutional model"),
     ],
 )

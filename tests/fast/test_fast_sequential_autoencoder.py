@@ -16,17 +16,18 @@ from numpy_cae.training import unit_directions
 TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 
 
-@pytest.fixture(autouse=True)
-def always_use_threads(monkeypatch):
-    """Small networks would use one thread; here they use as many as they are given."""
-    monkeypatch.setattr(fast_sequential_autoencoder, "MAX_UNITS_PER_CLIP", 1000)
+@pytest.fixture(autouse=True, params=["clips", "units"])
+def always_use_threads(monkeypatch, request):
+    """Small networks would use one thread; here they divide the clips or the units."""
+    units = 1 if request.param == "units" else 1000
+    monkeypatch.setattr(fast_sequential_autoencoder, "MIN_DIVIDED_UNITS", units)
     monkeypatch.setattr(fast_sequential_autoencoder, "MIN_STATES_PER_THREAD", 1)
 
 
-def drawn(seed, batch, frames, features=3, hidden=4, latent=2, dtype=np.float64):
+def drawn(seed, batch, frames, features=3, hidden=4, latent=2, dtype=np.float64, burn_in=0):
     """A model whose biases are not zero, clips, draws of the prior and directions."""
     rng = np.random.default_rng(seed)
-    model = SequentialAutoencoder(features, hidden, latent, rng, dtype)
+    model = SequentialAutoencoder(features, hidden, latent, rng, dtype, burn_in)
     weights = model.weights
     for name, weight in weights.items():
         weights[name] = rng.normal(scale=0.5, size=weight.shape).astype(dtype)
@@ -55,6 +56,7 @@ SHAPES = {
     "hidden": st.integers(1, 18),
     "latent": st.integers(1, 4),
     "dtype": st.sampled_from([np.float64, np.float32]),
+    "burn_in": st.integers(0, 3),
 }
 
 

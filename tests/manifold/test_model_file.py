@@ -144,8 +144,8 @@ def test_every_array_missing_replaced_or_not_finite(models, kind, tmp_path, each
 @KINDS
 def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
     arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
-    for version in ("1", "4"):
-        form = str(arrays["format"]).replace("3", version)
+    for version in ("1", "5"):
+        form = str(arrays["format"])[:-1] + version
         path.write_bytes(packed(arrays | {"format": np.array(form)}))
         with pytest.raises(ModelFileError, match=f"manifold {version}'.*make the file again"):
             load_manifold(path)
@@ -190,9 +190,23 @@ def test_edited_weights_are_refused_and_files_of_version_2_have_no_digest(models
     path.write_bytes(packed(without, digested=False))
     with pytest.raises(ModelFileError, match="has no 'digest'"):
         load_manifold(path)
-    old = {"format": np.array(str(arrays["format"]).replace("3", "2"))}
+    old = {"format": np.array(str(arrays["format"])[:-1] + "2")}
     path.write_bytes(packed(without | old, digested=False))
     assert type(load_manifold(path)).__name__.endswith("Manifold")
+
+
+def test_sequential_files_of_version_3_have_no_burn_in(models, tmp_path):
+    path = tmp_path / "m.npz"
+    path.write_bytes(models["sequence"])
+    assert load_manifold(path).network.burn_in > 0
+    arrays = arrays_of(models["sequence"])
+    del arrays["burn_in"]
+    path.write_bytes(packed(arrays))
+    with pytest.raises(ModelFileError, match="has no 'burn_in'"):
+        load_manifold(path)
+    old = {"format": np.array(str(arrays["format"])[:-1] + "3")}
+    path.write_bytes(packed(arrays | old))
+    assert load_manifold(path).network.burn_in == 0
 
 
 def test_archives_that_expand_are_refused_before_they_are_unpacked(models, tmp_path):

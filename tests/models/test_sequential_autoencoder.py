@@ -11,9 +11,9 @@ from numpy_cae.training import unit_directions
 from numpy_cae.verify import check_gradients
 
 
-def drawn_model(rng, features=3, hidden=4, latent=2, dtype=np.float64, scale=0.6):
+def drawn_model(rng, features=3, hidden=4, latent=2, dtype=np.float64, scale=0.6, burn_in=0):
     """A small network whose biases are not zero."""
-    model = SequentialAutoencoder(features, hidden, latent, rng, dtype)
+    model = SequentialAutoencoder(features, hidden, latent, rng, dtype, burn_in)
     for name, weight in model.weights.items():
         model.weights[name] = rng.normal(scale=scale, size=weight.shape).astype(dtype)
     return model
@@ -32,7 +32,8 @@ def check_whole_loss(model, rng, *material):
     names = list(model.weights)
 
     def loss(*arrays):
-        given = SequentialAutoencoder.from_weights(dict(zip(names, arrays, strict=True)))
+        weights = dict(zip(names, arrays, strict=True))
+        given = SequentialAutoencoder.from_weights(weights, model.burn_in)
         value, gradients = given.loss_and_gradients(*material)
         assert list(gradients) == names
         return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
@@ -47,10 +48,11 @@ def check_whole_loss(model, rng, *material):
     batch=st.integers(1, 4),
     frames=st.integers(1, 4),
     weight=st.sampled_from([0.0, 0.7]),
+    burn_in=st.integers(0, 2),
 )
-def test_gradients_of_the_whole_loss(seed, batch, frames, weight):
+def test_gradients_of_the_whole_loss(seed, batch, frames, weight, burn_in):
     rng = np.random.default_rng(seed)
-    model = drawn_model(rng, features=2, hidden=3)
+    model = drawn_model(rng, features=2, hidden=3, burn_in=burn_in)
     material = drawn_arguments(rng, model, batch, frames)
     check_whole_loss(model, rng, *material, weight)
 
@@ -88,6 +90,14 @@ def test_the_last_frame_of_a_longer_clip_is_written_first():
     model = drawn_model(rng)
     z = rng.normal(size=(2, 2))
     np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
+
+
+def test_the_frames_of_the_burn_in_are_not_part_of_the_clip():
+    """They are what the network without it writes first, which is last in time."""
+    model = drawn_model(np.random.default_rng(9))
+    z = np.random.default_rng(10).normal(size=(2, 2))
+    other = SequentialAutoencoder.from_weights(model.weights, burn_in=3)
+    np.testing.assert_array_equal(other.decode(z, 7), model.decode(z, 10)[:, :7])
 
 
 def test_no_frame_of_the_source_reaches_the_decoder():

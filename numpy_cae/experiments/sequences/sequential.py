@@ -28,7 +28,7 @@ def sequential(
     free = replace(schedule, weight=0.0)
     studies = [train_study(action, schedule, seed, **options) for action in actions]
     without = [train_study(action, free, seed, **options) for action in actions]
-    forced = train_study(actions[0], schedule, seed, network=TeacherForced, **options)
+    forced = train_study(actions[0], schedule, seed, network=TeacherForced, burn_in=0, **options)
     results = {
         "figure_2": figure_2(studies),
         "reconstruction": reconstruction(studies, seed),

@@ -14,7 +14,8 @@ from numpy_cae.models.sequential_autoencoder import Losses, Weights, gru_weights
 
 
 class TeacherForced(SequentialAutoencoder):
-    """The same network whose loss feeds the decoder the true frames."""
+    """The same network whose loss feeds the decoder the true frames; without a burn-in, which has
+    no true frames."""
 
     def loss_and_gradients(
         self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
