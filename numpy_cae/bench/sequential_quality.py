@@ -42,16 +42,11 @@ def trainings(
     def measured(denoise: Callable[[np.ndarray], np.ndarray]) -> Callable[[], float]:
         return lambda: float(np.mean((denoise(held_out) - held_out) ** 2, dtype=np.float64))
 
-    ours_there = torch_epochs(same, draw, schedule, BETA_2)
+    by_ours = torch_epochs(same, draw, schedule, BETA_2)
     rows = (
         ("numpy_cae", schedule, epochs(model, draw, schedule), model.denoise),
         ("PyTorch, usual settings", USUAL, torch_epochs(usual, draw, USUAL), usual.denoise),
-        (
-            "PyTorch, our settings",
-            schedule,
-            torch_epochs(same, draw, schedule, BETA_2),
-            same.denoise,
-        ),
+        ("PyTorch, our settings", schedule, by_ours, same.denoise),
     )
     return [Training(name, by.epochs, turns, measured(f)) for name, by, turns, f in rows]
 
