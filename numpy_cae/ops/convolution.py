@@ -58,24 +58,32 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     if taps % 2 == 0:
         raise ValueError(f"w has shape {w.shape}: the number of taps must be odd, got {taps}")
 
-    frames = x.shape[1]
     margin = taps // 2
     padded = np.pad(x, ((0, 0), (margin, margin), (0, 0)))
-    y = sum(padded[:, k : k + frames] @ w[k] for k in range(taps)) + b
+    x_rows = unfold(padded, taps)
+    y = (x_rows @ w.reshape(-1, filters)).reshape(*x.shape[:2], filters) + b
 
     def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         require_shape("dy", dy, y.shape)
         w_tilde, _ = transpose_filters(w)
         dy_padded = np.pad(dy, ((0, 0), (margin, margin), (0, 0)))
-        dx = sum(dy_padded[:, k : k + frames] @ w_tilde[k] for k in range(taps))
+        dx = (unfold(dy_padded, taps) @ w_tilde.reshape(-1, channels)).reshape(x.shape)
         dy_rows = dy.reshape(-1, filters)
-        dw = np.stack(
-            [padded[:, k : k + frames].reshape(-1, channels).T @ dy_rows for k in range(taps)]
-        )
+        dw = (x_rows.T @ dy_rows).reshape(w.shape)
         db = dy_rows.sum(axis=0)
         return dx, dw, db
 
     return y, pullback
+
+
+def unfold(padded: np.ndarray, taps: int) -> np.ndarray:
+    """The frames that each frame of a convolution reads, side by side, for one matrix product.
+
+    padded : (B, T + K - 1, C); returns (B·T, K·C), in row t of a window its frames t to t + K - 1.
+    """
+    frames = padded.shape[1] - taps + 1
+    shifted = [padded[:, k : k + frames] for k in range(taps)]
+    return np.concatenate(shifted, axis=-1).reshape(-1, taps * padded.shape[2])
 
 
 def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
