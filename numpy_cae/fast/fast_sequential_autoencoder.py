@@ -30,8 +30,7 @@ wait for each other at every step."""
 MIN_STATES_PER_THREAD = 1024
 """Numbers of a thread's states: NumPy keeps the interpreter lock for less than 500."""
 
-MAX_WORKSPACES = 4
-"""Workspaces that are kept."""
+MAX_WORKSPACES = 4  # that are kept
 
 
 class SequenceWorkspace:
@@ -79,7 +78,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """z of clips, as `SequentialAutoencoder.encode`."""
         weights = self.weights
         require_clips("x", x, weights)
-        frames, dtype = x.shape[1], _dtype(weights, x)
+        frames, dtype = x.shape[1], np.result_type(weights["state_w"], x)
         last_states = np.empty((len(x), self.hidden), dtype)
 
         def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
@@ -96,7 +95,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """Clips of z, as `SequentialAutoencoder.decode`."""
         weights = self.weights
         require_latent(z, frames, weights)
-        dtype = _dtype(weights, z)
+        dtype = np.result_type(weights["state_w"], z)
         first_states = z @ weights["state_w"] + weights["state_b"]
         out = np.empty((len(z), frames, self.features), dtype)
 
@@ -117,7 +116,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """The loss and its derivatives, as `SequentialAutoencoder.loss_and_gradients`."""
         weights = self.weights
         require_sequence_arguments(x, prior, weights)
-        dtype = _dtype(weights, x, prior, directions)
+        dtype = np.result_type(weights["state_w"], x, prior, directions)
         last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
 
         def read(worker: SequenceWorker) -> None:
@@ -154,8 +153,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
             "state_w": z.T @ d_first_states,
             "state_b": d_first_states.sum(axis=0),
         }
-        discrepancy = float(distance)
-        losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
+        losses = Losses(reconstruction + weight * float(distance), reconstruction, float(distance))
         return losses, {name: sums[name] for name in weights}
 
     def _in_parts(
@@ -182,10 +180,6 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         by_states = batch * self.hidden // MIN_STATES_PER_THREAD
         by_items = self.hidden if self.hidden >= MIN_DIVIDED_UNITS else batch
         return thread_team(max(1, min(thread_team(self._threads).size, by_states, by_items)))
-
-
-def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:
-    return np.result_type(weights["state_w"], *arrays)
 
 
 def _sums(parts: list[Weights]) -> Weights:

@@ -11,13 +11,8 @@ from numpy_cae.fast.gru_matrices import INPUT_GATES, STATE_GATES, GruMatrices
 from numpy_cae.fast.recurrence import Recurrence
 from numpy_cae.models.sequential_autoencoder import Weights
 
-BIASES = {
-    "encoder_w": "encoder_b",
-    "encoder_u": "encoder_c",
-    "decoder_w": "decoder_b",
-    "decoder_u": "decoder_c",
-    "frame_w": "frame_b",
-}
+BIASES = {f"{gru}_{w}": f"{gru}_{b}" for gru in ("encoder", "decoder") for w, b in ("wb", "uc")}
+BIASES["frame_w"] = "frame_b"
 """The bias beside each matrix that a product with states or frames ends in."""
 
 
@@ -60,14 +55,9 @@ class ClipBuffers:
 class SequenceWorker:
     """Computes the units `parts[part]` of the clips of `shared`; H is the number of these units.
 
-    `wait` waits for the workers of the other parts.
-
-    Attributes
-    ----------
-    clip : (T, F + 1, B) array
-        The source, in the order of time, with a row of ones below.
-    fed : (steps + 1, F + 1, B) array
-        The frames y_0 = 0, y_1, … in the order of writing, each with a one below.
+    `wait` waits for the workers of the other parts. `clip` is the source in the order of time,
+    (T, F + 1, B), `fed` are the frames y_0 = 0, y_1, … in the order of writing, (steps + 1, F + 1,
+    B), each with a row of ones below.
     """
 
     def __init__(
