@@ -61,13 +61,14 @@ class PCA:
         axes /= np.sqrt(spread[kept, None])
         return cls(mean, axes, spread[kept] / len(rows))
 
-    def project(self, rows: np.ndarray, size: int) -> np.ndarray:
-        """Each row's nearest point on the manifold of the first `size` axes, (M, N) to (M, N)."""
-        axes = self.axes[:size]
+    def project(self, x: np.ndarray, size: int) -> np.ndarray:
+        """The nearest points on the manifold of the first `size` axes, in the shape of x, which is
+        any whose numbers are rows of N one after the other."""
+        rows, axes = x.reshape(-1, len(self.mean)), self.axes[:size]
         projected = np.empty(rows.shape)
         for block in _blocks(rows):
             np.matmul((rows[block] - self.mean) @ axes.T, axes, out=projected[block])
-        return np.add(projected, self.mean, out=projected)
+        return np.add(projected, self.mean, out=projected).reshape(x.shape)
 
     def fill(self, rows: np.ndarray, known: np.ndarray, size: int) -> np.ndarray:
         """Each row with its missing entries from the manifold of the first `size` axes.

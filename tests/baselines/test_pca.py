@@ -11,6 +11,8 @@ def test_rows_of_low_rank_are_exact():
     rows = rng.normal(size=(40, 3)) @ rng.normal(size=(3, 9)) + rng.normal(size=9)
     pca = PCA.fit(rows)
     np.testing.assert_allclose(pca.project(rows, 3), rows)
+    stacked = rows.reshape(8, 5, 9)
+    np.testing.assert_allclose(pca.project(stacked, 2).reshape(40, 9), pca.project(rows, 2))
     assert np.abs(pca.project(rows, 2) - rows).max() > 0.1
 
 

@@ -81,8 +81,7 @@ def _methods(manifold: MotionManifold, training: list[np.ndarray]) -> dict[str, 
 
     def along_pca(one: np.ndarray, other: np.ndarray, share: float | str) -> np.ndarray:
         mixed, _ = cut_windows(linear(one, other, share), length, 0)
-        rows = manifold.normalise(mixed).reshape(len(mixed), -1)
-        projected = manifold.denormalise(pca.project(rows, SIZE).reshape(mixed.shape))
+        projected = manifold.denormalise(pca.project(manifold.normalise(mixed), SIZE))
         return projected[0, : len(one)]
 
     return {LINEAR: linear, PCA_WINDOWS: along_pca, ALONG: partial(interpolate, manifold)}

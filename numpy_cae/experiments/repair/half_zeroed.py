@@ -67,8 +67,7 @@ def _pca(name: str, seen: np.ndarray, truth: Clips, lost: np.ndarray, numbers: i
     sizes = [size for size in SIZES if size < largest] + [largest]
 
     def best(x: np.ndarray) -> tuple[float, int]:
-        rows = x.reshape(-1, numbers)
-        return min((truth.error(pca.project(rows, size).reshape(x.shape)), size) for size in sizes)
+        return min((truth.error(pca.project(x, size)), size) for size in sizes)
 
     (reconstruction, whole), (repair, few) = best(truth.x), best(lost)
     return [name, reconstruction, repair, f"{whole}; {few}"]

@@ -48,19 +48,9 @@ def repair_baselines(split: Split) -> list[RepairBaseline]:
     return [
         RepairBaseline(MEDIAN, LENGTHS, median, median),
         RepairBaseline(SAVITZKY_GOLAY, short, smoothed, smoothed),
-        pca_on_frames(split),
-        pca_on_windows(split),
+        _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
+        _pca(PCA_ON_WINDOWS, split, split.training.x[0].size),
     ]
-
-
-def pca_on_frames(split: Split) -> RepairBaseline:
-    """PCA of single poses."""
-    return _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1])
-
-
-def pca_on_windows(split: Split) -> RepairBaseline:
-    """PCA of whole windows."""
-    return _pca(PCA_ON_WINDOWS, split, split.training.x[0].size)
 
 
 def printed(setting: object) -> str:
@@ -69,13 +59,11 @@ def printed(setting: object) -> str:
 
 
 def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
+    """PCA of rows of so many numbers: of single poses, or of whole windows."""
+
     def fitted(clips: Clips) -> tuple[int, Repair]:
         pca = PCA.fit(clips.x.reshape(-1, numbers))
-
-        def repair(x: np.ndarray, size: object) -> np.ndarray:
-            return pca.project(x.reshape(-1, numbers), size).reshape(x.shape)
-
-        return len(pca.axes), repair
+        return len(pca.axes), pca.project
 
     (largest, trial), (_, repair) = fitted(split.fitting), fitted(split.training)
     sizes = tuple(size for size in AXES if size < largest)

@@ -66,4 +66,4 @@ def _project_on_pca(study: Study, x: np.ndarray, size: int, seed: int) -> np.nda
     mean = rows.mean(axis=0)
     _, spread, axes = svds(rows - mean, size, random_state=seed)
     pca = PCA(mean, axes[::-1], spread[::-1] ** 2 / PCA_CLIPS)
-    return pca.project(x.reshape(len(x), -1).astype(np.float64), size).reshape(x.shape)
+    return pca.project(x.astype(np.float64), size)
