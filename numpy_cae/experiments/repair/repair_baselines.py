@@ -49,8 +49,13 @@ def repair_baselines(split: Split) -> list[RepairBaseline]:
         RepairBaseline(MEDIAN, LENGTHS, median, median),
         RepairBaseline(SAVITZKY_GOLAY, short, smoothed, smoothed),
         _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
-        _pca(PCA_ON_WINDOWS, split, split.training.x[0].size),
+        pca_on_windows(split),
     ]
+
+
+def pca_on_windows(split: Split) -> RepairBaseline:
+    """PCA of whole windows."""
+    return _pca(PCA_ON_WINDOWS, split, split.training.x[0].size)
 
 
 def printed(setting: object) -> str:
@@ -59,12 +64,8 @@ def printed(setting: object) -> str:
 
 
 def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
-    """PCA of rows of so many numbers: of single poses, or of whole windows."""
-
-    def fitted(clips: Clips) -> tuple[int, Repair]:
-        pca = PCA.fit(clips.x.reshape(-1, numbers))
-        return len(pca.axes), pca.project
-
-    (largest, trial), (_, repair) = fitted(split.fitting), fitted(split.training)
-    sizes = tuple(size for size in AXES if size < largest)
-    return RepairBaseline(name, (*sizes, largest), trial, repair)
+    """PCA of rows of so many numbers."""
+    parts = split.fitting, split.training
+    trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
+    sizes = tuple(size for size in AXES if size < len(trial.axes))
+    return RepairBaseline(name, (*sizes, len(trial.axes)), trial.project, final.project)
