@@ -51,15 +51,8 @@ def labelled(tmp_path_factory):
 def small_manifold(labelled):
     """Two layers, learned in a second."""
     quick = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(3, 0.05, 0.9, 0.0))
-    return learn_manifold(
-        [take.positions for take in labelled.training],
-        quick,
-        window=32,
-        overlap=16,
-        filters=(12, 16),
-        taps=5,
-        show_progress=False,
-    )
+    takes = [take.positions for take in labelled.training]
+    return learn_manifold(takes, quick, 0, 32, 16, (12, 16), 5, show_progress=False)
 
 
 @pytest.fixture(scope="session")

@@ -32,25 +32,18 @@ def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
     arm = np.linalg.norm(np.diff(positions[0, wrist - 2 : wrist + 1], axis=0), axis=-1).sum()
     within = [frame for frame in frames[5:-5] if reached[frame] < 0.98 * arm]
     assert JOINTS[wrist].endswith("wrist") and within
-    np.testing.assert_allclose(
-        positions[within, wrist],
-        positions[frames[0], wrist][None].repeat(len(within), 0),
-        atol=0.01,
-    )
+    there = positions[frames[0], wrist][None].repeat(len(within), 0)
+    np.testing.assert_allclose(positions[within, wrist], there, atol=0.01)
 
 
 def test_told_fillings_and_filters_keep_what_they_should(take, small_manifold):
     material = [LabelledTake(None, body_of(take))]
     _, mask = DAMAGES["twisted leg"](take, None, np.random.default_rng(2))
     body = small_manifold.body(take)
-    for filling in (
-        damage_methods.spline(small_manifold),
-        damage_methods.pca(small_manifold, material),
-    ):
-        off = np.linalg.norm(
-            body_positions(damage_methods.filled(body, mask, filling)) - body_positions(take),
-            axis=-1,
-        )
+    fillings = damage_methods.spline(small_manifold), damage_methods.pca(small_manifold, material)
+    for filling in fillings:
+        made = damage_methods.filled(body, mask, filling)
+        off = np.linalg.norm(body_positions(made) - body_positions(take), axis=-1)
         np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
         assert 0 < off[mask].mean() < 0.3
     still = take.at(np.zeros(60, int))
