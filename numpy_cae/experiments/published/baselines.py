@@ -50,28 +50,17 @@ def nearest(spread: np.ndarray) -> Method:
     return learn
 
 
-def ridge(taps: int, penalty: float) -> Method:
-    """Ridge regression on the visible columns of `taps` rows."""
-
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        seen, hidden = _examples(takes, columns, taps)
-        mean = hidden.mean(axis=0)
-        normal = seen.T @ seen + penalty * np.eye(seen.shape[1])
-        weights = np.linalg.solve(normal, seen.T @ (hidden - mean))
-        return lambda take, first: around(take[:, others(columns)], taps) @ weights + mean
-
-    return learn
-
-
-def kernel_ridge(taps: int, width: float, penalty: float) -> Method:
-    """Ridge regression with the kernel exp(-d² / (width · number of values)), d the distance of the
-    visible columns of `taps` rows. It is the mean of a Gaussian process."""
+def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
+    """Ridge regression on the visible columns of `taps` rows; with a width on the kernel
+    exp(-d² / (width · number of values)) of their distance d: the mean of a Gaussian process."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         seen, hidden = _examples(takes, columns, taps)
         mean = hidden.mean(axis=0)
 
         def kernel(rows: np.ndarray) -> np.ndarray:
+            if width is None:
+                return rows @ seen.T
             lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
             return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
 

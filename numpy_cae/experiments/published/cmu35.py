@@ -55,7 +55,7 @@ def simple_methods(group: str, deviation: np.ndarray) -> dict[tuple[str, str], M
     """Methods by name and what they see, with the settings that leave the smallest error on left
     out training takes."""
     leg, ridge = group == "leg", baselines.ridge(15, 1000)
-    gaussian = baselines.kernel_ridge(*START[group])
+    gaussian = baselines.ridge(*START[group])
     return {
         ("nearest neighbour, standardised", ROW): baselines.nearest(np.ones(59)),
         ("nearest neighbour, radians", ROW): baselines.nearest(deviation),
