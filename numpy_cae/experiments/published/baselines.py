@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.baselines import PCA
+from numpy_cae.baselines import PCA, LinearDenoiser, Moments, interpolate_linearly
 from numpy_cae.experiments.published.protocol import Fill, Method
+from numpy_cae.motion.windows import cut_windows
 
 OFFSET, MEMORY = 0.5, 10
 """Variance of a take's constant error relative to that of its varying error, whose correlation
@@ -50,6 +51,11 @@ def nearest(spread: np.ndarray) -> Method:
     return learn
 
 
+def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+    """The last known value, which is interpolation where no later value is known."""
+    return lambda take, first: interpolate_linearly(take, ~np.isnan(take))[:, columns]
+
+
 def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
     """Ridge regression on the visible columns of `taps` rows; with a width on the kernel
     exp(-d² / (width · number of values)) of their distance d: the mean of a Gaussian process."""
@@ -66,6 +72,21 @@ def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
 
         weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
         return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
+
+    return learn
+
+
+def linear_denoiser(taps: int, penalty: float) -> Method:
+    """`LinearDenoiser` where the hidden columns are kept with probability 0."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        length = max(map(len, takes))
+        cut = [cut_windows(take, length, 0) for take in takes]
+        windows, real = (np.concatenate(part) for part in zip(*cut, strict=True))
+        kept = np.ones(windows.shape[-1])
+        kept[columns] = 0
+        denoiser: LinearDenoiser = Moments.of(windows, real, taps).solve(kept, penalty)
+        return lambda take, first: denoiser.repair(np.nan_to_num(take)[None])[0][:, columns]
 
     return learn
 

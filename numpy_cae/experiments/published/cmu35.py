@@ -59,8 +59,10 @@ def simple_methods(group: str, deviation: np.ndarray) -> dict[tuple[str, str], M
     return {
         ("nearest neighbour, standardised", ROW): baselines.nearest(np.ones(59)),
         ("nearest neighbour, radians", ROW): baselines.nearest(deviation),
+        ("last known value", "rows before"): baselines.held,
         ("PCA of rows", ROW): baselines.pca(1, 10 if leg else 15),
         ("PCA of windows", WINDOW + BEFORE): baselines.pca(15, 20 if leg else 10),
+        ("linear denoiser", WINDOW): baselines.linear_denoiser(15, 0.3),
         ("ridge regression, one row", ROW): baselines.ridge(1, 100),
         ("ridge regression", WINDOW): ridge,
         ("ridge regression, residual", WINDOW + BEFORE): baselines.corrected(ridge),
