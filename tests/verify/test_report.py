@@ -69,6 +69,10 @@ def test_what_does_not_return_an_operation_is_told_so(tanh, complaint):
     assert complaint in problem_of("tanh", "gradient for x", tanh)
 
 
+def test_a_result_of_a_wrong_shape_that_goes_in_again_is_reported():
+    assert "IndexError" in problem_of("transpose_filters", "own inverse", lambda w: w[0])
+
+
 def test_reports_need_no_hypothesis():
     program = """
 import sys
