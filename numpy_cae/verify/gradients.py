@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 
 from numpy_cae.verify.call import call, copies, flat, gradients_of, is_float, parts, require_array
+from numpy_cae.verify.case import WORTH_PRINTING, written
 from numpy_cae.verify.differences import KINK, WRONG, Argument, Verdict, step_scale
 
 EVERY_ENTRY_UP_TO = 100
@@ -206,11 +207,13 @@ def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) ->
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
         index, verdict = _trace(at, *worst, tolerance)
+        given = f"\n    upstream gradient, flat: {written(at.dy)}"
+        dy = given if at.dy.size <= WORTH_PRINTING else ""
         raise AssertionError(
             f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}\n"
-            f"    by the pullback         {verdict.analytic:.10g}\n"
-            f"    by central differences  {verdict.numeric:.10g}\n"
-            f"    wrong in {len(wrong)} of {len(judged)} {tried}"
+            f"    by the pullback                      {verdict.analytic + 0:.10g}\n"
+            f"    by central differences of the value  {verdict.numeric + 0:.10g}\n"
+            f"    wrong in {len(wrong)} of {len(judged)} {tried}{dy}"
         )
     if len(kinks) > max(1, int(KINKS_EXCUSED * len(judged))):
         index, verdict = _trace(at, *kinks[0], tolerance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,6 +26,7 @@ class Operation:
     reference: Callable | None = None  # its value and pullback
     saturates: bool = False  # a derivative may be far smaller than what it is computed from
     selects: bool = False  # results are arguments' entries up to a factor: compared one by one
+    without_ties: Sizes = field(default_factory=dict)  # classes of values without a kink
     alike: Callable = lambda arguments, gradient: gradient  # the same for all right gradients
 
     def value(self, *arguments: object) -> np.ndarray | float:
@@ -137,6 +138,8 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
     return (member / member.sum(axis=1, keepdims=True)) @ gradient
 
 
+WITHOUT_TIES = {"values": (ORDINARY, "random", "near ties", "tiny", "large", "offset")}
+TIED = tuple(name for name in EXTREME["values"] if name not in WITHOUT_TIES["values"])
 SELECTS, SATURATES = {"selects": True}, {"saturates": True}
 POINTS_ALIKE = {"alike": _mean_of_equal_points}
 _WINDOW = "batch frames channels"
@@ -144,7 +147,7 @@ _conv1d = _shaped(x=_WINDOW, w="taps channels filters", b="filters")
 _TABLE = (
     ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
     ("transpose_filters", FILTERS | EXTREME, _shaped(w="taps channels filters"), "w", "w", SELECTS),
-    ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS),
+    ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
     ("unpool_even", WINDOW | EXTREME, _shaped(y=_WINDOW), "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
     ("tanh", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES),

@@ -13,7 +13,7 @@ from scipy.optimize import linear_sum_assignment
 
 from numpy_cae import ops
 from numpy_cae.verify.case import ORDINARY, Case, spread
-from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.operation import TIED, WITHOUT_TIES, Operation
 from numpy_cae.verify.property import (
     UPSTREAM,
     Findings,
@@ -80,9 +80,10 @@ EMPTY = "the other frame of the pair is exactly 0"
 SATURATED = "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan"
 BEYOND = "beyond the bound the value is arctanh(±bound) and the gradient exactly 0"
 TIES = "a tie goes to the earlier frame, value and whole gradient"
+LOSER = "the smaller frame's gradient is exactly 0"
 COMPARED = (
-    ("max_pool", "ties", TIES, ANY, ("ties", *ZEROS)),
-    ("max_pool", "loser", "the smaller frame's gradient is exactly 0", ZERO_GRADIENT, ()),
+    ("max_pool", "ties", TIES, ANY, TIED),
+    ("max_pool", "loser", LOSER, ZERO_GRADIENT, WITHOUT_TIES["values"]),
     ("unpool_random", "empty slot", EMPTY, _compared("value", exactly_zero=True), ()),
     ("tanh sigmoid", "large inputs", SATURATED, ANY, ("huge",)),
     ("arctanh", "beyond the bound", BEYOND, ANY, ("bound", "large", "huge")),

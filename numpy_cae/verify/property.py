@@ -111,7 +111,7 @@ def require_equal(
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
         place = f" at index {index}" if index else ""
         raise AssertionError(
-            f"{what} is {found[index]:.10g}{place}, expected {expected[index]:.10g}"
+            f"{what} is {found[index] + 0:.10g}{place}, expected {expected[index] + 0:.10g}"
         )
 
 

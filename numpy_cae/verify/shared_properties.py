@@ -41,9 +41,11 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     value = "the value is that of the definition, loop by loop"
     yield property_of(operation, "value", value, _value, {}, VALUE_POINTS)
     for name in operation.differentiated:
-        statement = f"the pullback's gradient for {name} is that of central differences"
-        check, points = _gradient_for(name), {"points": GRADIENT_POINTS}
-        yield property_of(operation, f"gradient for {name}", statement, check, **points)
+        right = "the definition" if operation.reference else "central differences"
+        statement = f"the pullback's gradient for {name} is that of {right}"
+        check, classes = _gradient_for(name), UPSTREAM | operation.without_ties
+        title = f"gradient for {name}"
+        yield property_of(operation, title, statement, check, classes, GRADIENT_POINTS)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
         yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name))

@@ -110,7 +110,8 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
         )
         error, last = _failure(tried, implementation, case)
     if error is None:  # it fails in one call and not in the next
-        return Outcome(tried, False, "it does not do the same when called again", str(case))
+        problem = "called again with the same arguments, it returns something else"
+        return Outcome(tried, False, problem, str(case))
     problem = str(error)[:LONGEST_TEXT]
     if not isinstance(error, AssertionError):
         code = getattr(inspect.unwrap(implementation), "__code__", None)
@@ -160,7 +161,7 @@ def _called(function: Callable, arguments: tuple):
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
     """The arguments and results of the last call; if they are long, a call to get them."""
     given, operation = tried.arguments(case), tried.definition
-    is_call = operation and last.arguments is not None and len(last.arguments) == len(given)
+    is_call = last.arguments is not None and len(last.arguments) == len(given)
     if is_call:
         given = dict(zip(given, last.arguments, strict=True))
     shown = dict(given)
@@ -170,7 +171,7 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
         yield example_call(tried.operation, case)
     else:
         yield from (f"{name} = {written(argument)}" for name, argument in shown.items())
-    if not is_call:
+    if not is_call or operation is None:
         return
     try:
         value, pullback = operation.reference(*deepcopy(last.arguments))
@@ -185,3 +186,5 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
             if not agrees(operation.alike(given, one), operation.alike(given, other)):
                 yield f"{name}: {written(one)}"
                 yield f"  expected: {written(other)}"
+                if name == "value":
+                    return  # the definition's gradients are those of another value

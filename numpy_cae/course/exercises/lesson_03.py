@@ -41,6 +41,14 @@ def _times_matrix(function: Callable, case: Case) -> None:
     require_equal("unfold(x, K) @ w.reshape(K * C, D) + b", y, definitions.conv1d(x, w, b))
 
 
+@claim("dtype", "float32 stays float32")
+def _keeps_float32(function: Callable, case: Case) -> None:
+    x, taps = _unfold_arguments(case).values()
+    found = np.asarray(function(x.astype(np.float32), taps)).dtype
+    if found != np.float32:
+        raise AssertionError(f"given float32, the rows are {found}")
+
+
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
         conv1d_by_loops,
@@ -55,6 +63,7 @@ EXERCISES: tuple[Exercise, ...] = (
         _unfold_arguments,
         {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "filters", "taps")},
         _times_matrix,
+        _keeps_float32,
         value="row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
     ),
     operation_exercise("transpose_filters"),
