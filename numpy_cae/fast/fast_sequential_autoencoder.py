@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.fast.sequence_worker import ClipBuffers, SequenceWorker, Sizes
+from numpy_cae.fast.gru_matrices import GruMatrices
+from numpy_cae.fast.sequence_worker import SequenceWorker
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
 from numpy_cae.models.sequential_autoencoder import (
@@ -22,34 +23,39 @@ from numpy_cae.models.sequential_autoencoder import (
 MAX_CLIPS = 128
 """Clips that one workspace holds when no gradient is computed; more go in parts."""
 
-MIN_DIVIDED_UNITS = 256
-"""With so many hidden units the threads divide the units, else the clips. A step of half the clips
-takes more than half the time, since it reads all of the weights; but threads that divide the units
-wait for each other at every step."""
+MAX_UNITS_PER_CLIP = 16
+"""A thread has at least one clip for so many hidden units. With fewer, a step of half the clips
+takes far more than half the time, since it reads all of the weights; the clips are then not divided
+between Python threads, and BLAS divides the rows of a product between its own."""
 
 MIN_STATES_PER_THREAD = 1024
 """Numbers of a thread's states: NumPy keeps the interpreter lock for less than 500."""
 
-MAX_WORKSPACES = 4  # that are kept
+MAX_WORKSPACES = 4
+"""Workspaces that are kept."""
 
 
 class SequenceWorkspace:
-    """A team of threads with buffers; each has some clips or, of a large network, some units."""
+    """The matrices, and a team of threads with a part of the clips each."""
 
-    def __init__(self, sizes: Sizes, batch: int, dtype: np.dtype, training: bool, team: ThreadTeam):
-        self.team, together = team, thread_team(1)  # the threads that work on the same clips
-        if sizes.hidden >= MIN_DIVIDED_UNITS:
-            together = team
-        parts = [share(sizes.hidden, number, together.size) for number in range(together.size)]
-        groups = team.size // together.size
-        self.buffers = [
-            ClipBuffers(sizes, share(batch, group, groups), dtype, training)
-            for group in range(groups)
-        ]
+    def __init__(
+        self,
+        features: int,
+        hidden: int,
+        batch: int,
+        frames: int,
+        burn_in: int,
+        dtype: np.dtype,
+        training: bool,
+        team: ThreadTeam,
+    ):
+        self.team = team
+        self.encoder = GruMatrices("encoder", features, hidden, dtype)
+        self.decoder = GruMatrices("decoder", features, hidden, dtype)
+        gru, sizes = (self.encoder, self.decoder), (frames, burn_in)
         self.workers = [
-            SequenceWorker(shared, parts, part, partial(together.wait, part), training)
-            for shared in self.buffers
-            for part in range(together.size)
+            SequenceWorker(*gru, share(batch, number, team.size), *sizes, dtype, training)
+            for number in range(team.size)
         ]
 
     def run(self, work: Callable[[SequenceWorker], None]) -> None:
@@ -78,12 +84,13 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """z of clips, as `SequentialAutoencoder.encode`."""
         weights = self.weights
         require_clips("x", x, weights)
-        frames, dtype = x.shape[1], np.result_type(weights["state_w"], x)
+        frames, dtype = x.shape[1], _dtype(weights, x)
         last_states = np.empty((len(x), self.hidden), dtype)
 
         def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
+            workspace.encoder.load(weights, back=False)
+
             def work(worker: SequenceWorker) -> None:
-                worker.encoder.load(weights, back=False)
                 last_states[part][worker.clips] = worker.read(x[part]).T
 
             workspace.run(work)
@@ -95,13 +102,14 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """Clips of z, as `SequentialAutoencoder.decode`."""
         weights = self.weights
         require_latent(z, frames, weights)
-        dtype = np.result_type(weights["state_w"], z)
+        dtype = _dtype(weights, z)
         first_states = z @ weights["state_w"] + weights["state_b"]
         out = np.empty((len(z), frames, self.features), dtype)
 
         def decode_part(workspace: SequenceWorkspace, part: slice) -> None:
+            workspace.decoder.load(weights, back=False)
+
             def work(worker: SequenceWorker) -> None:
-                worker.decoder.load(weights, back=False)
                 worker.write(first_states[part][worker.clips].T)
                 worker.copy_clips(out[part])
 
@@ -116,44 +124,43 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """The loss and its derivatives, as `SequentialAutoencoder.loss_and_gradients`."""
         weights = self.weights
         require_sequence_arguments(x, prior, weights)
-        dtype = np.result_type(weights["state_w"], x, prior, directions)
+        dtype = _dtype(weights, x, prior, directions)
         last_states, d_first_states = (np.empty((len(x), self.hidden), dtype) for _ in range(2))
 
         def read(worker: SequenceWorker) -> None:
-            worker.encoder.load(weights, back=True)
-            worker.decoder.load(weights, back=True)
             last_states[worker.clips] = worker.read(x).T
 
         with self._lock:
             workspace = self._workspace(len(x), x.shape[1], dtype, True)
-            for buffers in workspace.buffers:
-                buffers.new_sums(weights)
+            workspace.encoder.load(weights, back=True)
+            workspace.decoder.load(weights, back=True)
             workspace.run(read)
             z = last_states @ weights["latent_w"] + weights["latent_b"]
             first_states = z @ weights["state_w"] + weights["state_b"]
             distance, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
-            dz_prior = prior_pullback(weight)
-            dz = np.empty_like(dz_prior)
+            dz = prior_pullback(weight)
 
             def write_and_pull_back(worker: SequenceWorker) -> None:
-                clips, units = worker.clips, worker.units
+                clips = worker.clips
                 worker.write(first_states[clips].T)
-                worker.compare(x.size)
-                d_first_states[clips, units] = worker.write_pullback().T
-                worker.wait()
-                dz[clips] = dz_prior[clips] + d_first_states[clips] @ weights["state_w"].T
-                worker.read_pullback(weights["latent_w"][units] @ dz[clips].T)
+                worker.loss = worker.compare(x.size)
+                dh, decoder_gradients = worker.write_pullback()
+                d_first_states[clips] = dh.T
+                dz[clips] += d_first_states[clips] @ weights["state_w"].T
+                encoder_gradients = worker.read_pullback(weights["latent_w"] @ dz[clips].T)
+                worker.gradients = encoder_gradients | decoder_gradients
 
             workspace.run(write_and_pull_back)
-            reconstruction = sum(buffers.workers[0].loss for buffers in workspace.buffers)
-            sums = _sums([buffers.gradients() for buffers in workspace.buffers])
+            reconstruction = sum(worker.loss for worker in workspace.workers)
+            sums = _sums([worker.gradients for worker in workspace.workers])
         sums |= {
             "latent_w": last_states.T @ dz,
             "latent_b": dz.sum(axis=0),
             "state_w": z.T @ d_first_states,
             "state_b": d_first_states.sum(axis=0),
         }
-        losses = Losses(reconstruction + weight * float(distance), reconstruction, float(distance))
+        discrepancy = float(distance)
+        losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
         return losses, {name: sums[name] for name in weights}
 
     def _in_parts(
@@ -173,13 +180,18 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         self, batch: int, frames: int, dtype: np.dtype, training: bool
     ) -> SequenceWorkspace:
         """The buffers for arguments of these sizes, from the last few that were used."""
-        sizes = Sizes(self.features, self.hidden, frames, self.burn_in)
-        return self._make_workspace(sizes, batch, dtype, training, self._team(batch))
+        sizes = self.features, self.hidden, batch, frames, self.burn_in
+        return self._make_workspace(*sizes, dtype, training, self._team(batch))
 
     def _team(self, batch: int) -> ThreadTeam:
+        by_clips = batch * MAX_UNITS_PER_CLIP // self.hidden
         by_states = batch * self.hidden // MIN_STATES_PER_THREAD
-        by_items = self.hidden if self.hidden >= MIN_DIVIDED_UNITS else batch
-        return thread_team(max(1, min(thread_team(self._threads).size, by_states, by_items)))
+        size = thread_team(self._threads).size
+        return thread_team(max(1, min(size, by_clips, by_states, batch)))
+
+
+def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:
+    return np.result_type(weights["state_w"], *arrays)
 
 
 def _sums(parts: list[Weights]) -> Weights:

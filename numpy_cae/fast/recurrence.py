@@ -22,22 +22,24 @@ import numpy as np
 
 
 class Recurrence:
-    """The buffers of some units of one GRU for T steps of B clips; H is the number of these units.
+    """The buffers of one GRU for T steps of B clips.
 
-    `states` are h_0 to h_T of all units, (T + 1, all + 1, B), each with a row of ones below, so
-    that U · h + c is one product. Only training keeps the factors.
+    Attributes
+    ----------
+    states : (T + 1, H + 1, B) array
+        h_0 to h_T, each with a row of ones below, so that U · h + c is one product.
     """
 
-    def __init__(self, states: np.ndarray, units: slice, training: bool):
-        self.training = training
-        steps, dtype = len(states) - 1, states.dtype
-        self._h = [state[units] for state in states]
-        shape = self._h[0].shape
-        factors = np.empty((steps if training else 1, 5, *shape), dtype)
-        self._factors = [factors[k if training else 0] for k in range(steps)]
+    def __init__(self, hidden: int, batch: int, frames: int, dtype: np.dtype, training: bool):
+        self.hidden, self.frames, self.training = hidden, frames, training
+        self.states = np.zeros((frames + 1, hidden + 1, batch), dtype)
+        self.states[:, hidden] = 1
+        factors = np.empty((frames if training else 1, 5, hidden, batch), dtype)
+        self._factors = [factors[k if training else 0] for k in range(frames)]
+        self._h = [state[:hidden] for state in self.states]
         self._half, self._one = np.array(0.5, dtype), np.array(1, dtype)
-        self._n, self._d = np.empty((2, *shape), dtype)
-        self._slope = np.empty((2, *shape), dtype)
+        self._n, self._d = np.empty((2, hidden, batch), dtype)
+        self._slope = np.empty((2, hidden, batch), dtype)
         self._views = [
             (each[4:2:-1], each[3], each[4], each[0], each[1], each[2]) for each in self._factors
         ]
