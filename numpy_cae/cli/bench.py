@@ -18,6 +18,9 @@ from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, print_json
 
+SEQUENCE_MINUTES = 180.0
+"""Minutes of synthetic walking to train on, and as many of other people to hold out."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to measure, and how often."""
@@ -105,7 +108,7 @@ def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
 
     if args.data:
         raise ValueError("--quality --sequential trains on synthetic walking: leave out --data")
-    action = synthetic_action("walking", test_minutes=30)
+    action = synthetic_action("walking", SEQUENCE_MINUTES)
     clips = cut_clips(action.training)
     mean, deviation = clips.mean(axis=(0, 1)), np.maximum(clips.std(axis=(0, 1)), 1e-3)
 
@@ -114,7 +117,7 @@ def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
 
     return trainings(
         lambda rng, batch: normalised(draw_clips(action.training, batch, rng)),
-        normalised(cut_clips(action.testing, step=100)),
+        normalised(cut_clips(action.testing, step=600)),
         SEQUENCE_RECIPES["fast"],
     )
 

@@ -10,6 +10,7 @@ from numpy_cae.bench import convolutional_quality, quality, sequential_quality
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.paper import synthetic_windows
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
+from numpy_cae.cli.train_options import SEQUENCE_RECIPES
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
     Schedule,
@@ -99,6 +100,15 @@ def test_all_sequential_networks_learn(monkeypatch):
     train_in_turns(trainings)
     assert [len(each.errors) for each in trainings] == [2, 3, 2]
     assert all(each.errors[-1] < each.errors[0] for each in trainings)
+
+
+@pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
+def test_the_command_trains_sequences_on_synthetic_walking(monkeypatch, run, capsys):
+    monkeypatch.setattr("numpy_cae.cli.bench.SEQUENCE_MINUTES", 0.3)
+    monkeypatch.setattr(sequential_quality, "USUAL", SEQUENCES)
+    monkeypatch.setitem(SEQUENCE_RECIPES, "fast", SEQUENCES)
+    run("bench", "--quality", "--sequential", "--quiet")
+    assert "| PyTorch, our settings |" in capsys.readouterr().out
 
 
 def test_without_pytorch_the_command_says_so(monkeypatch, error_of):
