@@ -73,7 +73,7 @@ def test_the_numbers_of_the_prose_stand_in_a_cell(path):
     assert unfounded(read_notebook(path)) == []
 
 
-@pytest.mark.lessons
+@pytest.mark.thorough
 @every_lesson
 def test_a_lesson_runs_on_real_motion_and_its_numbers_hold(path, data_folder):
     assert unfounded(execute(read_notebook(path), mine_before(path), str(data_folder))) == []
