@@ -202,7 +202,7 @@ EXERCISES: tuple[Exercise, ...] = (
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
         Claim(
             "value",
-            "they are the least-squares weights over all masks, weighted by probability",
+            "they solve M A = B, the means over all masks, weighted by probability",
             _least_squares_over_masks,
             4,
         ),
