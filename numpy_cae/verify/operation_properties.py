@@ -201,8 +201,11 @@ BY_DEFAULT = "called without the upstream number, the pullback takes it to be 1"
 
 @states(LOSSES, "upstream default", BY_DEFAULT)
 def _one_by_default(loss, case, **arguments):
-    _, pullback = loss(*arguments.values())
-    yield "by default the gradient", pullback(), pullback(1.0), 0
+    for dtype in (np.float64, np.float32):
+        _, pullback = loss(*(array.astype(dtype) for array in arguments.values()))
+        by_default, of_one = pullback(), pullback(1.0)
+        yield "by default the gradient", by_default, of_one, 0
+        yield "by default the gradient's bytes a number", by_default.itemsize, of_one.itemsize, 0
 
 
 SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "filters": (1, 2)}
