@@ -56,8 +56,8 @@ BUDGET = {
     "bench download": 1260,
 }
 """Lines of Python. The redesign's budgets, raised where careful repair, files of any rig and axis,
-output as the file came in, verification by classes of input, the viewer, hard use, a course from the
-wheel to marks and the times to a given quality came in."""
+output as the file came in, verification by classes of input, the viewer, hard use, a course from
+the wheel to marks and the times to a given quality came in."""
 TESTS = 13_060
 
 
