@@ -51,8 +51,7 @@ def built(tmp_path_factory) -> tuple[Path, Path]:
     build = "from setuptools import build_meta; print(build_meta.build_sdist('..'))"
     run(sys.executable, "-c", build, cwd=folder / "clone")
     (sdist,) = folder.glob("*.tar.gz")
-    offline = ("--no-deps", "--no-build-isolation", "--no-index", "--quiet")
-    run(sys.executable, "-m", "pip", "wheel", *offline, "-w", folder, sdist)
+    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--quiet", "-w", folder, sdist)
     (wheel,) = folder.glob("*.whl")
     return sdist, wheel
 
@@ -78,7 +77,8 @@ def test_the_wheel_writes_students_copies_and_grades_them(built, tmp_path):
     ours = next(path for path in map(Path, sys.path) if (path / "numpy" / "__init__.py").is_file())
     (packages / "others.pth").write_text(str(ours))  # NumPy and the others, without an index
     scripts = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
-    run(scripts / "python", "-m", "pip", "install", "--no-deps", "--no-index", "-q", built[1])
+    offline = ("--no-deps", "--no-index", "--ignore-installed", "--quiet")
+    run(scripts / "python", "-m", "pip", "install", *offline, built[1])
     command = next(scripts.glob("numpy-cae*"))
     run(command, "lessons", "student", cwd=tmp_path)
     run(command, "lessons", "--release", "week.zip", "03", cwd=tmp_path)
