@@ -104,13 +104,13 @@ def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     from numpy_cae.bench.sequential_quality import trainings
     from numpy_cae.cli.train_options import SEQUENCE_RECIPES
     from numpy_cae.experiments.sequences.actions import synthetic_action
+    from numpy_cae.manifold.learning import mean_and_deviation
     from numpy_cae.motion import cut_clips, draw_clips
 
     if args.data:
         raise ValueError("--quality --sequential trains on synthetic walking: leave out --data")
     action = synthetic_action("walking", SEQUENCE_MINUTES)
-    clips = cut_clips(action.training)
-    mean, deviation = clips.mean(axis=(0, 1)), np.maximum(clips.std(axis=(0, 1)), 1e-3)
+    mean, deviation = mean_and_deviation(cut_clips(action.training))
 
     def normalised(clips: np.ndarray) -> np.ndarray:
         return ((clips - mean) / deviation).astype(np.float32)

@@ -188,8 +188,7 @@ def find_stretched(positions: np.ndarray) -> np.ndarray:
     """Joints whose bone is not as long as usual: positions (F, 20, 3) to (F, 20) bool."""
     lengths = frame_lengths(positions)
     usual = np.median(lengths, axis=0)
-    wrong = np.abs(lengths - usual) > np.maximum(0.02, STRETCHED * usual)
-    return wrong
+    return np.abs(lengths - usual) > np.maximum(0.02, STRETCHED * usual)
 
 
 def _turns(body: Body) -> np.ndarray:

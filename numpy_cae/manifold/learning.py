@@ -138,12 +138,9 @@ def learn_sequences(
     schedule = schedule or SequenceSchedule()
     table, bones = common_bones(sequences)
     clips = cut_clips(sequences, CLIP_STEP, frames)
-    deviation = clips.std(axis=(0, 1))
-    deviation[deviation < MIN_SPREAD] = 1.0
     rng = np.random.default_rng(seed)
-    plain = network(len(table.columns), hidden, latent, rng, burn_in=burn_in)
-    model = with_engine(plain, engine)
-    manifold = SequenceManifold(model, clips.mean(axis=(0, 1)), deviation, table, bones)
+    model = with_engine(network(len(table.columns), hidden, latent, rng, burn_in=burn_in), engine)
+    manifold = SequenceManifold(model, *mean_and_deviation(clips), table, bones)
     manifold.frames = frames
     if watch is not None:
         watch(manifold, 0)
@@ -165,6 +162,12 @@ def learn_sequences(
         "discrepancy": history.discrepancy[-1:],
     }
     return manifold
+
+
+def mean_and_deviation(clips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The mean and deviation of each column of clips (N, T, F); 1 for that of a constant column."""
+    deviation = clips.std(axis=(0, 1))
+    return clips.mean(axis=(0, 1)), np.where(deviation < MIN_SPREAD, 1.0, deviation)
 
 
 def _windows(manifold: MotionManifold, features: Sequence[np.ndarray], overlap: int) -> np.ndarray:
