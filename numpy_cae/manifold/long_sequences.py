@@ -12,7 +12,6 @@ relative to its first frame, so the position of the motion at t_i is added.
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.motion.angle_table import TRANSLATION
@@ -23,6 +22,7 @@ from numpy_cae.motion.features import POSITIONS, positions_to_features
 from numpy_cae.motion.io.t_pose import without_t_pose
 from numpy_cae.motion.lengths import bone_lengths
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import from_vector, product, rotate
 from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_body import body_of
 
@@ -141,8 +141,8 @@ def _moved_to_continue(before: Motion, clip: Motion, half: int) -> Motion:
         np.sum(b[..., 2] * a[..., 0] - b[..., 0] * a[..., 2]),
         np.sum(b[..., 0] * a[..., 0] + b[..., 2] * a[..., 2]),
     )
-    about_y = Rotation.from_rotvec([0.0, theta, 0.0])
+    about_y = from_vector(np.array([0.0, theta, 0.0]))
     rotations, translations = clip.rotations.copy(), clip.translations.copy()
-    rotations[:, 0] = (about_y * Rotation.from_quat(rotations[:, 0])).as_quat()
-    translations[:, 0] = about_y.apply(translations[:, 0] - own_centre) + centre
+    rotations[:, 0] = product(about_y, rotations[:, 0])
+    translations[:, 0] = rotate(about_y, translations[:, 0] - own_centre) + centre
     return replace(clip, rotations=rotations, translations=translations)

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from numpy_cae.motion import quaternions
 from numpy_cae.motion.angle_table import TRANSLATION, AngleTable, table_for
 from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.load import load_motion
@@ -70,13 +70,13 @@ def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
     vectors = np.zeros((len(motion), len(found), 3))
     offsets = np.zeros((len(found), 3))
     for joint, ancestor in enumerate(table.rotating_parents):
-        local = rotations[found[joint]]
+        local = rotations[:, found[joint]]
         if ancestor >= 0:
-            inverse = rotations[found[ancestor]].inv()
+            inverse = quaternions.inverse(rotations[:, found[ancestor]])
             offset = positions[:, found[joint]] - positions[:, found[ancestor]]
-            offsets[joint] = inverse.apply(offset).mean(axis=0)
-            local = inverse * local
-        vectors[:, joint] = local.as_rotvec()
+            offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
+            local = quaternions.product(inverse, local)
+        vectors[:, joint] = quaternions.to_vector(local)
     angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
     return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
 
@@ -121,7 +121,7 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
             local[joint] -= offsets[parent]
     translations = np.tile(local, (frames, 1, 1))
     translations[:, 0] = numbers[:, TRANSLATION]
-    rotations = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_quat().reshape(frames, joints, 4)
+    rotations = quaternions.from_vector(vectors.reshape(frames, joints, 3))
     skeleton = Skeleton(table.joints, table.parents, local)
     return Motion(skeleton, ANGLE_RATE, rotations, translations)
 

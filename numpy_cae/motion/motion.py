@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
+from numpy_cae.motion import quaternions
 from numpy_cae.motion.skeleton import Skeleton
 
 
@@ -86,18 +86,14 @@ class Motion:
             found[frames] = self.at(frames).forward_kinematics()[0][:, joints]
         return found
 
-    def forward_kinematics(self) -> tuple[np.ndarray, list[Rotation]]:
-        """World positions (F, J, 3) in metres and, for each joint, its F global rotations."""
-        positions = np.empty(self.translations.shape)
-        rotations: list[Rotation] = []
-        for joint, parent in enumerate(self.skeleton.parents):
-            rotation = Rotation.from_quat(self.rotations[:, joint])
-            translation = self.translations[:, joint]
-            if parent >= 0:
-                rotation = rotations[parent] * rotation
-                translation = positions[:, parent] + rotations[parent].apply(translation)
-            rotations.append(rotation)
-            positions[:, joint] = translation
+    def forward_kinematics(self) -> tuple[np.ndarray, np.ndarray]:
+        """World positions (F, J, 3) in metres and global rotations (F, J, 4) of the joints."""
+        positions, rotations = self.translations.copy(), self.rotations.copy()
+        for joint, parent in list(enumerate(self.skeleton.parents))[1:]:
+            above = rotations[:, parent]
+            rotations[:, joint] = quaternions.product(above, rotations[:, joint])
+            positions[:, joint] = quaternions.rotate(above, positions[:, joint])
+            positions[:, joint] += positions[:, parent]
         return positions, rotations
 
     def resampled(self, rate: float) -> Motion:
@@ -151,7 +147,6 @@ def slerp(own: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarr
     """Spherical interpolation of (N, J, 4) quaternions at the times `own`, evaluated at `times`."""
     if len(own) == 1:
         return np.repeat(rotations, len(times), axis=0)
-    times = np.clip(times, own[0], own[-1])
-    joints = range(rotations.shape[1])
-    interpolators = [Slerp(own, Rotation.from_quat(rotations[:, joint])) for joint in joints]
-    return np.stack([interpolate(times).as_quat() for interpolate in interpolators], axis=1)
+    first = np.clip(np.searchsorted(own, times, side="right") - 1, 0, len(own) - 2)
+    share = np.clip((times - own[first]) / (own[first + 1] - own[first]), 0.0, 1.0)
+    return quaternions.slerp(rotations[first], rotations[first + 1], share[:, None])

@@ -43,7 +43,8 @@ def test_the_root_of_cmu_text_is_put_right(seed):
     y = y + rng.uniform(-1.2, 1.2) + t[:, 0] * rng.uniform(-6, 6)
     text = Rotation.from_euler("ZXY", np.stack([z, x, y], axis=1))
     truth = Rotation.from_euler("ZYX", np.stack([z, y, x], axis=1))
-    assert (cmu_root(text).inv() * truth).magnitude().max() < 1e-9
+    found = Rotation.from_quat(cmu_root(text.as_quat()))
+    assert (found.inv() * truth).magnitude().max() < 1e-9
 
 
 def test_cmu_text_agrees_with_the_acclaim_file(data_folder):

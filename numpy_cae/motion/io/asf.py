@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.text_file import TextFile, quoted
 from numpy_cae.motion.io.units import INCH, require_unit
+from numpy_cae.motion.quaternions import IDENTITY, from_angles
 from numpy_cae.motion.skeleton import Skeleton
 
 MAX_BYTES = 1_000_000
@@ -39,9 +39,9 @@ class AcclaimSkeleton:
     channels : tuple of J tuples of str
         The order of each joint's values in an .amc file: "rx", "ry", "rz", for the root also
         "tx", "ty", "tz". Rotations are about fixed axes in this order. Empty for a rigid bone.
-    axes : tuple of J Rotation
+    axes : tuple of J (4,) arrays
         C of each bone; the identity for the root.
-    orientation : Rotation
+    orientation : (4,) array
         The root's rotation is orientation · R.
     limits : tuple of J arrays (number of rotations, 2), or None
         Smallest and largest angle of each rotation; None for a bone without `limits`.
@@ -51,8 +51,8 @@ class AcclaimSkeleton:
 
     skeleton: Skeleton
     channels: tuple[tuple[str, ...], ...]
-    axes: tuple[Rotation, ...]
-    orientation: Rotation
+    axes: tuple[np.ndarray, ...]
+    orientation: np.ndarray
     limits: tuple[np.ndarray | None, ...]
     unit: float
     degrees: bool
@@ -195,13 +195,14 @@ def _limits(bone: _Bone, count: int) -> np.ndarray | None:
 
 def _rotation(
     file: TextFile, line: int, angles: list[float], order: str, degrees: bool
-) -> Rotation:
+) -> np.ndarray:
     """The rotation about the world's x, y and z by three angles, applied in the given order."""
     if sorted(order.lower()) != ["x", "y", "z"]:
         raise file.error(line, f"axis order {quoted(order)}, expected X, Y and Z, such as XYZ")
     by_axis = dict(zip("xyz", angles, strict=True))
-    order = order.lower()
-    return Rotation.from_euler(order, [by_axis[axis] for axis in order], degrees=degrees)
+    order = order.lower()[::-1]  # the world's axes are the own axes in reverse
+    values = np.array([[by_axis[axis] for axis in order]])
+    return from_angles(order.upper(), np.radians(values) if degrees else values)[0]
 
 
 def _children(file: TextFile, sections: _Sections) -> dict[str, list[str]]:
@@ -228,7 +229,7 @@ def _assemble(file: TextFile, sections: _Sections, unit: float, degrees: bool) -
     # For each bone its end relative to its base in metres, its channels and its axes C.
     tips = {"root": np.zeros(3)}
     channels = {"root": _channels(file, sections.root, "order", ROOT_CHANNELS, ROOT_CHANNELS)}
-    axes = {"root": Rotation.identity()}
+    axes = {"root": IDENTITY}
     limits: dict[str, np.ndarray | None] = {}
     for bone in sections.bones:
         for required in ("name", "direction", "length", "axis"):

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.io.channels import continuous_angles, nearest_angles
@@ -143,5 +142,5 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
 
 def _euler_angles(rotations: np.ndarray) -> np.ndarray:
     """(F, 3) degrees in the order of `ROTATIONS`, without avoidable jumps between frames."""
-    angles = nearest_angles(Rotation.from_quat(rotations), "ZXY")
+    angles = nearest_angles(rotations, "ZXY")
     return np.degrees(continuous_angles(angles))

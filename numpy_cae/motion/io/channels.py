@@ -4,13 +4,20 @@ Three angles and (a ± 180°, 180° - b, c ± 180°), each plus whole turns, are
 these the ones nearest to the frame before are used, so that curves in an editor do not jump.
 """
 
-import warnings
 from dataclasses import dataclass, field
 from itertools import permutations
-from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.quaternions import (
+    IDENTITY,
+    angle,
+    from_angles,
+    inverse,
+    product,
+    rotate,
+    to_angles,
+)
 
 
 @dataclass(frozen=True)
@@ -27,7 +34,7 @@ class Channels:
         Metres in one unit of the file.
     offset : (3,) array
         Metres, added to the translation.
-    axes, orientation : Rotation, optional
+    axes, orientation : (4,) array, optional
         The joint's rotation is orientation · axes · R(angles) · axes⁻¹.
     degrees : bool
     limits : (number of angles, 2) array, optional
@@ -38,8 +45,8 @@ class Channels:
     first: int
     unit: float
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    axes: Rotation | None = None
-    orientation: Rotation | None = None
+    axes: np.ndarray | None = None
+    orientation: np.ndarray | None = None
     degrees: bool = True
     limits: np.ndarray | None = None
 
@@ -66,12 +73,12 @@ class Channels:
         order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
         if order.islower():  # fixed axes are the joint's own in reverse
             order, angles = order[::-1].upper(), angles[:, ::-1]
-        found = quaternions(order, angles)
+        found = from_angles(order, angles)
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
-            found[:, :3] = self.axes.apply(found[:, :3])
+            found[:, :3] = rotate(self.axes, found[:, :3])
         if self.orientation is not None:
-            found = (self.orientation * Rotation.from_quat(found)).as_quat()
+            found = product(self.orientation, found)
         return found
 
     def rotation_values(
@@ -86,11 +93,11 @@ class Channels:
         They continue the numbers of the frames before and after them, where there are such. If
         they cannot continue both, they jump where their `present` numbers (F, N) do.
         """
-        local = Rotation.from_quat(rotations)
+        local = rotations
         if self.orientation is not None:
-            local = self.orientation.inv() * local
+            local = product(inverse(self.orientation), local)
         if self.axes is not None:
-            local = self.axes.inv() * local * self.axes
+            local = product(product(inverse(self.axes), local), self.axes)
         angles = nearest_angles(local, self.order)
         unit = np.radians(1.0) if self.degrees else 1.0
         jump = 0 if before is None else len(angles)
@@ -119,7 +126,7 @@ def read_pose(
 
     A joint without position channels has its offset, of `offsets` (J, 3), in every frame.
     """
-    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (len(values), len(channels), 1))
+    rotations = np.tile(IDENTITY, (len(values), len(channels), 1))
     translations = np.tile(offsets, (len(values), 1, 1))
     for joint, own in enumerate(channels):
         for coordinate, column in zip(own.coordinates, own.columns("t"), strict=True):
@@ -127,26 +134,6 @@ def read_pose(
             translations[:, joint, coordinate] = place + own.unit * values[:, column]
         rotations[:, joint] = own.rotations(values[:, own.columns("r")])
     return rotations, translations
-
-
-def quaternions(order: str, angles: np.ndarray) -> np.ndarray:
-    """(F, 4), x y z w, of angles (F, N) in radians about the joint's own axes in this order.
-
-    A rotation by 2α about axis i, on the right of the others', changes the quaternion to
-
-        q_i cos α + q_w sin α,   q_j cos α + q_k sin α,   q_k cos α - q_j sin α,
-        q_w cos α - q_i sin α
-
-    As `Rotation.from_euler`, which takes four times as long.
-    """
-    q = [*np.zeros((3, len(angles))), np.ones(len(angles))]
-    for axis, column in zip(order, angles.T, strict=True):
-        i = "XYZ".index(axis)
-        j, k = (i + 1) % 3, (i + 2) % 3
-        sin, cos = np.sin(column / 2), np.cos(column / 2)
-        q[i], q[3] = q[i] * cos + q[3] * sin, q[3] * cos - q[i] * sin
-        q[j], q[k] = q[j] * cos + q[k] * sin, q[k] * cos - q[j] * sin
-    return np.stack(q, axis=1)
 
 
 def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
@@ -170,25 +157,23 @@ def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(difference).max(axis=-1)
 
 
-def nearest_angles(rotations: Rotation, order: str) -> np.ndarray:
+def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
     """The angles (F, N) in radians about these axes whose rotation is nearest.
 
     For fewer than three axes, an angle is dropped of each decomposition into three that keeps the
     order, and the best is taken.
     """
+    if order.islower():  # fixed axes are the joint's own in reverse
+        return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
     found = np.zeros((len(rotations), len(order)))
     least = np.full(len(rotations), np.inf if order else -np.inf)
-    three: Any
-    for three in map("".join, permutations("XYZ" if order.isupper() else "xyz")):
+    for three in map("".join, permutations("XYZ")):
         places = [three.index(axis) for axis in order]
         if places == sorted(places):
-            with warnings.catch_warnings():
-                # At a pole scipy sets one angle to zero and warns; the rotation is the same.
-                warnings.filterwarnings("ignore", message="Gimbal lock")
-                angles = rotations.as_euler(three)[:, places]
+            angles = to_angles(three, rotations)[:, places]
             if len(order) == 3:
                 return angles
-            miss = (Rotation.from_euler(order, angles).inv() * rotations).magnitude()
+            miss = angle(product(inverse(from_angles(order, angles)), rotations))
             found[miss < least] = angles[miss < least]
             least = np.minimum(least, miss)
     return found

@@ -14,11 +14,11 @@ import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.units import require_unit
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import nearest, product
 from numpy_cae.motion.retarget.completed import without_added
 from numpy_cae.motion.retarget.rigs import Mappings, match_rig
 from numpy_cae.motion.retarget.suggest import suggest_mapping
@@ -184,7 +184,6 @@ def as_in_file(motion: Motion) -> Motion:
 def _turned(motion: Motion, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotations and translations of the motion with its root turned."""
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
-    root = Rotation.from_matrix(matrix) * Rotation.from_quat(rotations[:, 0])
-    rotations[:, 0] = root.as_quat()
+    rotations[:, 0] = product(nearest(matrix), rotations[:, 0])
     translations[:, 0] = translations[:, 0] @ matrix.T
     return rotations, translations

@@ -13,12 +13,19 @@ from array import array
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.io.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
 from numpy_cae.motion.io.text_file import MAX_LINE, TextFile
 from numpy_cae.motion.io.units import require_unit, unit_name
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import (
+    angle,
+    from_angles,
+    from_vector,
+    inverse,
+    product,
+    to_angles,
+)
 
 _MIN_COMMAS = 40
 """In a line; no sentence has as many."""
@@ -54,10 +61,10 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     translations = np.tile(rig.skeleton.offsets, (len(values), 1, 1))
     translations[:, 0] = values[:, :3] * metres
     vectors = values[:, 3:].reshape(len(values), -1, 3)[:, rig.joints]
-    rotations = Rotation.from_rotvec(-vectors.reshape(-1, 3)).as_quat()
+    rotations = from_vector(-vectors.reshape(-1, 3))
     rotations = rotations.reshape(len(values), -1, 4)
     if rig is CMU:
-        rotations[:, 0] = cmu_root(Rotation.from_quat(rotations[:, 0])).as_quat()
+        rotations[:, 0] = cmu_root(rotations[:, 0])
     source = "of such text" if unit is None else "as given"
     note = f"{unit_name(metres)} ({source}, {rig.name}; the bones are a standard person's)"
     return Motion(rig.skeleton, rig.rate, rotations, translations, metres, note)
@@ -97,7 +104,7 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     return rig, np.frombuffer(rows).reshape(-1, rig.width)
 
 
-def cmu_root(text: Rotation) -> Rotation:
+def cmu_root(text: np.ndarray) -> np.ndarray:
     """Correct the root's rotations (F) of CMU text.
 
     The database rotates the root by R = Rz · Ry · Rx. The text was made by multiplying the same
@@ -109,9 +116,9 @@ def cmu_root(text: Rotation) -> Rotation:
     Three angles and (z + π, π - x, y + π) are the same rotation in the text's order, but two
     in the database's; so the angles are chosen to be continuous from frame to frame.
     """
-    zxy = text.as_euler("ZXY")
+    zxy = to_angles("ZXY", text)
     other = np.stack([zxy[:, 0] + np.pi, np.pi - zxy[:, 1], zxy[:, 2] + np.pi], axis=1)
-    cuts = np.append(True, (text[1:] * text[:-1].inv()).magnitude() > _CUT)
+    cuts = np.append(True, angle(product(text[1:], inverse(text[:-1]))) > _CUT)
     continuous = np.empty_like(zxy)
     for frame, (one, two, cut) in enumerate(zip(zxy, other, cuts, strict=True)):
         if cut:
@@ -123,4 +130,4 @@ def cmu_root(text: Rotation) -> Rotation:
             near = [angles + period * np.round((before - angles) / period) for angles in (one, two)]
             continuous[frame] = min(near, key=lambda angles: np.sum((angles - before) ** 2))
     z, x, y = continuous.T
-    return Rotation.from_euler("ZYX", np.stack([z, y, x], axis=1))
+    return from_angles("ZYX", np.stack([z, y, x], axis=1))

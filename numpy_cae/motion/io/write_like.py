@@ -12,7 +12,6 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.io.amc import amc_channels
@@ -22,6 +21,7 @@ from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.write import write_motion
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import angle, inverse, product
 
 log = logging.getLogger(__name__)
 
@@ -166,8 +166,7 @@ def _put_angles(
         angles = channels.rotation_values(own, present, before, after)
         values[first:end, columns] = angles
         if len(columns) < 3 or channels.limits is not None:
-            written = Rotation.from_quat(channels.rotations(angles))
-            off = (written.inv() * Rotation.from_quat(own)).magnitude()
+            off = angle(product(inverse(channels.rotations(angles)), own))
             miss = max(miss, float(np.degrees(off.max())))
     return miss
 

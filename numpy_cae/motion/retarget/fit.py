@@ -6,10 +6,10 @@ from the parent joint; several bones (hips, chest) are fitted together.
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import IDENTITY, inverse, product, rotate
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -57,37 +57,36 @@ def fit_motion(
     Motion
     """
     skeleton = body_skeleton(lengths)
-    global_rotations: list[Rotation] = []
-    rotations = np.empty((len(positions), len(JOINTS), 4))
+    rotations = np.tile(IDENTITY, (len(positions), len(JOINTS), 1))
+    turned = rotations.copy()
     for joint, parent in enumerate(PARENTS):
-        above = Rotation.identity(len(positions)) if parent < 0 else global_rotations[parent]
+        above = turned[:, max(parent, 0)].copy()
         ends = [end for end in skeleton.children(joint) if lengths[end] > 0]
         bones = positions[:, ends] - positions[:, [joint]]
         rotation = above
         if len(ends) == 1:
-            rotation = swing(above.apply(skeleton.offsets[ends[0]]), bones[:, 0]) * above
+            rest = rotate(above, skeleton.offsets[ends[0]])
+            rotation = product(swing(rest, bones[:, 0]), above)
         elif ends:
             rotation, skeleton.offsets[ends] = _fit(bones, skeleton.offsets[ends], above)
-        global_rotations.append(rotation)
-        rotations[:, joint] = (above.inv() * rotation).as_quat()
+        turned[:, joint] = rotation
+        rotations[:, joint] = product(inverse(above), rotation)
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
     translations[:, 0] = positions[:, 0]
     return Motion(skeleton, rate, rotations, translations, unit, f"{unit:g} m")
 
 
-def _fit(bones: np.ndarray, rest: np.ndarray, above: Rotation) -> tuple[Rotation, np.ndarray]:
+def _fit(bones: np.ndarray, rest: np.ndarray, above: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rotations (F) that fit rigid bones `rest` (N, 3) to `bones` (F, N, 3), and the bones.
 
     A body's bones differ from the T-pose's: after a fit the mean directions replace them.
     """
 
-    def rotations() -> Rotation:
-        before = np.stack([above.apply(bone) for bone in rest], axis=1)
-        return fit_fan(before, bones, _TAU) * above
+    def rotations() -> np.ndarray:
+        return product(fit_fan(rotate(above[:, None], rest), bones, _TAU), above)
 
     lengths = np.linalg.norm(rest, axis=1, keepdims=True)
     for _ in range(2):
-        local = [r.inv().apply(bone) for r, bone in zip(rotations(), bones, strict=True)]
-        mean = np.mean(local, axis=0)
+        mean = rotate(inverse(rotations())[:, None], bones).mean(axis=0)
         rest = mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12) * lengths
     return rotations(), rest

@@ -3,18 +3,20 @@
 One bone, from a to b: the smallest rotation is about a × b, by the angle between the two; it
 keeps the bone's twist. A fan of bones a_i to b_i: the rotation R that minimises
 
-    Σ_i |b_i - R a_i|²      R = U diag(1, 1, det UVᵀ) Vᵀ,   with Σ_i b_i a_iᵀ = U S Vᵀ
+    Σ_i |b_i - R a_i|²      is the rotation nearest to Σ_i b_i a_iᵀ.
 
-(Kabsch 1976). A diagonal τ Σ_i |a_i|² added to that sum regularises towards no rotation: about an
+A diagonal τ Σ_i |a_i|² added to that sum regularises towards no rotation: about an
 axis that the bones determine poorly the rotation stays small. A second pass, from the result of
 the first, restores most of what the regularisation removed from a well determined rotation.
+Rotations are quaternions (F, 4).
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+
+from numpy_cae.motion.quaternions import from_vector, nearest, product, rotate
 
 
-def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation:
+def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> np.ndarray:
     """The smallest rotations (F) from the directions `before` (F, 3) to the directions `after`.
 
     The vectors may have any length; the rotation is exactly the identity where they agree or one
@@ -28,25 +30,22 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> Rotation
     other = np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0])
     opposite = np.where(cosine[:, None] < 0, np.cross(before, other), 0.0)
     axis = np.where(sine[:, None] > 1e-9, axis, opposite)
-    return Rotation.from_rotvec(_unit(axis) * (share * np.arctan2(sine, cosine))[:, None])
+    return from_vector(_unit(axis) * (share * np.arctan2(sine, cosine))[:, None])
 
 
-def fit_fan(before: np.ndarray, after: np.ndarray, tau: float) -> Rotation:
+def fit_fan(before: np.ndarray, after: np.ndarray, tau: float) -> np.ndarray:
     """The rotations (F) that align each frame's bones `before` (F, N, 3) with `after`.
 
     Long bones have more weight than short ones, and bones of length 0 none. `tau` above 0 is the
     strength of the regularisation, τ.
     """
     first = _regularised_fit(before, after, tau)
-    rotated = np.stack([first.apply(bone) for bone in before.transpose(1, 0, 2)], axis=1)
-    return _regularised_fit(rotated, after, tau) * first
+    return product(_regularised_fit(rotate(first[:, None], before), after, tau), first)
 
 
-def _regularised_fit(before: np.ndarray, after: np.ndarray, tau: float) -> Rotation:
+def _regularised_fit(before: np.ndarray, after: np.ndarray, tau: float) -> np.ndarray:
     diagonal = tau * np.sum(before**2, axis=(1, 2))[:, None, None] + 1e-300
-    u, _, vt = np.linalg.svd(after.transpose(0, 2, 1) @ before + diagonal * np.eye(3))
-    u[:, :, 2] *= np.linalg.det(u @ vt)[:, None]  # otherwise it could be a reflection
-    return Rotation.from_matrix(u @ vt)
+    return nearest(after.transpose(0, 2, 1) @ before + diagonal * np.eye(3))
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -11,7 +11,8 @@ which keeps the detail in between and restores a joint that is off by a constant
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
+
+from numpy_cae.motion.quaternions import from_vector, inverse, product, slerp, to_vector
 
 SHORT = 0.25
 """Seconds. A spike within a stretch of this length is removed with the rest of it."""
@@ -22,23 +23,22 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     edges = np.flatnonzero(np.diff(damaged, prepend=False, append=False))
     found = rotations.copy()
     for first, end in edges.reshape(-1, 2):
-        inside = Rotation.from_quat(rotations[first:end])
+        inside = rotations[first:end]
         before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
         ends = ((inside[0], before), (inside[-1], after))
-        missing = [(own.inv() * out).as_rotvec() for own, out in ends if out is not None]
+        missing = [to_vector(product(inverse(own), out)) for own, out in ends if out is not None]
         if len(missing) == 2 and end - first <= SHORT * rate:
-            around = Rotation.from_quat(rotations[[first - 1, end]])
-            found[first:end] = Slerp([first - 1, end], around)(np.arange(first, end)).as_quat()
+            share = np.arange(1, end - first + 1) / (end - first + 1)
+            found[first:end] = slerp(rotations[first - 1], rotations[end], share)
         elif missing:
             share = np.linspace(0, 1, end - first)[:, None]
-            applied = Rotation.from_rotvec((1 - share) * missing[0] + share * missing[-1])
-            found[first:end] = (inside * applied).as_quat()
+            applied = from_vector((1 - share) * missing[0] + share * missing[-1])
+            found[first:end] = product(inside, applied)
     return found
 
 
-def _continued(last: np.ndarray) -> Rotation | None:
+def _continued(last: np.ndarray) -> np.ndarray | None:
     """The rotation that follows the last two, (up to 2, 4); None if there are none."""
     if len(last) == 0:
         return None
-    one, two = Rotation.from_quat(last[0]), Rotation.from_quat(last[-1])
-    return two * one.inv() * two
+    return product(product(last[-1], inverse(last[0])), last[-1])

@@ -21,10 +21,10 @@ knee is moved to the nearest point from which it can be: on a circle about the l
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.quaternions import angle, inverse, product, rotate
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.retarget.seams import without_seams
@@ -131,7 +131,8 @@ def retarget(
         if touched[frames, 0].any():
             step = targets[:, 0] - before[:, joints[0]]
             if carrier > 0:
-                step = rotations_before[motion.skeleton.parents[carrier]].inv().apply(step)
+                above = rotations_before[:, motion.skeleton.parents[carrier]]
+                step = rotate(inverse(above), step)
             translations[frames, carrier] += step
             part = replace(part, translations=translations[frames])
         by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
@@ -146,7 +147,7 @@ def _rotated(
     targets: dict[int, np.ndarray],
     limbs: dict[int, tuple[int, np.ndarray]],
     bones: _Bones,
-    unchanged: tuple[np.ndarray, list[Rotation]],
+    unchanged: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """The rotations (F, J, 4) that point the bones at their targets, from the root down.
 
@@ -156,14 +157,12 @@ def _rotated(
     """
     before, rotations_before = unchanged
     rotations = motion.rotations.copy()
-    after = np.empty(before.shape)
-    global_rotations: list[Rotation] = []
+    after, turned = motion.translations.copy(), motion.rotations.copy()
     for joint, parent in enumerate(motion.skeleton.parents):
-        above = global_rotations[parent] if parent >= 0 else Rotation.identity(len(motion))
-        rotation = above * Rotation.from_quat(motion.rotations[:, joint])
-        after[:, joint] = above.apply(motion.translations[:, joint])
         if parent >= 0:
-            after[:, joint] += after[:, parent]
+            above = turned[:, parent]
+            turned[:, joint] = product(above, turned[:, joint])
+            after[:, joint] = after[:, parent] + rotate(above, after[:, joint])
         if joint in bones:
             ends = [bone.end for bone in bones[joint]]
             if ends[0] in limbs and len(bones[joint]) == 1:
@@ -174,12 +173,12 @@ def _rotated(
             own = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
             free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
-            corrected = _corrected(rotation, rotations_before[joint], own, target, free)
-            changes = np.atleast_1d((corrected * rotation.inv()).magnitude() > _ROUNDING)
-            if changes.any():
-                rotation = _choose(changes, corrected, rotation)
-                rotations[changes, joint] = (above.inv() * rotation).as_quat()[changes]
-        global_rotations.append(rotation)
+            rotation = turned[:, joint]
+            corrected = _corrected(rotation, rotations_before[:, joint], own, target, free)
+            changes = angle(product(corrected, inverse(rotation))) > _ROUNDING
+            turned[changes, joint] = corrected[changes]
+            local = corrected if parent < 0 else product(inverse(above), corrected)
+            rotations[changes, joint] = local[changes]
     return rotations
 
 
@@ -208,32 +207,26 @@ def _bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndar
 
 
 def _corrected(
-    rotation: Rotation, before: Rotation, own: np.ndarray, target: np.ndarray, free: list[int]
-) -> Rotation:
+    rotation: np.ndarray, before: np.ndarray, own: np.ndarray, target: np.ndarray, free: list[int]
+) -> np.ndarray:
     """The global rotation of a joint that points its bones at their targets.
 
     `rotation` is the joint's after the changes of its ancestors, `before` the unchanged one; `own`
     and `target` (F, N, 3) are the unchanged bones and the vectors from the joint to the targets;
     `free` is the number of joints that share the rotation of each bone.
     """
-    change = rotation * before.inv()
-    now = np.stack([change.apply(bone) for bone in own.transpose(1, 0, 2)], axis=1)
+    now = rotate(product(rotation, inverse(before))[:, None], own)
     if len(free) == 1:
-        return swing(now[:, 0], target[:, 0], 1 / free[0]) * rotation
+        return product(swing(now[:, 0], target[:, 0], 1 / free[0]), rotation)
     flexible = np.array(free) > 0
     weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
-    fitted = fit_fan(now * weights, target, _TAU) * rotation
+    fitted = product(fit_fan(now * weights, target, _TAU), rotation)
     # Where the targets are the unchanged bones, restore their rotation exactly.
     unchanged = np.all(np.abs(target - own) < _ROUNDING, axis=(1, 2))
-    fitted = _choose(np.asarray(unchanged), before, fitted)
+    fitted = np.where(unchanged[:, None], before, fitted)
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
     misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
-    return _choose(misses[:, decisive].any(axis=1), fitted, rotation)
-
-
-def _choose(chosen: np.ndarray, one: Rotation, other: Rotation) -> Rotation:
-    """Frame by frame, `one` where it is chosen, else `other`."""
-    return Rotation.from_quat(np.where(chosen[:, None], one.as_quat(), other.as_quat()))
+    return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
 
 
 def moves_alone(motion: Motion, joint: str, mapping: Mappings = None) -> bool:
