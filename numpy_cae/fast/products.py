@@ -17,6 +17,10 @@ MAX_UNPACKED = 1_000_000
 MAX_UNPACKED_TRANSPOSED = 1200
 """Elements of the result of a product that is not packed, its second factor transposed."""
 
+ROWS, COLUMNS = 16, 512
+"""Rows and columns of a piece, at most. The kernels compute 8 or 16 rows at a time, and a piece of
+another height is up to twice as slow; wider pieces leave the first level of the cache."""
+
 
 def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     """out[s] = a[s] · b[s], in groups of rows of each a[s].
@@ -24,10 +28,10 @@ def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     a is (S, R, M), b is (S, M, N), possibly a transposed view, and out is (S, R, N).
     """
     inner, columns = b.shape[1:]
-    rows = MAX_UNPACKED // max(inner * columns, 1)
+    rows = min(ROWS, MAX_UNPACKED // max(inner * columns, 1))
     if b.strides[-1] != b.itemsize:
         rows = min(rows, MAX_UNPACKED_TRANSPOSED // max(columns, 1))
-    _in_groups(a, b, out, max(rows, 1))
+    _in_groups(a, b, out, rows // 8 * 8 or max(rows, 1))
 
 
 def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
@@ -36,7 +40,7 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     a is (M, K), b is (J, K, W), and out is (J, M, W).
     """
     width = b.shape[-1]
-    at_once = max(MAX_UNPACKED // max(a.size, 1) // 16 * 16, 16)
+    at_once = min(COLUMNS, max(MAX_UNPACKED // max(a.size, 1) // 16 * 16, 16))
     whole = width // at_once * at_once
     if whole:
         pieces = _by_columns(out[..., :whole], at_once)

@@ -41,17 +41,16 @@ class ThreadTeam:
 
         If a worker fails, the others are released and its error is raised.
         """
-        with self._lock:
+        with self._lock, one_blas_thread():
             if self.size == 1:
                 work(0)
                 return
-            with one_blas_thread():
-                for worker in range(1, self.size):
-                    # In the caller's context, which holds its settings of NumPy's warnings.
-                    context = contextvars.copy_context()
-                    self._jobs[worker].put((context, work))
-                results = [self._guarded(work, 0)]
-                results += [self._done.get() for _ in range(1, self.size)]
+            for worker in range(1, self.size):
+                # In the caller's context, which holds its settings of NumPy's warnings.
+                context = contextvars.copy_context()
+                self._jobs[worker].put((context, work))
+            results = [self._guarded(work, 0)]
+            results += [self._done.get() for _ in range(1, self.size)]
             failures = [failure for failure in results if failure is not None]
             if failures:
                 self._reset_arrivals()
