@@ -158,7 +158,7 @@ class FastConvAutoencoder(ConvAutoencoder):
             _decode_pullback(worker)
             worker.loss += _sparsity(worker, alpha, batch)
             _encode_pullback(worker)
-            workspace.filters_gradient(worker, dws)
+            workspace.filters_gradient(worker.number, dws)
 
         with self._lock:
             workspace = self._workspace(layers, batch, frames, dtype, first, True)

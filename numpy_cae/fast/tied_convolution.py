@@ -7,9 +7,7 @@ order, with the same ŵ:
     encoder     y = C ((A x) ∘ ŵ)           its pullback    dx = Aᵀ ((Cᵀ dy) ∘ ŵᵀ)
     decoder     x̂ = Aᵀ ((Cᵀ z) ∘ ŵᵀ)        its pullback    dz = C ((A dx̂) ∘ ŵ)
 
-W is used in both, and its gradient is the sum of two. Side by side they are one product:
-
-    dw = Gᵀ ([A x | A dx̂]ᵀ [Cᵀ dy | Cᵀ z])
+ŵ and the gradient for W are in `numpy_cae.fast.filter_spectra`.
 
 **Even unpooling** makes pairs of equal frames, z = E h with h at half the rate. E is constant, so
 it is absorbed by the constant matrix: Cᵀ z = (C₂)ᵀ h with C₂ = Eᵀ C, the sums of pairs of rows of
@@ -22,17 +20,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.fast.blocks import block_length, blocks, overlap_add, overlapping
+from numpy_cae.fast.blocks import block_length, overlap_add, overlapping
+from numpy_cae.fast.filter_spectra import FilterSpectra, buffer
 from numpy_cae.fast.products import multiply_columns, multiply_rows
-
-ROW_PADDING = 16
-"""Floats added to each row of a buffer. Rows whose distance is a power of two are mapped to the
-same lines of the cache, and a product along the columns then takes a quarter longer."""
-
-
-def buffer(rows: int, width: int, dtype: np.dtype) -> np.ndarray:
-    """Zeros (rows, width) whose rows are not a power of two apart."""
-    return np.zeros((rows, width + ROW_PADDING), dtype)[:, :width]
 
 
 def cheapest_length(
@@ -76,13 +66,12 @@ class TiedConvolution:
 
     Parameters
     ----------
-    shape : (K, C, D)
-        Shape of W.
-    batch, frames : int
-        Size of the encoder's input.
-    longest : int
-        Frames of a block, at most.
-    dtype : dtype
+    spectra : FilterSpectra
+        ŵ, and where the spectra of all windows are written for the gradient of W.
+    windows : slice
+        The thread's part of the batch.
+    frames : int
+        T, the frames of the encoder's input.
     halved : bool
         The decoder's input is at half the rate, each row standing for two frames.
 
@@ -96,25 +85,16 @@ class TiedConvolution:
         dx̂, the gradient for the decoder's output; the caller writes it.
     d_convolved : (T, B·D) view
         dy, the gradient for the encoder's output; the caller writes it.
-    w_hat, dw_hat : (S, C·D) arrays
-        ŵ and the gradient for it.
     """
 
-    def __init__(
-        self,
-        shape: tuple[int, int, int],
-        batch: int,
-        frames: int,
-        longest: int,
-        dtype: np.dtype,
-        halved: bool,
-    ):
-        taps, channels, filters = shape
-        length, count = block_length(frames, longest)
-        self.blocks = constants = blocks(taps, length, np.dtype(dtype).name)
-        self.a, self.g, self.c = constants.a, constants.g, constants.c
+    def __init__(self, spectra: FilterSpectra, windows: slice, frames: int, halved: bool):
+        self.spectra, self.blocks, self._count = spectra, spectra.blocks, spectra.count
+        constants, count, dtype = spectra.blocks, spectra.count, spectra.w_hat.dtype
+        self.a, self.c = constants.a, constants.c
         self.c_down = self.c[0::2] + self.c[1::2] if halved else self.c
-        products, rows = len(self.a), count * length
+        batch, taps = windows.stop - windows.start, spectra.taps
+        channels, filters = spectra.channels, spectra.filters
+        products, rows = constants.products, count * constants.frames
         rate = 2 if halved else 1
 
         def padded(width: int) -> np.ndarray:
@@ -144,32 +124,15 @@ class TiedConvolution:
         self._parts = np.empty((count, constants.points, batch * channels), dtype)
 
         size = count * batch
-        beside_c, beside_d = (
-            buffer(products, 2 * size * width, dtype).reshape(products, 2 * size, width)
-            for width in (channels, filters)
-        )
-        self._ax, self._a_error = beside_c[:, :size], beside_c[:, size:]
-        self._c_dy, self._cz = beside_d[:, :size], beside_d[:, size:]
-        self._beside = beside_c.transpose(0, 2, 1), beside_d
+        start = 2 * count * windows.start
+        encoder, decoder = slice(start, start + size), slice(start + size, start + 2 * size)
+        self._ax, self._a_error = spectra.below[:, encoder], spectra.below[:, decoder]
+        self._c_dy, self._cz = spectra.above[:, encoder], spectra.above[:, decoder]
         self._product_c, self._product_d = (
             buffer(products, size * width, dtype).reshape(products, size, width)
             for width in (channels, filters)
         )
-        self._count = count
-        self.w_hat, self.dw_hat = (buffer(products, channels * filters, dtype) for _ in "wd")
-        self.shape = products, channels, filters
-
-    def share_spectra(self, other: TiedConvolution) -> None:
-        """Use the ŵ of another thread's convolution of the same layer."""
-        self.w_hat = other.w_hat
-
-    def transform_filters(self, w: np.ndarray, rows: slice) -> None:
-        """Compute some rows of ŵ = G w."""
-        multiply_columns(self.g[rows], w.reshape(1, len(w), -1), self.w_hat[None, rows])
-
-    def filters_gradient(self) -> None:
-        """Compute dŵ of both directions, when all four methods below have been called."""
-        multiply_rows(*self._beside, self.dw_hat.reshape(self.shape))
+        self._w_hat = spectra.w_hat.reshape(products, channels, filters)
 
     def convolve(self) -> np.ndarray:
         """C ((A x) ∘ ŵ) of `x`: (T, B·D)."""
@@ -194,7 +157,7 @@ class TiedConvolution:
     ) -> np.ndarray:
         """C ((A blocks) ∘ ŵ); A blocks is kept for the gradient of the filters."""
         multiply_columns(self.a, blocks, _by_block(analysed, self._count))
-        multiply_rows(analysed, self.w_hat.reshape(self.shape), self._product_d)
+        multiply_rows(analysed, self._w_hat, self._product_d)
         multiply_columns(
             c, _by_block(self._product_d, self._count), _cut(self._outputs[name], self._count)
         )
@@ -202,8 +165,7 @@ class TiedConvolution:
 
     def _backwards(self, spectra: np.ndarray, name: str) -> np.ndarray:
         """Aᵀ (spectra ∘ ŵᵀ), the overlaps added."""
-        w_hat = self.w_hat.reshape(self.shape).transpose(0, 2, 1)
-        multiply_rows(spectra, w_hat, self._product_c)
+        multiply_rows(spectra, self._w_hat.transpose(0, 2, 1), self._product_c)
         multiply_columns(self.a.T, _by_block(self._product_c, self._count), self._parts)
         overlap_add(self._parts, self.blocks, self._outputs[name])
         return self._outputs[name][self._valid[name]]

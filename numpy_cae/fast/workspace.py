@@ -1,7 +1,7 @@
 """Everything that a step needs, allocated once: the layers of each thread, and what they share.
 
 The threads divide the windows of a batch. They have ŵ in common, of which each transforms some
-rows, and at the end they add up their gradients for W.
+rows, and dw, of which each computes some channels when the spectra of all windows are known.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from numpy_cae.fast.fast_layer import FastLayer
-from numpy_cae.fast.products import multiply_columns
+from numpy_cae.fast.filter_spectra import FilterSpectra, buffer
 from numpy_cae.fast.thread_team import ThreadTeam, share
-from numpy_cae.fast.tied_convolution import TiedConvolution, buffer, cheapest_length
+from numpy_cae.fast.tied_convolution import TiedConvolution, cheapest_length
 from numpy_cae.models.conv_layer import ConvLayer
 
 LayerShape = tuple[tuple[int, int, int], float]
@@ -23,8 +23,8 @@ LayerShape = tuple[tuple[int, int, int], float]
 class Worker:
     """The buffers of one thread: its layers, for its `windows` of the batch.
 
-    `top` and `d_top`, (t, B·D), are the hidden units and the gradient for them; `dw` and `db` its
-    part of the gradients of each layer.
+    `top` and `d_top`, (t, B·D), are the hidden units and the gradient for them; `db` its part of
+    the gradients of each layer's b.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Worker:
     ):
         self.number, self.windows = number, windows
         batch = windows.stop - windows.start
-        dtype = convolutions[-1].w_hat.dtype
+        dtype = convolutions[-1].x.dtype
         top_shape = len(convolutions[-1].x) // 2, batch * shapes[-1][0][2]
         self.top, self.d_top = (buffer(*top_shape, dtype) for _ in range(2))
         outputs = [above.x for above in convolutions[1:]] + [self.top]
@@ -44,7 +44,6 @@ class Worker:
             FastLayer(convolution, bound, output)
             for convolution, (_, bound), output in zip(convolutions, shapes, outputs, strict=True)
         ]
-        self.dw = [np.empty((taps, below * above), dtype) for (taps, below, above), _ in shapes]
         self.db = [np.empty(above, dtype) for (_, _, above), _ in shapes]
         self.loss = 0.0
 
@@ -83,19 +82,25 @@ class Workspace:
         windows = [share(batch, number, team.size) for number in range(team.size)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
         together = batch if training else -(-batch // team.size)
-        convolutions: list[list[TiedConvolution]] = [[] for _ in windows]
-        for k, ((shape, _), evenly) in enumerate(zip(shapes, unpooled_evenly, strict=True)):
-            longest = cheapest_length(*shape, together, frames >> k, training)
-            for own, part in zip(convolutions, windows, strict=True):
-                size = part.stop - part.start
-                own.append(TiedConvolution(shape, size, frames >> k, longest, dtype, evenly))
-        for of_one_layer in zip(*convolutions, strict=True):
-            for convolution in of_one_layer[1:]:
-                convolution.share_spectra(of_one_layer[0])
-        self.workers = [
-            Worker(number, each, own, shapes)
-            for number, (each, own) in enumerate(zip(windows, convolutions, strict=True))
+        self.spectra = [
+            FilterSpectra(
+                shape,
+                batch,
+                frames >> k,
+                cheapest_length(*shape, together, frames >> k, training),
+                dtype,
+            )
+            for k, (shape, _) in enumerate(shapes)
         ]
+        self.workers = []
+        for number, part in enumerate(windows):
+            convolutions = [
+                TiedConvolution(spectra, part, frames >> k, evenly)
+                for k, (spectra, evenly) in enumerate(
+                    zip(self.spectra, unpooled_evenly, strict=True)
+                )
+            ]
+            self.workers.append(Worker(number, part, convolutions, shapes))
 
     def run(
         self,
@@ -122,9 +127,8 @@ class Workspace:
         copies = [] if self.training else [(w.dtype, bytearray(w)) for w in _filters(layers)]
 
         def transform_and_work(number: int) -> None:
-            for k, layer in enumerate(layers):
-                convolution = self.workers[number].layers[k].convolution
-                convolution.transform_filters(layer.w, self._filter_rows(convolution, number))
+            for layer, spectra in zip(layers, self.spectra, strict=True):
+                spectra.transform(layer.w, share(len(spectra.w_hat), number, self.team.size))
             self.team.wait(number)
             work(self.workers[number])
 
@@ -138,37 +142,11 @@ class Workspace:
             for (dtype, copy), w in zip(self._copies, _filters(layers), strict=True)
         )
 
-    def filters_gradient(self, own: Worker, out: Sequence[np.ndarray]) -> None:
-        """dw = Gᵀ dŵ of every layer into `out`, called by all workers after their pullbacks."""
-        for layer in own.layers:
-            layer.convolution.filters_gradient()
-        self.team.wait(own.number)
-        for k, layer in enumerate(own.layers):
-            convolution = layer.convolution
-            rows = self._filter_rows(convolution, own.number)
-            dw_hat = convolution.dw_hat[rows]
-            for other in self.workers:
-                if other is not own:
-                    dw_hat += other.layers[k].convolution.dw_hat[rows]
-            part = own.dw[k] if self.team.size > 1 else out[k].reshape(own.dw[k].shape)
-            multiply_columns(convolution.g[rows].T, dw_hat[None], part[None])
-        if self.team.size > 1:
-            self.team.wait(own.number)
-            self._add_up(own.number, out)
-
-    def _add_up(self, number: int, out: Sequence[np.ndarray]) -> None:
-        """The sum of all workers' dw; each worker adds up some of the taps."""
-        for k, dw in enumerate(out):
-            taps = share(len(dw), number, self.team.size)
-            total = dw.reshape(len(dw), -1)[taps]
-            one, two, *others = (worker.dw[k][taps] for worker in self.workers)
-            np.add(one, two, out=total)
-            for another in others:
-                total += another
-
-    def _filter_rows(self, convolution: TiedConvolution, number: int) -> slice:
-        """The rows of ŵ and dŵ that a worker transforms."""
-        return share(len(convolution.w_hat), number, self.team.size)
+    def filters_gradient(self, number: int, out: Sequence[np.ndarray]) -> None:
+        """dw of every layer into `out`, called by all workers after their pullbacks."""
+        self.team.wait(number)
+        for dw, spectra in zip(out, self.spectra, strict=True):
+            spectra.gradient(share(spectra.channels, number, self.team.size), dw)
 
 
 def _filters(layers: Sequence[ConvLayer]) -> list[np.ndarray]:
