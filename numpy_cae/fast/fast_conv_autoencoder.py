@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from numpy_cae.fast.thread_team import ThreadTeam, thread_team
-from numpy_cae.fast.workspace import Worker, Workspace
+from numpy_cae.fast.workspace import MIN_WINDOWS_PER_THREAD, Worker, Workspace
 from numpy_cae.models.arguments import require_denoising_arguments, require_windows
 from numpy_cae.models.conv_autoencoder import ConvAutoencoder, Gradients
 from numpy_cae.models.conv_layer import ConvLayer
@@ -22,11 +22,6 @@ from numpy_cae.ops.shapes import require_shape
 MAX_FRAMES = 16 * 160
 """Frames that one workspace holds when no gradient is computed; longer input goes in parts. (With
 four times as many the buffers no longer fit the cache, and a window takes a fifth longer.)"""
-
-MIN_WINDOWS_PER_THREAD = 2
-"""Fewer windows are not shared between threads. (Threads that share the rows s of
-y = C ((A x) ∘ ŵ) for one window, and add up their parts of y, took two thirds more of the
-processor's time.)"""
 
 MIN_MULTIPLICATIONS = 10_000_000
 """Multiplications of a direct convolution below which threads cost more than they save."""
@@ -158,11 +153,10 @@ class FastConvAutoencoder(ConvAutoencoder):
             _decode_pullback(worker)
             worker.loss += _sparsity(worker, alpha, batch)
             _encode_pullback(worker)
-            workspace.filters_gradient(worker.number, dws)
 
         with self._lock:
             workspace = self._workspace(layers, batch, frames, dtype, first, True)
-            workspace.run(layers, work)
+            workspace.run(layers, work, dws=dws)
             workers = workspace.workers
             dbs = [np.sum([worker.db[k] for worker in workers], axis=0) for k in range(len(layers))]
             loss = sum(worker.loss for worker in workers)
@@ -198,16 +192,18 @@ class FastConvAutoencoder(ConvAutoencoder):
         """The buffers for arguments of these sizes, from the last few that were used."""
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
-        team = self._team(layers, batch, frames)
+        team = self._team(layers, batch, frames, training)
         return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, team, training)
 
-    def _team(self, layers: Sequence[ConvLayer], batch: int, frames: int) -> ThreadTeam:
-        """The threads that share the windows."""
+    def _team(
+        self, layers: Sequence[ConvLayer], batch: int, frames: int, training: bool
+    ) -> ThreadTeam:
+        """The threads that share the windows and, in training, ŵ and dw."""
         work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
-        if work < MIN_MULTIPLICATIONS:
+        few_windows = batch < 2 * MIN_WINDOWS_PER_THREAD and not training
+        if work < MIN_MULTIPLICATIONS or few_windows:
             return thread_team(1)
-        threads = thread_team(self._threads).size
-        return thread_team(max(1, min(threads, batch // MIN_WINDOWS_PER_THREAD)))
+        return thread_team(self._threads)
 
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:

@@ -16,6 +16,11 @@ from numpy_cae.fast.thread_team import ThreadTeam, share
 from numpy_cae.fast.tied_convolution import TiedConvolution, cheapest_length
 from numpy_cae.models.conv_layer import ConvLayer
 
+MIN_WINDOWS_PER_THREAD = 2
+"""Fewer windows are not shared between threads. (Threads that share the rows s of
+y = C ((A x) ∘ ŵ) for one window, and add up their parts of y, took two thirds more of the
+processor's time.) ŵ and dw are computed by all threads in any case."""
+
 LayerShape = tuple[tuple[int, int, int], float]
 """(taps, channels, filters) and the bound of arctanh."""
 
@@ -29,12 +34,11 @@ class Worker:
 
     def __init__(
         self,
-        number: int,
         windows: slice,
         convolutions: list[TiedConvolution],
         shapes: Sequence[LayerShape],
     ):
-        self.number, self.windows = number, windows
+        self.windows = windows
         batch = windows.stop - windows.start
         dtype = convolutions[-1].x.dtype
         top_shape = len(convolutions[-1].x) // 2, batch * shapes[-1][0][2]
@@ -49,7 +53,7 @@ class Worker:
 
 
 class Workspace:
-    """The workers of a team, for one size of batch and window.
+    """The workers of a team, at most one a thread, for one size of batch and window.
 
     Parameters
     ----------
@@ -79,9 +83,10 @@ class Workspace:
     ):
         self.team, self.training, self.content = team, training, object()
         self._copies: list[tuple[np.dtype, bytearray]] = []
-        windows = [share(batch, number, team.size) for number in range(team.size)]
+        sharing = max(1, min(team.size, batch // MIN_WINDOWS_PER_THREAD))
+        windows = [share(batch, number, sharing) for number in range(sharing)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
-        together = batch if training else -(-batch // team.size)
+        together = batch if training else -(-batch // sharing)
         self.spectra = [
             FilterSpectra(
                 shape,
@@ -93,47 +98,56 @@ class Workspace:
             for k, (shape, _) in enumerate(shapes)
         ]
         self.workers = []
-        for number, part in enumerate(windows):
+        for part in windows:
             convolutions = [
                 TiedConvolution(spectra, part, frames >> k, evenly)
                 for k, (spectra, evenly) in enumerate(
                     zip(self.spectra, unpooled_evenly, strict=True)
                 )
             ]
-            self.workers.append(Worker(number, part, convolutions, shapes))
+            self.workers.append(Worker(part, convolutions, shapes))
 
     def run(
         self,
         layers: Sequence[ConvLayer],
         work: Callable[[Worker], None],
         same_weights: bool = False,
+        dws: Sequence[np.ndarray] = (),
     ) -> None:
-        """Call work(worker) for every worker, with the ŵ of these layers.
+        """Call work(worker) for every worker, with the ŵ of these layers; then compute `dws`.
 
         Unless the caller knows that W is that of the last run (`same_weights`), W is compared with
         a copy, bit by bit, and ŵ computed anew where it has changed.
         """
         self.content = object()
-        if same_weights or self._is_current(layers):
-            self.team.run(lambda number: work(self.workers[number]))
-        else:
-            self._transform_and_run(layers, work)
+        same_weights = same_weights or self._is_current(layers)
+        copies = self._copies
+        if not same_weights:
+            self._copies = []  # in case of a failure
+            copies = [] if self.training else [(w.dtype, bytearray(w)) for w in _filters(layers)]
 
-    def _transform_and_run(
-        self, layers: Sequence[ConvLayer], work: Callable[[Worker], None]
-    ) -> None:
-        """Compute ŵ = G w, each worker some of its rows, then work with it."""
-        self._copies = []
-        copies = [] if self.training else [(w.dtype, bytearray(w)) for w in _filters(layers)]
+        def run_thread(number: int) -> None:
+            if not same_weights:
+                self._transform_filters(number, layers)
+            for worker in self.workers[number : number + 1]:
+                work(worker)
+            if dws:
+                self._filters_gradient(number, dws)
 
-        def transform_and_work(number: int) -> None:
-            for layer, spectra in zip(layers, self.spectra, strict=True):
-                spectra.transform(layer.w, share(len(spectra.w_hat), number, self.team.size))
-            self.team.wait(number)
-            work(self.workers[number])
-
-        self.team.run(transform_and_work)
+        self.team.run(run_thread)
         self._copies = copies
+
+    def _transform_filters(self, number: int, layers: Sequence[ConvLayer]) -> None:
+        """ŵ = G w: each thread computes some rows."""
+        for layer, spectra in zip(layers, self.spectra, strict=True):
+            spectra.transform(layer.w, share(len(spectra.w_hat), number, self.team.size))
+        self.team.wait(number)
+
+    def _filters_gradient(self, number: int, dws: Sequence[np.ndarray]) -> None:
+        """dw, when the spectra of all windows are known: each thread computes some channels."""
+        self.team.wait(number)
+        for dw, spectra in zip(dws, self.spectra, strict=True):
+            spectra.gradient(share(spectra.channels, number, self.team.size), dw)
 
     def _is_current(self, layers: Sequence[ConvLayer]) -> bool:
         """Whether ŵ belongs to W: a bytearray is compared in one call, faster than an array."""
@@ -141,12 +155,6 @@ class Workspace:
             dtype == w.dtype and copy == w.data
             for (dtype, copy), w in zip(self._copies, _filters(layers), strict=True)
         )
-
-    def filters_gradient(self, number: int, out: Sequence[np.ndarray]) -> None:
-        """dw of every layer into `out`, called by all workers after their pullbacks."""
-        self.team.wait(number)
-        for dw, spectra in zip(out, self.spectra, strict=True):
-            spectra.gradient(share(spectra.channels, number, self.team.size), dw)
 
 
 def _filters(layers: Sequence[ConvLayer]) -> list[np.ndarray]:
