@@ -2,14 +2,17 @@
 
 A counterexample reads "batch 1, frames 2, values ties, seed 3". The arrays follow from that.
 Ordinary entries are a shuffled even grid: distinct and never 0, and short to write down. The other
-classes have what an operation meets in use: zeros, ties, numbers near 0, saturating ones.
+classes have what an operation meets in use: zeros, ties, numbers near 0, saturating ones, and
+arrays with a structure, such as repeated or sorted slices.
 """
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,7 +24,10 @@ WORTH_PRINTING = 32
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
+LARGE = 16
+"""A size above this comes in one case of a property, with small sizes beside it."""
 ORDINARY = "ordinary"
+THE_SAME = "the same array"
 
 Sizes = Mapping[str, tuple]
 """What to draw from, the simplest first: sizes by name, and classes such as those of values."""
@@ -64,6 +70,31 @@ def _near_ties(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -
     return rng.choice([-1.0, 0.0, 0.5], shape) * reach + 1e-8 * spread(rng, shape)
 
 
+def _wide(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    return spread(rng, shape, reach) * 10 ** rng.uniform(-9, 2.5, shape)
+
+
+def _identity(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    square = np.eye(*((1, *shape)[-2:]))
+    return np.zeros(shape) + square.reshape(shape[-2:])
+
+
+def _along_an_axis(change: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """Ordinary entries, changed along an axis: (array, that axis first, and rng) -> array."""
+
+    def drawn_along(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
+        axis = rng.integers(len(shape))
+        array = np.moveaxis(spread(rng, shape, reach), axis, 0)
+        return np.ascontiguousarray(np.moveaxis(change(array, rng), 0, axis))
+
+    return drawn_along
+
+
+def _one_slice_zero(array: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    array[rng.integers(len(array))] = 0
+    return array
+
+
 def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
     kinds = [draw(rng, shape, reach) for draw in list(VALUES.values())[:10]]
     return np.choose(rng.integers(len(kinds), size=shape), kinds)
@@ -83,6 +114,16 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "offset": lambda rng, shape, reach: 1e4 + spread(rng, shape, reach),
     "huge": _chosen(-500.0, -500.0, -50.0, -15.0, 15.0, 50.0, 500.0, 500.0),
     "mixed": _mixed,
+    "wide": _wide,
+    "constant": lambda rng, shape, reach: np.full(shape, rng.uniform(-reach, reach)),
+    "identity": _identity,
+    "a slice of zeros": _along_an_axis(_one_slice_zero),
+    "repeated slices": _along_an_axis(lambda array, rng: array[np.arange(len(array)) // 2]),
+    "equal slices": _along_an_axis(lambda array, rng: array[np.zeros(len(array), int)]),
+    "symmetric": _along_an_axis(lambda array, rng: (array + array[::-1]) / 2),
+    "sorted": _along_an_axis(lambda array, rng: np.sort(array, axis=0)),
+    "sorted downwards": _along_an_axis(lambda array, rng: np.sort(array, axis=0)[::-1]),
+    THE_SAME: spread,
 }
 """The classes of values, the simplest first: (rng, shape, reach) -> array."""
 EXTREME = _chosen(-1e30, 1e30, 1e-30, -1e-30, 1.0)
@@ -102,38 +143,64 @@ def _read_only(array: np.ndarray) -> np.ndarray:
 
 
 LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-    ORDINARY: np.copy,
+    ORDINARY: np.ndarray.copy,
     "in Fortran order": lambda array: array.copy(order="F"),
     "every other entry": _every_other,
-    "reversed": lambda array: array[::-1].copy()[::-1],
+    "reversed": lambda array: np.flip(np.flip(array).copy()),
     "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
     "read-only": _read_only,
+    "broadcast": lambda array: np.broadcast_to(array[:1], array.shape),
 }
 """The memory layouts that an array may have: none of them may change a result."""
 
 
 def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) -> dict:
-    """Arrays by name, of which one or all are of the case's class of values."""
-    special = rng.integers(-1, len(shapes))
-    draw = VALUES.get(case.get("values"), EXTREME)
-    return {
-        name: (draw if special in (-1, number) else spread)(rng, shape, reach)
-        for number, (name, shape) in enumerate(shapes.items())
-    }
+    """Arrays by name: all, or the one that the case names, are of its class of values."""
+    draw, arrays, of_shape = VALUES.get(case.get("values"), EXTREME), {}, {}
+    for name, shape in shapes.items():
+        special = case.get("of") in (ORDINARY, name)
+        arrays[name] = (draw if special else spread)(rng, shape, reach)
+        if case.get("values") == THE_SAME:
+            arrays[name] = of_shape.setdefault(shape, arrays[name])
+    return arrays
 
 
-def drawn_cases(stated: Property) -> Iterator[Case]:
-    """Random cases of a property, seeded by its name; each size and class is drawn as often."""
-    count = stated.examples
+def drawn_cases(stated: Property) -> list[Case]:
+    """Random cases of a property, seeded by its name, those of the smallest arrays first.
+
+    Each small size and each class is drawn as often, and each of the combinations that the
+    property names at least once.
+    """
+    combined = list(product(*(stated.sizes[name] for name in stated.combined)))
+    count = max(stated.examples, len(combined))
     rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
+    small = {
+        name: [o for o in options if not _is_large(o)] for name, options in stated.sizes.items()
+    }
     columns = []
-    for options in stated.sizes.values():
+    for options in small.values():
         rounds = -(-count // len(options))
         order = np.concatenate([rng.permutation(len(options)) for _ in range(rounds)])
         columns.append([options[i] for i in order[:count]])
-    for drawn_sizes in zip(*columns, strict=True):
-        sizes = tuple(zip(stated.sizes, drawn_sizes, strict=True))
-        yield Case(sizes, int(rng.integers(SEEDS_TRIED, SEEDS)))
+    rows = [
+        dict(zip(small, drawn_sizes, strict=True)) for drawn_sizes in zip(*columns, strict=True)
+    ]
+    for row, combination in zip(rows, combined, strict=False):
+        row.update(zip(stated.combined, combination, strict=True))
+    large = [(name, o) for name, options in stated.sizes.items() for o in options if _is_large(o)]
+    for number, (name, option) in zip(rng.permutation(count), large, strict=False):
+        rows[number][name] = option
+    cases = [Case(tuple(row.items()), int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
+    return sorted(cases, key=_entries)
+
+
+def _is_large(option: int | str) -> bool:
+    return isinstance(option, int) and option > LARGE
+
+
+def _entries(case: Case) -> int:
+    """About how many entries the arrays of a case have."""
+    return math.prod(size for _, size in case.sizes if isinstance(size, int))
 
 
 def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:

@@ -87,7 +87,6 @@ COMPARED = (
     ("unpool_random", "empty slot", EMPTY, _compared("value", exactly_zero=True), ()),
     ("tanh sigmoid", "large inputs", SATURATED, ANY, ("huge",)),
     ("arctanh", "beyond the bound", BEYOND, ANY, ("bound", "large", "huge")),
-    ("gru", "repeated gru_step", "value and gradients are those of gru_step, repeated", ANY, ()),
     ("mean_absolute", "zero at zero", "at y = 0 the gradient is exactly 0", ZERO_GRADIENT, ZEROS),
 )
 """Operations, name, statement, findings, and the classes of values if not all."""

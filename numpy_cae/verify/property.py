@@ -17,9 +17,12 @@ from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, spread
 from numpy_cae.verify.operation import Operation
 
 EXACT = 1e-10
-EXAMPLES = 25
+EXAMPLES = 40
 """The number of cases drawn, unless a property states another."""
-UPSTREAM = {"upstream": (ORDINARY, "zeros", "integers", "random", "sparse", "strided", "constant")}
+UPSTREAM = {
+    "upstream": (ORDINARY, "zeros", "integers", "random", "sparse", "strided", "constant")
+    + ("large", "tiny")
+}
 
 Findings = Iterator[tuple]
 """Of each thing compared: what it is, as found, as expected, and the tolerance if not EXACT."""
@@ -62,6 +65,7 @@ class Property:
     points: int = 1
     hint: str = ""
     examples: int = EXAMPLES
+    combined: tuple[str, ...] = ()  # sizes and classes of which every combination is drawn
 
     @property
     def definition(self) -> Operation | None:
@@ -87,11 +91,11 @@ def property_of(
     statement: str,
     findings: Callable[[Operation, Callable, Case], Findings],
     classes: Mapping[str, tuple] = UPSTREAM,
-    points: int = 1,
+    **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
     check, sizes = Comparison(operation, findings), {**operation.sizes, **classes}
-    return Property(operation.name, name, statement, check, operation.arguments, sizes, points)
+    return Property(operation.name, name, statement, check, operation.arguments, sizes, **others)
 
 
 def require_equal(
@@ -126,6 +130,8 @@ def agrees(found, expected) -> bool:
 
 def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     """The gradients that a pullback returned, by argument."""
+    if len(operation.differentiated) == 1 and isinstance(pulled, tuple | list):
+        raise AssertionError("the pullback returns a tuple, expected the one gradient itself")
     gradients = gradients_of(pulled, len(operation.differentiated))
     named = dict(zip(operation.differentiated, gradients, strict=True))
     for name, gradient in named.items():
@@ -145,6 +151,7 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     rng, kind, shape = np.random.default_rng([case.seed, 1]), case.get("upstream"), np.shape(value)
     if not shape:
         special = {"zeros": 0, "sparse": 0.0, "integers": -3, "constant": 1, "random": 0.7}
+        special |= {"strided": np.array(1.7), "large": 1e3, "tiny": 1e-5}
         return special.get(kind, np.float64(rng.uniform(1.5, 2.5)))
     dy = spread(rng, shape)
     if kind == "zeros":
@@ -155,6 +162,8 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
         return rng.uniform(-8, 8, shape)
     if kind == "sparse":
         return np.where(np.arange(dy.size).reshape(shape) == rng.integers(dy.size), dy, 0.0)
+    if kind in ("large", "tiny"):
+        return dy * (1e3 if kind == "large" else 1e-5)
     if kind == "strided":
         return LAYOUTS["every other entry"](dy)
     return np.broadcast_to(2.0, shape) if kind == "constant" else dy
@@ -165,6 +174,10 @@ def copied(dy: np.ndarray | float) -> np.ndarray | float:
     return dy.copy() if isinstance(dy, np.ndarray) and dy.flags.writeable else dy
 
 
-def copies(arguments: Mapping[str, object], layout: Callable = np.copy) -> list:
-    """The arguments in the order of the call, their arrays copied, in a memory layout."""
-    return [layout(a) if isinstance(a, np.ndarray) else a for a in arguments.values()]
+def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) -> list:
+    """The arguments in the order of the call, their arrays copied, in a memory layout.
+
+    What is one array remains one.
+    """
+    made = {id(a): layout(a) for a in arguments.values() if isinstance(a, np.ndarray)}
+    return [made.get(id(a), a) for a in arguments.values()]
