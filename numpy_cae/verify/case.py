@@ -171,7 +171,8 @@ def drawn_cases(stated: Property) -> list[Case]:
     Each small size and each class is drawn as often, and each of the combinations that the
     property names at least once.
     """
-    combined = list(product(*(stated.sizes[name] for name in stated.combined)))
+    names = [name for name in stated.combined if name in stated.sizes]
+    combined = list(product(*(stated.sizes[name] for name in names)))
     count = max(stated.examples, len(combined))
     rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
     small = {
@@ -186,7 +187,7 @@ def drawn_cases(stated: Property) -> list[Case]:
         dict(zip(small, drawn_sizes, strict=True)) for drawn_sizes in zip(*columns, strict=True)
     ]
     for row, combination in zip(rows, combined, strict=False):
-        row.update(zip(stated.combined, combination, strict=True))
+        row.update(zip(names, combination, strict=True))
     large = [(name, o) for name, options in stated.sizes.items() for o in options if _is_large(o)]
     for number, (name, option) in zip(rng.permutation(count), large, strict=False):
         rows[number][name] = option

@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.verify.call import is_float
 from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn
 from numpy_cae.verify.tied import tied_layer
 
@@ -38,13 +37,14 @@ class Operation:
 CLASSES = {"values": tuple(VALUES)}
 EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
-WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 6, 9, 70), "channels": CHANNELS}
+WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
 ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)}
 LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
+BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
 FRAMES = {"frames": (1, 2, 3, 4, 9, 34)}
 POINTS = {
     "points": (1, 2, 3, 4, 5, 7, 8, 13, 300, 530),
@@ -52,23 +52,19 @@ POINTS = {
     "directions": (1, 2, 3, 34),
 }
 LONG = {
-    "batch": (300,),
-    "frames": (150, 300),
-    "channels": (70,),
-    "filters": (70,),
-    "features": (70,),
+    "batch": (256, 300),
+    "frames": (256, 300),
     "taps": (33,),
-    "hidden": (70,),
-    "points": (1030,),
-    "dimensions": (70,),
-    "directions": (130,),
+    "points": (256, 1030),
+    **dict.fromkeys(("channels", "filters", "features", "hidden"), (64, 300)),
+    **dict.fromkeys(("dimensions", "directions"), (64, 300)),
 }
 """Sizes that are tried besides, in the one property of special inputs."""
 BOUNDS = (0.1, 0.5, 0.9, 0.99, 0.999, 0.99999)
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31
-LONGEST_CHAOTIC = 34
-"""Frames after which a GRU with large weights may have made of rounding something visible."""
+CHAOTIC = 34
+"""Frames or units above which a GRU with large weights makes of rounding something visible."""
 
 
 def _shaped(**shapes: str) -> Callable[[Case], dict[str, object]]:
@@ -126,7 +122,7 @@ def _gru(case: Case) -> dict[str, object]:
     arrays = drawn(case, rng, WEIGHT_REACH, x=x, **{state: (batch, hidden)}, **weights)
     if case.get("state") != ORDINARY:
         arrays[state] = VALUES[case.get("state")](rng, (batch, hidden), 1.0)
-    if frames > LONGEST_CHAOTIC:
+    if max(frames, hidden) > CHAOTIC:
         arrays["u"] = 0.1 * arrays["u"]
     return arrays
 
@@ -173,7 +169,7 @@ _WINDOW = "batch frames channels"
 _conv1d = _shaped(x=_WINDOW, w="taps channels filters", b="filters")
 _TABLE = (
     ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
-    ("transpose_filters", FILTERS | EXTREME, _shaped(w="taps channels filters"), "w", "w", SELECTS),
+    ("transpose_filters", BANK, _shaped(w="taps channels filters"), "w", "w", SELECTS),
     ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
     ("unpool_even", WINDOW | EXTREME, _shaped(y=_WINDOW), "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
@@ -193,7 +189,7 @@ _TABLE = (
 def _of_each_array(sizes: Sizes, arguments: Callable[[Case], dict[str, object]]) -> Sizes:
     """The sizes, and which array is of a class of values, if there are several."""
     simplest = Case(tuple((name, options[0]) for name, options in sizes.items()), 0)
-    arrays = [name for name, a in arguments(simplest).items() if is_float(a) and np.ndim(a)]
+    arrays = [name for name, a in arguments(simplest).items() if np.ndim(a)]
     return sizes if len(arrays) == 1 else {**sizes, "of": (ORDINARY, *arrays)}
 
 

@@ -34,6 +34,8 @@ FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64
 GRADIENT_POINTS = VALUE_POINTS = 2
 LAYOUT = {"layout": tuple(LAYOUTS)}
+ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
+"""Classes whose results no entry's rounding hides, such as that of an FFT beside a zero."""
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
@@ -48,22 +50,27 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(operation, title, statement, check, classes, points=GRADIENT_POINTS)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
-        yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name))
-    for name, statement, findings, classes in SHARED:
-        yield property_of(operation, name, statement, findings, classes)
-    if operation.reference:
-        known = operation.sizes
-        combined = tuple(name for name in ("values", "of") if name in known)
-        longer = {name: (*known[name], *LONG[name]) for name in LONG if name in known}
-        name, statement, findings, classes = SPECIAL
-        classes = {**classes, **longer}
-        yield property_of(operation, name, statement, findings, classes, combined=combined)
+        classes = UPSTREAM | ALIKE_IN_SIZE
+        yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name), classes)
+    known = operation.sizes
+    for name, statement, findings, classes, combined in SHARED:
+        if findings is not _special:
+            yield property_of(operation, name, statement, findings, classes, combined=combined)
+        elif operation.reference:
+            longer = {size: (*known[size], *LONG[size]) for size in LONG if size in known}
+            classes = {**classes, **longer}
+            yield property_of(operation, name, statement, findings, classes, combined=combined)
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
     yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.selects
+    others = operation.arguments(Case(case.sizes, case.seed + 1))
+    kept = list(arguments)[case.seed % len(arguments)]
+    others[kept] = arguments[kept]
+    value, expected = implementation(*copies(others))[0], operation.value(*copies(others))
+    yield f"of the same {kept} and other arguments, the value", value, expected
 
 
 def _gradient_for(argument: str) -> Callable:
@@ -235,8 +242,9 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments, layout = operation.arguments(case), LAYOUTS[case.get("layout")]
     given = copies(arguments, layout)
-    if case.seed % 2:  # layouts that differ
-        given[1::2] = copies(arguments)[1::2]
+    for number, name in enumerate(arguments):
+        if case.get("of") not in (ORDINARY, name):
+            given[number] = arguments[name]
     arguments = dict(zip(arguments, given, strict=True))  # to broadcast makes entries equal
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
     laid_out = layout(dy) if np.ndim(dy) else dy
@@ -276,27 +284,30 @@ SHARED = (
         "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each",
         _linearity,
         UPSTREAM,
+        (),
     ),
-    ("dtype", "float32 stays float32, with its precision, float64 likewise", _dtype, UPSTREAM),
-    ("purity", "no argument and no upstream gradient is altered", _purity, UPSTREAM | LAYOUT),
+    ("dtype", "float32 stays float32, with its precision, float64 likewise", _dtype, UPSTREAM, ()),
+    ("purity", "no argument and no upstream gradient is altered", _purity, UPSTREAM | LAYOUT, ()),
     (
         "independence",
         "a pullback called again returns the same, whatever was called in between",
         _independence,
         UPSTREAM | LAYOUT,
+        (),
     ),
     (
         "strides",
         "views in any memory order, or that cannot be written, give the same as copies",
         _strides,
-        {**UPSTREAM, "layout": tuple(LAYOUTS)[1:]},
+        {**UPSTREAM, "layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")},
+        ("layout", "of"),
+    ),
+    (
+        "special inputs",
+        "equal, sorted, zero, wide, large or long arrays too give what the definition gives",
+        _special,
+        {"upstream": (ORDINARY, "random")},
+        ("values", "of"),
     ),
 )
-"""Name, statement, findings and classes of what does not depend on an operation's arguments."""
-
-SPECIAL = (
-    "special inputs",
-    "equal, sorted, zero, wide, large or long arrays too give what the definition gives",
-    _special,
-    {"upstream": (ORDINARY, "random")},
-)
+"""Name, statement, findings, classes, and of what every combination is drawn."""

@@ -175,10 +175,10 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
         return
     try:
         value, pullback = operation.reference(*deepcopy(last.arguments))
+        fits = last.upstream and np.shape(last.found[0]) == np.shape(value)
+        pulled = pullback(*deepcopy(last.upstream)) if fits else ()
     except ValueError:  # it was called with its own result, which has a wrong shape
         return
-    fits = last.upstream and np.shape(last.found[0]) == np.shape(value)
-    pulled = pullback(*deepcopy(last.upstream)) if fits else ()
     expected = [value, *(pulled if isinstance(pulled, tuple) else (pulled,))]
     names = ["value", *(f"gradient for {name}" for name in operation.differentiated)]
     for name, one, other in zip(names, last.found, expected, strict=False):

@@ -135,7 +135,7 @@ def transpose_by_einsum(w):
 @right("transpose_filters")
 def transpose_by_lists(w):
     w_tilde = np.array([tap.T for tap in w][::-1])
-    return w_tilde, lambda d: (np.array([tap.T for tap in d][::-1]),)
+    return w_tilde, lambda d: np.array([tap.T for tap in d][::-1])
 
 
 @right("max_pool")
