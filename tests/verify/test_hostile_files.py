@@ -105,7 +105,7 @@ def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     file = graded(content, cpu_seconds=1.0)
     assert len(file.faults) == 1 and fault in file.faults[0]
     assert not file.held and file.points == 0
-    assert file.possible == 11 or not isinstance(content, str)
+    assert file.possible == 10 or not isinstance(content, str)
     assert "\x1b" not in str(file)
 
 
@@ -134,7 +134,7 @@ def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
 )
 def test_what_harms_nobody_costs_no_points(graded, content):
     file = graded(content)
-    assert file.held and (file.points, file.possible) == (11, 11), str(file)
+    assert file.held and (file.points, file.possible) == (10, 10), str(file)
 
 
 @pytest.mark.parametrize(
@@ -149,12 +149,12 @@ def test_what_harms_nobody_costs_no_points(graded, content):
 )
 def test_a_wrong_function_gets_no_points_by_replacing_what_tests_use(graded, attempt):
     file = graded(WRONG + attempt)
-    assert not file.held and file.points <= 2 and file.possible == 11, str(file)
+    assert not file.held and file.points <= 2 and file.possible == 10, str(file)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="orphans are adopted on Linux only")
 def test_a_forked_process_does_not_outlive_the_grading(graded, tmp_path):
-    assert graded(RIGHT + GRANDCHILD).points == 11
+    assert graded(RIGHT + GRANDCHILD).points == 10
     pid = int((tmp_path / "pid").read_text())
     if pid > 0:  # users other than root may not even fork
         with pytest.raises(ProcessLookupError):
