@@ -4,8 +4,6 @@ A linear map A and its adjoint A' satisfy <A x, y> = <x, A' y> for every x and y
 of a linear operation is its adjoint.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

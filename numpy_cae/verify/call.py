@@ -1,7 +1,5 @@
 """One call of a function that returns a value and its pullback, and what both return."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -6,19 +6,11 @@ classes have what an operation meets in use: zeros, ties, numbers near 0, satura
 arrays with a structure, such as repeated or sorted slices.
 """
 
-from __future__ import annotations
-
 import math
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy_cae.verify.property import Property
 
 WORTH_PRINTING = 32
 MAX_SHRINKS = 150
@@ -45,6 +37,11 @@ class Case:
 
     def get(self, name: str, default: int | str = ORDINARY) -> int | str:
         return dict(self.sizes).get(name, default)
+
+    @property
+    def entries(self) -> int:
+        """About how many entries its arrays have."""
+        return math.prod(size for _, size in self.sizes if isinstance(size, int))
 
     def rng(self) -> np.random.Generator:
         return np.random.default_rng(self.seed)
@@ -165,43 +162,15 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
     return arrays
 
 
-def drawn_cases(stated: Property) -> list[Case]:
-    """Random cases of a property, seeded by its name, those of the smallest arrays first.
-
-    Each small size and each class is drawn as often, and each of the combinations that the
-    property names at least once.
-    """
-    names = [name for name in stated.combined if name in stated.sizes]
-    combined = list(product(*(stated.sizes[name] for name in names)))
-    count = max(stated.examples, len(combined))
-    rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
-    small = {
-        name: [o for o in options if not _is_large(o)] for name, options in stated.sizes.items()
-    }
-    columns = []
-    for options in small.values():
-        rounds = -(-count // len(options))
-        order = np.concatenate([rng.permutation(len(options)) for _ in range(rounds)])
-        columns.append([options[i] for i in order[:count]])
-    rows = [
-        dict(zip(small, drawn_sizes, strict=True)) for drawn_sizes in zip(*columns, strict=True)
-    ]
-    for row, combination in zip(rows, combined, strict=False):
-        row.update(zip(names, combination, strict=True))
-    large = [(name, o) for name, options in stated.sizes.items() for o in options if _is_large(o)]
-    for number, (name, option) in zip(rng.permutation(count), large, strict=False):
-        rows[number][name] = option
-    cases = [Case(tuple(row.items()), int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
-    return sorted(cases, key=_entries)
+def drawn_column(rng: np.random.Generator, options: Sequence, count: int) -> list:
+    """So many of the options that are not large, each as often, in random order."""
+    small = [option for option in options if not is_large(option)]
+    order = [rng.permutation(len(small)) for _ in range(-(-count // len(small)))]
+    return [small[i] for i in np.concatenate(order)[:count]]
 
 
-def _is_large(option: int | str) -> bool:
+def is_large(option: int | str) -> bool:
     return isinstance(option, int) and option > LARGE
-
-
-def _entries(case: Case) -> int:
-    """About how many entries the arrays of a case have."""
-    return math.prod(size for _, size in case.sizes if isinstance(size, int))
 
 
 def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
@@ -232,23 +201,6 @@ def example_call(name: str, case: Case) -> str:
     """The call of `verify.example` that returns a case."""
     sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
     return f'example("{name}", {sizes}, seed={case.seed})'
-
-
-def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
-    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
-    known: dict[str, list] = {}
-    for stated in properties:
-        for name, options in stated.sizes.items():
-            known.setdefault(name, []).extend(options)
-    needed = {name for name, options in known.items() if ORDINARY not in options}
-    if not needed <= set(sizes) <= set(known):
-        there, got = ", ".join(known), ", ".join(sizes)
-        raise ValueError(f"{properties[0].operation} has the sizes {there}, got {got}")
-    for name, size in sizes.items():
-        if isinstance(size, str) and size not in known[name]:
-            options = ", ".join(dict.fromkeys(map(str, known[name])))
-            raise ValueError(f"{name} is {size!r}, expected one of {options}")
-    return Case(tuple(sizes.items()), seed)
 
 
 def written(value: object) -> str:

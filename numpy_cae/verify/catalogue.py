@@ -4,8 +4,6 @@
 larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of the lessons.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 

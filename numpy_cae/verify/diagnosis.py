@@ -5,8 +5,6 @@ the cases of the property. A mistake is named only if the wrong operation does i
 the implementation does, and the right operation in several cases does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import zip_longest
@@ -14,11 +12,10 @@ from itertools import zip_longest
 import numpy as np
 
 from numpy_cae.verify.call import copies
-from numpy_cae.verify.case import drawn_cases
 from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.planted_bugs import bugs_of
-from numpy_cae.verify.property import Property, property_of, results
+from numpy_cae.verify.property import Property, drawn_cases, property_of, results
 
 SEVERAL = 2
 GENERAL_CASES = 8

@@ -12,8 +12,6 @@ the slopes to the left and to the right stay apart however small the step, as at
 the pullback may have any number between them.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Differences against a pullback: the test that every derivative here has to pass."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """Grading of a student's file: every function in it is tested for its properties."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """What a report says of a student's code: exceptions and other text, cut and made printable."""
 
-from __future__ import annotations
-
 import traceback
 
 LONGEST_TEXT = 2000

@@ -1,7 +1,5 @@
 """What the properties of an operation are stated with, as a table: `OPERATIONS`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -56,8 +54,8 @@ LONG = {
     "frames": (256, 300),
     "taps": (33,),
     "points": (256, 1030),
-    **dict.fromkeys(("channels", "filters", "features", "hidden"), (64, 300)),
-    **dict.fromkeys(("dimensions", "directions"), (64, 300)),
+    "directions": (3, 5, 7, 64, 300),
+    **dict.fromkeys(("channels", "filters", "features", "hidden", "dimensions"), (3, 64, 300)),
 }
 """Sizes that are tried besides, in the one property of special inputs."""
 BOUNDS = (0.5, 0.9, 0.99, 0.999)

@@ -4,8 +4,6 @@ Where a property says what the definition returns for one class of values, it is
 `COMPARED`; the others are functions below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -18,11 +16,13 @@ from numpy_cae.verify.property import (
     UPSTREAM,
     Findings,
     Property,
+    compared,
     copied,
     copies,
     drawn_upstream,
     property_of,
     results,
+    right_results,
 )
 
 WIDE_BOUND = 0.99
@@ -57,37 +57,38 @@ def _state(names: str, name: str, statement: str, findings: Callable, sizes: dic
         _STATED.setdefault(operation, []).append((name, statement, findings, sizes))
 
 
-def _compared(what: str, exactly_zero: bool = False) -> Callable[..., Findings]:
-    """Compare results with the definition's, or only where these are 0, and then exactly."""
+def _zero(what: str) -> Callable[..., Findings]:
+    """Results are exactly 0 wherever the definition's are."""
 
-    def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
-        arguments = operation.arguments(case)
-        dy = drawn_upstream(case, operation.value(*copies(arguments)))
-        functions = (implementation, operation.reference)
-        found, expected = (results(operation, f, copies(arguments), copied(dy)) for f in functions)
-        for name, right in expected.items():
-            if what in name and exactly_zero:
-                empty = np.asarray(right) == 0
-                yield f"where it is to be 0, {name}", np.where(empty, found[name], 0), 0 * right, 0
-            elif what in name:
-                yield name, *(operation.alike(arguments, a) for a in (found[name], right))
+    def exactly_zero(operation: Operation, implementation: Callable, case: Case) -> Findings:
+        dy, expected = right_results(operation, case)
+        given = copies(operation.arguments(case))
+        for name, found in results(operation, implementation, given, copied(dy)).items():
+            if what in name:
+                empty = np.asarray(expected[name]) == 0
+                yield f"where it is to be 0, {name}", np.where(empty, found, 0), 0 * found, 0
 
-    return compared
+    return exactly_zero
 
 
-ANY, ZERO_GRADIENT = _compared("the"), _compared("gradient", exactly_zero=True)
 EMPTY = "the other frame of the pair is exactly 0"
 SATURATED = "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan"
 BEYOND = "beyond the bound the value is arctanh(±bound) and the gradient exactly 0"
 TIES = "a tie goes to the earlier frame, value and whole gradient"
 LOSER = "the smaller frame's gradient is exactly 0"
 COMPARED = (
-    ("max_pool", "ties", TIES, ANY, TIED),
-    ("max_pool", "loser", LOSER, ZERO_GRADIENT, WITHOUT_TIES["values"]),
-    ("unpool_random", "empty slot", EMPTY, _compared("value", exactly_zero=True), ()),
-    ("tanh sigmoid", "large inputs", SATURATED, ANY, ("huge",)),
-    ("arctanh", "beyond the bound", BEYOND, ANY, ("bound", "large", "huge")),
-    ("mean_absolute", "zero at zero", "at y = 0 the gradient is exactly 0", ZERO_GRADIENT, ZEROS),
+    ("max_pool", "ties", TIES, compared, TIED),
+    ("max_pool", "loser", LOSER, _zero("gradient"), WITHOUT_TIES["values"]),
+    ("unpool_random", "empty slot", EMPTY, _zero("value"), ()),
+    ("tanh sigmoid", "large inputs", SATURATED, compared, ("huge",)),
+    ("arctanh", "beyond the bound", BEYOND, compared, ("bound", "large", "huge")),
+    (
+        "mean_absolute",
+        "zero at zero",
+        "at y = 0 the gradient is exactly 0",
+        _zero("gradient"),
+        ZEROS,
+    ),
 )
 """Operations, name, statement, findings, and the classes of values if not all."""
 for _names, _name, _statement, _findings, _values in COMPARED:

@@ -12,8 +12,6 @@ of the operation, apart from their indentation, and replaced by the lines with a
 them. There may be several such replacements.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import re
@@ -45,7 +43,7 @@ class Patch:
     caught_by: str
     sentence: str
     replacements: tuple[Replacement, ...]  # of old lines by new ones
-    calls: tuple[Patch, ...] = ()  # of the operations that it calls
+    calls: tuple["Patch", ...] = ()  # of the operations that it calls
 
     def function(self) -> Callable:
         """The changed operation; a PatchError if the patch does not fit the operation's source."""

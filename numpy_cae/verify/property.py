@@ -4,21 +4,33 @@ Each compares what an implementation returns with what it should return. The pro
 operation shares are in `shared_properties`, those of a single one in `operation_properties`.
 """
 
-from __future__ import annotations
-
+import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import cycle, islice, product
 
 import numpy as np
 
 from numpy_cae.verify.call import gradients_of, require_array
-from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, spread
+from numpy_cae.verify.case import (
+    LAYOUTS,
+    ORDINARY,
+    SEEDS,
+    SEEDS_TRIED,
+    Case,
+    Sizes,
+    drawn_column,
+    is_large,
+    spread,
+)
 from numpy_cae.verify.operation import Operation
 
 EXACT = 1e-10
-EXAMPLES = 32
+EXAMPLES = 28
 """The number of cases drawn, unless a property states another."""
+MANY = 160
 UPSTREAM = {
     "upstream": (ORDINARY, "zeros", "integers", "random", "sparse", "strided", "constant")
     + ("large", "tiny")
@@ -98,6 +110,44 @@ def property_of(
     return Property(operation.name, name, statement, check, operation.arguments, sizes, **others)
 
 
+def drawn_cases(stated: Property) -> list[Case]:
+    """Random cases of a property, seeded by its name, those of the smallest arrays first.
+
+    Each small size and each class is drawn as often, a large size once, beside small ones, and
+    every combination of what the property names once, or twice where these are few.
+    """
+    sizes, names = stated.sizes, [name for name in stated.combined if name in stated.sizes]
+    every = math.prod(len(sizes[name]) for name in names)
+    count = max(stated.examples, every, min(2 * every, MANY))
+    rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
+    columns = {name: drawn_column(rng, options, count) for name, options in sizes.items()}
+    combined = islice(cycle(product(*(sizes[name] for name in names))), count)
+    columns.update(zip(names, map(list, zip(*combined, strict=True)), strict=True))
+    large = [(name, option) for name in sizes for option in filter(is_large, sizes[name])]
+    for number, (name, option) in zip(rng.permutation(count), large, strict=False):
+        columns[name][number] = option
+    rows = (tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
+    return sorted(cases, key=lambda case: case.entries)
+
+
+def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
+    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
+    known: dict[str, list] = {}
+    for stated in properties:
+        for name, options in stated.sizes.items():
+            known.setdefault(name, []).extend(options)
+    needed = {name for name, options in known.items() if ORDINARY not in options}
+    if not needed <= set(sizes) <= set(known):
+        there, got = ", ".join(known), ", ".join(sizes)
+        raise ValueError(f"{properties[0].operation} has the sizes {there}, got {got}")
+    for name, size in sizes.items():
+        if isinstance(size, str) and size not in known[name]:
+            options = ", ".join(dict.fromkeys(map(str, known[name])))
+            raise ValueError(f"{name} is {size!r}, expected one of {options}")
+    return Case(tuple(sizes.items()), seed)
+
+
 def require_equal(
     what: str, found, expected, tolerance: float = EXACT, entrywise: bool = False
 ) -> None:
@@ -142,7 +192,18 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
 def results(operation: Operation, implementation: Callable, arguments: list, dy) -> dict:
     """The value and the gradients of one call, by what they are."""
     value, pullback = implementation(*arguments)
-    gradients = differentiated(operation, pullback(dy))
+    return _by_name(operation, value, pullback(dy))
+
+
+def right_results(operation: Operation, case: Case) -> tuple[np.ndarray | float, dict]:
+    """An upstream gradient for a case, and the definition's value and gradients."""
+    value, pullback = operation.reference(*copies(operation.arguments(case)))
+    dy = drawn_upstream(case, value)
+    return dy, _by_name(operation, value, pullback(copied(dy)))
+
+
+def _by_name(operation: Operation, value, pulled) -> dict:
+    gradients = differentiated(operation, pulled)
     return {"the value": value, **{f"the gradient for {n}": g for n, g in gradients.items()}}
 
 
@@ -181,3 +242,14 @@ def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) 
     """
     made = {id(a): layout(a) for a in arguments.values() if isinstance(a, np.ndarray)}
     return [made.get(id(a), a) for a in arguments.values()]
+
+
+def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Compare all results with the definition's, and the arguments with what they were."""
+    arguments = operation.arguments(case)
+    given, (dy, right) = copies(arguments), right_results(operation, case)
+    for what, found in results(operation, implementation, given, copied(dy)).items():
+        both = (operation.alike(arguments, result) for result in (found, right[what]))
+        yield what, *both, EXACT, operation.selects
+    for name, after in zip(arguments, given, strict=True):
+        yield f"{name}, which must not be altered,", 1 * after, 1 * arguments[name], 0

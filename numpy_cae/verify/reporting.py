@@ -1,7 +1,5 @@
 """A report on one implementation: whether each property of its operation holds, with points."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ which gradient, the dtype of a gradient where dy has another dtype than the argu
 tuple, views of the arguments as results, a loss as a Python float, warnings, empty arrays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -22,12 +20,14 @@ from numpy_cae.verify.property import (
     Findings,
     Property,
     agrees,
+    compared,
     copied,
     copies,
     differentiated,
     drawn_upstream,
     property_of,
     results,
+    right_results,
 )
 
 FLOAT32 = float(np.finfo(np.float32).eps)
@@ -54,7 +54,7 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name), classes)
     known = operation.sizes
     for name, statement, findings, classes, combined in SHARED:
-        if findings is not _special:
+        if findings is not compared:
             yield property_of(operation, name, statement, findings, classes, combined=combined)
         elif operation.reference:
             longer = {size: (*known[size], *LONG[size]) for size in LONG if size in known}
@@ -78,12 +78,13 @@ def _gradient_for(argument: str) -> Callable:
         """Compare with the definition's; if the value is another, with that value's differences."""
         arguments, names = operation.arguments(case), operation.differentiated
         value, pullback = call_of_array(implementation, copies(arguments))
-        if operation.reference and agrees(value, operation.value(*copies(arguments))):
-            _, reference = operation.reference(*copies(arguments))
-            dy = drawn_upstream(case, value)
-            both = (differentiated(operation, f(copied(dy))) for f in (pullback, reference))
-            alike = (operation.alike(arguments, gradients[argument]) for gradients in both)
-            yield f"the gradient for {argument}", *alike, EXACT, operation.selects
+        what, right = f"the gradient for {argument}", {}
+        if operation.reference:
+            dy, right = right_results(operation, case)
+        if right and agrees(value, right["the value"]):
+            found = differentiated(operation, pullback(copied(dy)))[argument]
+            alike = (operation.alike(arguments, gradient) for gradient in (found, right[what]))
+            yield what, *alike, EXACT, operation.selects
         elif case.get("values") == case.get("state") == ORDINARY:
 
             def f(*inputs):
@@ -257,19 +258,6 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
         yield _again(f"of arrays {case.get('layout')}, {what}", *alike)
 
 
-def _special(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Compare everything with the definition, and the arguments with what they were."""
-    arguments = operation.arguments(case)
-    dy = drawn_upstream(case, operation.value(*copies(arguments)))
-    right = results(operation, operation.reference, copies(arguments), copied(dy))
-    given = copies(arguments)
-    for what, found in results(operation, implementation, given, copied(dy)).items():
-        both = (operation.alike(arguments, result) for result in (found, right[what]))
-        yield what, *both, EXACT, operation.selects
-    for name, after in zip(arguments, given, strict=True):
-        yield f"{name}, which must not be altered,", 1 * after, 1 * arguments[name], 0
-
-
 def _again(what: str, found, expected) -> tuple:
     """A result and the same result before; where that is not finite, only its shape counts."""
     found, finite = np.asarray(found), np.isfinite(expected)
@@ -305,7 +293,7 @@ SHARED = (
     (
         "special inputs",
         "equal, sorted, zero, wide, large or long arrays too give what the definition gives",
-        _special,
+        compared,
         {"upstream": (ORDINARY, "random")},
         ("values", "of"),
     ),

@@ -9,8 +9,6 @@ def test_my_conv1d(example):
     np.testing.assert_allclose(y, example.value)
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What a student hands in: a Python file, or a lesson's notebook with its exercise cells."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -4,8 +4,6 @@ It is tested like an operation because a gradient is forgotten most easily where
 W and b act in encoding (equation 1) and in decoding (equation 2), and both add to the gradient.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One property tried on one implementation, with the smallest case in which it fails."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
@@ -12,8 +10,6 @@ import numpy as np
 from numpy_cae.verify.case import (
     WORTH_PRINTING,
     Case,
-    case_of,
-    drawn_cases,
     example_call,
     smallest,
     written,
@@ -25,9 +21,11 @@ from numpy_cae.verify.property import (
     Outcome,
     Property,
     agrees,
+    case_of,
     copied,
     copies,
     differentiated,
+    drawn_cases,
     drawn_upstream,
 )
 

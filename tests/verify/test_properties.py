@@ -7,9 +7,10 @@ from written_otherwise import RIGHT
 
 from numpy_cae import ops, verify
 from numpy_cae.verify import strategies
-from numpy_cae.verify.case import VALUES, drawn_cases
+from numpy_cae.verify.case import VALUES
 from numpy_cae.verify.catalogue import CATALOGUE
 from numpy_cae.verify.conventions import conventions_of
+from numpy_cae.verify.property import drawn_cases
 
 
 def test_properties_are_data():

@@ -6,8 +6,6 @@ of an operation (`patch.py`), in the text file that has the operation's name; it
 what differs, and in parentheses stands the property, if any, that only the contract has.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import combinations
 from pathlib import Path

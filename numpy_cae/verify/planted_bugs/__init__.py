@@ -5,8 +5,6 @@ a failing implementation with them to name a likely mistake. In lesson 12 studen
 mistake in the source of some of them.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from numpy_cae.verify.patch import Patch, read_patches

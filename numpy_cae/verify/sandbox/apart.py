@@ -1,7 +1,5 @@
 """Do one piece of work in a forked process, which ends in time whatever it starts."""
 
-from __future__ import annotations
-
 import json
 import os
 import secrets

@@ -1,7 +1,5 @@
 """The grader's process: test each function of a submission in a forked process of its own."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

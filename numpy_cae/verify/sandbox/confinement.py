@@ -1,7 +1,5 @@
 """What a student's process may do: limits of the system, refused actions, modules of its own."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import os

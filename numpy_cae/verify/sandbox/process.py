@@ -1,7 +1,5 @@
 """The grader's side: start the process that tests a submission, and end it in time."""
 
-from __future__ import annotations
-
 import functools
 import json
 import os
