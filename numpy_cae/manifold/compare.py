@@ -9,7 +9,6 @@ unit (channel of Y) are kept, so neither the time of an event nor the length of 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial.distance import cdist
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
@@ -53,4 +52,4 @@ def distance_matrix(
     """
     rows = np.asarray(signatures, dtype=np.float64)
     columns = rows if others is None else np.asarray(others, dtype=np.float64)
-    return cdist(rows, columns, "sqeuclidean")
+    return np.array([np.sum((row - columns) ** 2, axis=-1) for row in rows])

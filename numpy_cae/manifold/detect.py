@@ -1,10 +1,10 @@
 """Detection of damaged joints: by their distance from the manifold, and by direct tests."""
 
 import numpy as np
-from scipy.ndimage import binary_dilation, binary_opening, binary_propagation, median_filter
+from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.manifold.fill import fill, whole_features
-from numpy_cae.manifold.holes import at_thirty, spline
+from numpy_cae.manifold.holes import at_thirty, hole_lengths, spline, whole_stretches
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import POSITIONS
@@ -42,7 +42,6 @@ SAME_ROTATION = 1e-6
 REPEATED, CAUGHT_UP = 1e-6, 2.5
 """Metres a frame below which a pose is repeated; a jump is as many times as long as later steps."""
 
-_ALONG_TIME = np.ones((3, 1), bool)
 _FEET = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("ankle", "toe")]
 _ENDS = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("wrist", "ankle")]
 
@@ -59,7 +58,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     points = spline(_local(spline_features), direct)
     steps, jumps = find_jumps(points)
     displaced = between_jumps(steps, jumps, LONGEST)
-    abrupt = binary_dilation(jumps, np.ones((2 * MARGIN + 1, 1), bool))
+    abrupt = with_margin(jumps)
     direct |= find_frozen(body, spline(body.positions, direct), points)
     found = direct.copy()
     features, _ = whole_features(body, found)
@@ -68,18 +67,18 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
         # Rigs place joints differently: what is the same in the whole clip is no damage.
         distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
         level = distance / np.maximum(FAR, RATIO * typical(distance, found))
-        far = binary_propagation(level > 1, _ALONG_TIME, mask=level > 0.5)
+        far = whole_stretches(level > 0.5, level > 1)
         # Without a jump it is a pose that the model does not know: someone kneels or lies.
-        far = binary_propagation(far & abrupt, _ALONG_TIME, mask=far)
-        far |= binary_propagation(displaced & (level > SUSPICION), _ALONG_TIME, mask=displaced)
+        far = whole_stretches(far, abrupt)
+        far |= whole_stretches(displaced, level > SUSPICION)
         far &= ~found
         if not far.any():
             break
-        found |= binary_dilation(far, np.ones((2 * MARGIN + 1, 1), bool))
+        found |= with_margin(far)
         features, _ = whole_features(body, found)
     found &= direct | displaced | (found.sum(axis=1, keepdims=True) <= MOST_JOINTS)
     change = np.linalg.norm(_local(fill(manifold, features, found) - body.features), axis=-1)
-    return binary_propagation(found & (change > LEAST), _ALONG_TIME, mask=found)
+    return whole_stretches(found, change > LEAST)
 
 
 def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -131,11 +130,25 @@ def find_jumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     unlike, jumps = np.zeros(points.shape), np.zeros(points.shape[:2], bool)
     for joint in range(points.shape[1]):
         step = _steps(points[:, joint])[:-1]
-        unlike[:-1, joint] = step - median_filter(step, (7, 1), mode="nearest")
+        unlike[:-1, joint] = step - median_of_seven(step)
         size = np.linalg.norm(unlike[:-1, joint], axis=-1)
-        usual = median_filter(size, 7, mode="nearest")
+        usual = median_of_seven(size[:, None])[:, 0]
         jumps[:-1, joint] = (size > JUMP) & (size > JUMP_RATIO * usual)
     return unlike, jumps
+
+
+def median_of_seven(values: np.ndarray) -> np.ndarray:
+    """The running median of values (F, N) over seven frames; beyond the ends they are held."""
+    if not len(values):
+        return values
+    held = np.pad(values, ((3, 3), (0, 0)), mode="edge")
+    return np.sort(sliding_window_view(held, 7, axis=0), axis=-1)[..., 3]
+
+
+def with_margin(mask: np.ndarray) -> np.ndarray:
+    """A mask (F, N) with `MARGIN` more frames on both sides of each stretch."""
+    held = np.pad(mask, ((MARGIN, MARGIN), (0, 0)))
+    return np.any(sliding_window_view(held, 2 * MARGIN + 1, axis=0), axis=-1)
 
 
 def find_repeated(positions: np.ndarray) -> np.ndarray:
@@ -161,7 +174,7 @@ def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndar
     world[:, _FEET] = np.inf
     frozen = np.zeros(own.shape, bool)
     for speed in (world, own, bends, _turns(body)):
-        rests = binary_opening(speed < STILL, np.ones((STILL_FRAMES, 1), bool))
+        rests = hole_lengths(speed < STILL) >= STILL_FRAMES
         for joint in np.flatnonzero(rests.any(axis=0)):
             frozen[:, joint] |= _until_a_jump(rests[:, joint], own[:, joint], LEAST_JUMP)
     # A rig holds a wrist or an ankle by the elbow or the knee above it.

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import label
 
 from numpy_cae.motion.motion import Motion, slerp
 from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.splines import hermite, monotone_slopes
 
 
 def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -15,8 +15,6 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
     The curve is a monotone cubic (PCHIP), which does not overshoot. Beyond the first and the last
     known frame their values are held; a column without known frames is left unchanged.
     """
-    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
-
     filled = np.array(values, dtype=np.float64)
     frames = np.arange(len(filled))
     for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
@@ -24,17 +22,30 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
         if len(known) == 1:
             filled[gaps, column] = filled[known, column]
         else:
-            curve = PchipInterpolator(known, filled[known, column])
-            filled[gaps, column] = curve(np.clip(gaps, known[0], known[-1]))
+            points = filled[known, column].reshape(len(known), -1)
+            slopes, at = monotone_slopes(known, points), np.clip(gaps, known[0], known[-1])
+            curve = hermite(known, points, slopes, at)
+            filled[gaps, column] = curve.reshape(filled[gaps, column].shape)
     return filled
+
+
+def stretches(mask: np.ndarray) -> np.ndarray:
+    """For each True of a mask (F, N), the number, from 1 on, of its stretch of consecutive frames:
+    (F, N) of int, else 0."""
+    begins = np.diff(mask, axis=0, prepend=False) & mask
+    return np.cumsum(begins.T).reshape(mask.T.shape).T * mask
 
 
 def hole_lengths(missing: np.ndarray) -> np.ndarray:
     """For each missing value of a mask (F, N), the frames of its hole: (F, N) of int, else 0."""
-    holes, count = label(missing, np.array([[0, 1, 0]] * 3))
-    lengths = np.bincount(holes.ravel(), minlength=count + 1)
-    lengths[0] = 0
-    return lengths[holes]
+    holes = stretches(missing)
+    return np.bincount(holes.ravel())[holes] * missing
+
+
+def whole_stretches(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
+    """The stretches of a mask (F, N) of which some value is in another mask: (F, N) bool."""
+    numbers = stretches(mask)
+    return np.isin(numbers, numbers[some & mask])
 
 
 def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:

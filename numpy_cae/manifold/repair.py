@@ -7,7 +7,6 @@ changes only what is damaged.
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.manifold.detect import direct_damage, find_damage, residual
 from numpy_cae.manifold.fill import fill_positions, whole_features
@@ -17,7 +16,7 @@ from numpy_cae.manifold.repaired import Repaired, change_joints
 from numpy_cae.manifold.smooth import smooth_motion
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
-from numpy_cae.motion.heading import SMOOTHING_SECONDS
+from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions, find_joints
@@ -74,10 +73,10 @@ def repair(
         return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
     target = fill_positions(manifold, body, missing)
     repaired = change_joints(body, motion, target, damaged, strength, middle)
-    return smoothed(repaired, body) if smooth else repaired
+    return without_jitter(repaired, body) if smooth else repaired
 
 
-def smoothed(repaired: Repaired, body: Body) -> Repaired:
+def without_jitter(repaired: Repaired, body: Body) -> Repaired:
     """The same without jitter; every joint that moves counts as touched."""
     motion = smooth_motion(repaired.motion)
     after = body_positions(motion, body.mapping)
@@ -124,8 +123,8 @@ def keep_trajectory(
     own_floor, own_theta = trajectory_of(features, root)
     floor, theta = trajectory_of(projected, root)
     sigma = SMOOTHING_SECONDS * rate
-    floor = floor + gaussian_filter1d(own_floor - floor, sigma, axis=0, mode="nearest")
-    theta = theta + gaussian_filter1d(own_theta - theta, sigma, mode="nearest")
+    floor = floor + smoothed(own_floor - floor, sigma)
+    theta = theta + smoothed((own_theta - theta)[:, None], sigma)[:, 0]
     kept = projected.copy()
     kept[:, VELOCITY.start :] = velocities_along(floor, theta)
     return kept, RootTransform(floor[0, 0], floor[0, 2], theta[0])

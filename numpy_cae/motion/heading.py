@@ -2,7 +2,6 @@
 rotation by such an angle: from Z towards X."""
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.motion.joints import JOINTS
 
@@ -33,9 +32,18 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
     at = {joint: positions[:, index] for index, joint in enumerate(JOINTS)}
     across = at["left_shoulder"] - at["right_shoulder"] + at["left_hip"] - at["right_hip"]
     forward = np.cross(across, [0.0, 1.0, 0.0])
-    sigma = SMOOTHING_SECONDS * rate
-    smooth = gaussian_filter1d(forward, sigma, axis=0, mode="nearest")
+    smooth = smoothed(forward, SMOOTHING_SECONDS * rate)
     return np.unwrap(np.arctan2(smooth[:, 0], smooth[:, 2]))
+
+
+def smoothed(values: np.ndarray, sigma: float) -> np.ndarray:
+    """Values (F, C) smoothed along time by a Gaussian with a standard deviation of `sigma` frames,
+    as `scipy.ndimage.gaussian_filter1d` does; the first and the last value are held."""
+    reach = int(4 * sigma + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+    held = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    columns = [np.convolve(column, weights / weights.sum(), "valid") for column in held.T]
+    return np.stack(columns, axis=1)
 
 
 def rotate_about_y(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import expit
 
 from numpy_cae.ops.shapes import require_shape
 
@@ -101,7 +100,8 @@ def sigmoid(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     The gates of the GRU; Cho et al., "Learning Phrase Representations using RNN Encoder-Decoder
     for Statistical Machine Translation", EMNLP 2014.
     """
-    y = expit(x)
+    e = np.exp(-np.abs(x))  # at most 1, so it cannot overflow
+    y = np.where(x < 0, e, 1) / (1 + e)
 
     def pullback(dy: np.ndarray) -> np.ndarray:
         require_shape("dy", dy, y.shape)

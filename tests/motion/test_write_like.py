@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.motion import MotionFileError, load_motion, write_bvh, write_like
+from numpy_cae.motion.io.fixed import fixed
 
 HIERARCHY = """HIERARCHY
 ROOT Hips {
@@ -134,3 +135,11 @@ def test_another_suffix_gives_bvh_and_a_source_that_changed_is_refused(tmp_path)
     with pytest.raises(MotionFileError, match="has changed since it was read"):
         write_like(tmp_path / "a.bvh", short, short, tmp_path / "b.bvh")
     assert not (tmp_path / "b.bvh").exists()
+
+
+def test_numbers_are_formatted_as_by_python():
+    values = np.random.default_rng(1).normal(size=500) * np.logspace(-8, 9, 500)
+    values = np.concatenate([values, [0.0, -0.0, -1e-9, 0.5, -0.99999999, 10.0, -99.5]])
+    for decimals in (0, 1, 6, 9):
+        assert fixed(values, decimals) == [f"{value:.{decimals}f}" for value in values]
+    assert fixed(np.array([]), 6) == []

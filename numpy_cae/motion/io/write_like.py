@@ -6,7 +6,7 @@ byte. The text is processed in blocks of frames, so that a long file needs littl
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -19,6 +19,7 @@ from numpy_cae.motion.io.bvh import bvh_channels
 from numpy_cae.motion.io.channels import Channels
 from numpy_cae.motion.io.coordinates import as_in_file
 from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.io.fixed import fixed
 from numpy_cae.motion.io.write import write_motion
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
@@ -29,8 +30,8 @@ _BLOCK = 4096
 """Frames in memory at a time."""
 _NOTICEABLE = 0.5
 """Degrees by which a rotation may miss, for want of channels or by limits, without a message."""
-_PIECES = re.compile(r"(\s+|#[^\r\n]*)")
-"""Words are at even places between these separators."""
+_GAPS = re.compile(r"(\s+|#[^\r\n]*)")
+"""What is between words."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class _Format:
 
     channels: list[Channels]
     frames: Callable[[Iterable[str]], Iterator[tuple[str, bool]]]
-    numbers: Callable[[list[str]], list[int]]
+    numbers: Callable[[list[str]], Sequence[int]]
 
 
 def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
@@ -121,12 +122,12 @@ def _replaced(
     after = as_in_file(after)
     needed = np.convolve(changed, [True, True, True])[1:-1] > 0
     needed[-1] = True
-    words = {frame: _PIECES.split(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
-    numbers = {frame: found.numbers(pieces) for frame, pieces in words.items()}
-    columns = len(next(iter(numbers.values())))
-    values = np.zeros((len(texts), columns))
+    words = {frame: _words(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
+    numbers = {frame: found.numbers(own) for frame, (own, _) in words.items()}
+    values = np.zeros((len(texts), len(next(iter(numbers.values())))))
     for frame, places in numbers.items():
-        values[frame] = [float(words[frame][place]) for place in places]
+        own = words[frame][0]
+        values[frame] = [float(own[place]) for place in places]
     old = values.copy()
     for joint, channels in enumerate(found.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
@@ -138,13 +139,32 @@ def _replaced(
                 name = after.skeleton.names[joint]
                 misses[name] = max(miss, misses.get(name, 0.0))
     decimals = _decimals(words, numbers)
-    new = np.abs(values - old) > 0.5 * 10.0**-decimals
+    new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
+    written = iter(fixed(values[new], decimals))
     for frame in np.flatnonzero(changed).tolist():
-        pieces = words[frame]
-        for column in np.flatnonzero(new[frame]):
-            pieces[numbers[frame][column]] = f"{values[frame, column]:.{decimals}f}"
-        texts[frame] = "".join(pieces)
+        own, gaps = words[frame]
+        for column in np.flatnonzero(new[frame]).tolist():
+            own[numbers[frame][column]] = next(written)
+        texts[frame] = _joined(own, gaps)
     return texts, values[-1]
+
+
+def _words(text: str) -> tuple[list[str], list[str]]:
+    """The words of a text, and what is before, between and after them; of single spaces, nothing
+    between."""
+    body = text.strip()
+    words, between = body.split(), []
+    if " ".join(words) != body:
+        pieces = _GAPS.split(body)
+        words, between = pieces[::2], pieces[1::2]
+    before, _, after = text.partition(body)
+    return words, [before, *between, after]
+
+
+def _joined(words: list[str], gaps: list[str]) -> str:
+    if len(gaps) == 2:
+        return gaps[0] + " ".join(words) + gaps[1]
+    return "".join(gap + word for gap, word in zip(gaps, [*words, ""], strict=True))
 
 
 def _put_angles(
@@ -171,10 +191,12 @@ def _put_angles(
     return miss
 
 
-def _decimals(words: dict[int, list[str]], numbers: dict[int, list[int]]) -> int:
+def _decimals(
+    words: dict[int, tuple[list[str], list[str]]], numbers: dict[int, Sequence[int]]
+) -> int:
     """The most decimals of a number in some of the frames."""
     some = islice(words, 0, None, max(1, len(words) // 50))
-    texts = (words[frame][place] for frame in some for place in numbers[frame])
+    texts = (words[frame][0][place] for frame in some for place in numbers[frame])
     fixed = (text for text in texts if "e" not in text.lower())
     return max((len(text.partition(".")[2]) for text in fixed), default=6)
 
@@ -191,10 +213,7 @@ def _bvh_format(source: Path, motion: Motion) -> _Format:
             yield line, not header and not line.isspace()
             header = header and not re.match(r"\s*frame\s*time", line, re.IGNORECASE)
 
-    def numbers(pieces: list[str]) -> list[int]:
-        return [place for place in range(0, len(pieces), 2) if pieces[place]]
-
-    return _Format(bvh_channels(source, motion.unit), frames, numbers)
+    return _Format(bvh_channels(source, motion.unit), frames, lambda words: range(len(words)))
 
 
 def _amc_format(source: Path, motion: Motion) -> _Format:
@@ -216,15 +235,15 @@ def _amc_format(source: Path, motion: Motion) -> _Format:
         if frame:
             yield "".join(frame), True
 
-    def numbers(pieces: list[str]) -> list[int]:
+    def numbers(words: list[str]) -> list[int]:
         places = [0] * sum(counts)
-        words = [place for place in range(0, len(pieces), 2) if pieces[place]]
-        word = 1
-        while word < len(words):
-            joint = index[pieces[words[word]]]
+        filled = [place for place, word in enumerate(words) if word]
+        place = 1
+        while place < len(filled):
+            joint = index[words[filled[place]]]
             first, count = channels[joint].first, counts[joint]
-            places[first : first + count] = words[word + 1 : word + 1 + count]
-            word += 1 + count
+            places[first : first + count] = filled[place + 1 : place + 1 + count]
+            place += 1 + count
         return places
 
     return _Format(channels, frames, numbers)
