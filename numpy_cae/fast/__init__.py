@@ -8,6 +8,7 @@ Reading order, each file using those before it:
 
 blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
 convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
+aligned                      arrays that start at a cache line
 products                     matrix products in pieces that BLAS multiplies at full speed
 tied_convolution             W in the encoder and W̃ in the decoder with one transform of the filters
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers

@@ -10,6 +10,7 @@ one thread.
 from __future__ import annotations
 
 import ctypes
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
@@ -41,22 +42,39 @@ def _openblas():
 
 
 def blas_threads() -> int | None:
-    """The number of threads of a matrix product, None if unknown (see OPENBLAS_NUM_THREADS)."""
+    """The number of threads of a matrix product outside of `one_blas_thread`, None if unknown.
+
+    See OPENBLAS_NUM_THREADS.
+    """
     functions = _openblas()
-    return None if functions is None else functions[0]()
+    if functions is None:
+        return None
+    return _threads_before[0] if _threads_before else functions[0]()
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Matrix products in the `with` block use the calling thread only."""
+    """Matrix products of the process use one thread each, until every such `with` block has ended.
+
+    All of a computation that uses a team belongs into one block: after a product on two threads,
+    the second of OpenBLAS waits actively for 20 ms, and so takes a core from the team.
+    """
     functions = _openblas()
     if functions is None:
         yield
         return
     read, write = functions
-    before = read()
-    write(1)
+    with _lock:
+        _threads_before.append(_threads_before[-1] if _threads_before else read())
+        write(1)
     try:
         yield
     finally:
-        write(before)
+        with _lock:
+            before = _threads_before.pop()
+            write(1 if _threads_before else before)
+
+
+_lock = threading.Lock()
+_threads_before: list[int] = []
+"""The number of threads outside of the blocks, once for each block that has not ended."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.fast.blas import one_blas_thread
 from numpy_cae.fast.gru_matrices import GruMatrices
 from numpy_cae.fast.sequence_worker import SequenceWorker
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
@@ -23,13 +24,9 @@ from numpy_cae.models.sequential_autoencoder import (
 MAX_CLIPS = 128
 """Clips that one workspace holds when no gradient is computed; more go in parts."""
 
-MAX_UNITS_PER_CLIP = 16
-"""A thread has at least one clip for so many hidden units. With fewer, a step of half the clips
-takes far more than half the time, since it reads all of the weights; the clips are then not divided
-between Python threads, and BLAS divides the rows of a product between its own."""
-
-MIN_STATES_PER_THREAD = 1024
-"""Numbers of a thread's states: NumPy keeps the interpreter lock for less than 500."""
+MIN_STATES_PER_THREAD = 2048
+"""Numbers of a thread's states. With fewer, one thread alone is faster: the threads wait for the
+interpreter lock, and a product of 8 columns takes as long as one of 16."""
 
 MAX_WORKSPACES = 4
 """Workspaces that are kept."""
@@ -54,9 +51,14 @@ class SequenceWorkspace:
         self.decoder = GruMatrices("decoder", features, hidden, dtype)
         gru, sizes = (self.encoder, self.decoder), (frames, burn_in)
         self.workers = [
-            SequenceWorker(*gru, share(batch, number, team.size), *sizes, dtype, training)
+            SequenceWorker(*gru, share(batch, number, team.size), *sizes, training)
             for number in range(team.size)
         ]
+
+    def load(self, weights: Weights) -> None:
+        """Copy the weights for a step of training; two threads copy one GRU's each."""
+        grus = self.encoder, self.decoder
+        self.team.run(lambda n: [gru.load(weights, True) for gru in grus[n :: self.team.size]])
 
     def run(self, work: Callable[[SequenceWorker], None]) -> None:
         """Call work(worker) for every worker."""
@@ -87,15 +89,13 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         frames, dtype = x.shape[1], _dtype(weights, x)
         last_states = np.empty((len(x), self.hidden), dtype)
 
-        def encode_part(workspace: SequenceWorkspace, part: slice) -> None:
+        for workspace, part in self._in_parts(len(x), frames, dtype):
             workspace.encoder.load(weights, back=False)
 
-            def work(worker: SequenceWorker) -> None:
+            def work(worker: SequenceWorker, part: slice = part) -> None:
                 last_states[part][worker.clips] = worker.read(x[part]).T
 
             workspace.run(work)
-
-        self._in_parts(len(x), frames, dtype, encode_part)
         return last_states @ weights["latent_w"] + weights["latent_b"]
 
     def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
@@ -106,16 +106,14 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         first_states = z @ weights["state_w"] + weights["state_b"]
         out = np.empty((len(z), frames, self.features), dtype)
 
-        def decode_part(workspace: SequenceWorkspace, part: slice) -> None:
+        for workspace, part in self._in_parts(len(z), frames, dtype):
             workspace.decoder.load(weights, back=False)
 
-            def work(worker: SequenceWorker) -> None:
+            def work(worker: SequenceWorker, part: slice = part) -> None:
                 worker.write(first_states[part][worker.clips].T)
                 worker.copy_clips(out[part])
 
             workspace.run(work)
-
-        self._in_parts(len(z), frames, dtype, decode_part)
         return out
 
     def loss_and_gradients(
@@ -130,10 +128,9 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         def read(worker: SequenceWorker) -> None:
             last_states[worker.clips] = worker.read(x).T
 
-        with self._lock:
+        with self._lock, one_blas_thread():
             workspace = self._workspace(len(x), x.shape[1], dtype, True)
-            workspace.encoder.load(weights, back=True)
-            workspace.decoder.load(weights, back=True)
+            workspace.load(weights)
             workspace.run(read)
             z = last_states @ weights["latent_w"] + weights["latent_b"]
             first_states = z @ weights["state_w"] + weights["state_b"]
@@ -164,17 +161,13 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         return losses, {name: sums[name] for name in weights}
 
     def _in_parts(
-        self,
-        batch: int,
-        frames: int,
-        dtype: np.dtype,
-        work: Callable[[SequenceWorkspace, slice], None],
-    ) -> None:
-        """Call `work` on parts of the clips that bound the memory."""
+        self, batch: int, frames: int, dtype: np.dtype
+    ) -> Iterator[tuple[SequenceWorkspace, slice]]:
+        """The workspace for each part of the clips, of a size that bounds the memory."""
         for start in range(0, batch, MAX_CLIPS):
             part = slice(start, min(start + MAX_CLIPS, batch))
-            with self._lock:
-                work(self._workspace(part.stop - start, frames, dtype, False), part)
+            with self._lock, one_blas_thread():
+                yield self._workspace(part.stop - start, frames, dtype, False), part
 
     def _workspace(
         self, batch: int, frames: int, dtype: np.dtype, training: bool
@@ -184,10 +177,9 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         return self._make_workspace(*sizes, dtype, training, self._team(batch))
 
     def _team(self, batch: int) -> ThreadTeam:
-        by_clips = batch * MAX_UNITS_PER_CLIP // self.hidden
         by_states = batch * self.hidden // MIN_STATES_PER_THREAD
         size = thread_team(self._threads).size
-        return thread_team(max(1, min(size, by_clips, by_states, batch)))
+        return thread_team(max(1, min(size, by_states, batch)))
 
 
 def _dtype(weights: Weights, *arrays: np.ndarray) -> np.dtype:

@@ -1,10 +1,10 @@
 """The weights of a GRU rearranged into one matrix per product, copied for every step of training.
 
-Biases become one more column, since states and frames have a row of ones; the gates change their
-order (see `recurrence`), and those that go through σ are halved:
+Biases become one more column, since states and frames have a row of ones; the gates of the inputs
+change their order (see `recurrence`), and those that go through σ are halved:
 
-    a = inputs · (x, 1)              inputs   (3H, F + 1)     new, ½ update, ½ reset
-    (s, y) = states · (h, 1)         states   (3H + F, H + 1) ½ update, ½ reset, new; frame
+    a = inputs · (x, 1)              inputs   (3H, F + 1)     new, ½ reset, ½ update
+    (s, y) = states · (h, 1)         states   (3H + F, H + 1) ½ reset, ½ update, new; frame
 
 `y`, the frame that the decoder writes, is a map of the same state and so part of the same product;
 the encoder has none. The pullbacks have no halves and no biases:
@@ -17,15 +17,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from numpy_cae.fast.aligned import aligned_empty
 from numpy_cae.models.sequential_autoencoder import Weights, gru_weights
-
-INPUT_GATES = (2, 1, 0)
-"""The order of the gates in a: new, update, reset, by their index in the weights."""
-
-STATE_GATES = (1, 0, 2)
-"""The order of the gates in s: update, reset, new."""
-
-NEW = 2
 
 
 class GruMatrices:
@@ -34,62 +27,52 @@ class GruMatrices:
     def __init__(self, gru: str, features: int, hidden: int, dtype: np.dtype):
         self.gru, self.hidden = gru, hidden
         written = features if gru == "decoder" else 0
-        self.inputs = np.empty((3 * hidden, features + 1), dtype)
-        self.states = np.empty((3 * hidden + written, hidden + 1), dtype)
-        self.inputs_back = np.empty((features, 3 * hidden), dtype)
-        self.states_back = np.empty((hidden, 3 * hidden + written), dtype)
+        self.inputs = aligned_empty((3 * hidden, features + 1), dtype)
+        self.states = aligned_empty((3 * hidden + written, hidden + 1), dtype)
+        self.inputs_back = aligned_empty((features, 3 * hidden), dtype)
+        self.states_back = aligned_empty((hidden, 3 * hidden + written), dtype)
 
     def load(self, weights: Weights, back: bool) -> None:
         """Copy the weights; those of the pullbacks only if `back`."""
         w, u, b, c = gru_weights(weights, self.gru)
-        hidden = self.hidden
-        for matrix, weight, bias, order in (
-            (self.inputs, w, b, INPUT_GATES),
-            (self.states, u, c, STATE_GATES),
-        ):
-            for index, gate in enumerate(order):
-                rows, columns = _gate(index, hidden), _gate(gate, hidden)
-                half = 1 if gate == NEW else 0.5
-                _place_transposed(weight[:, columns], half, matrix[rows, :-1])
-                np.multiply(bias[columns], half, out=matrix[rows, -1])
+        hidden, sigmoids = self.hidden, 2 * self.hidden
+        _place(w[:, sigmoids:], b[sigmoids:], 1, self.inputs[:hidden])
+        _place(w[:, :sigmoids], b[:sigmoids], 0.5, self.inputs[hidden:])
+        _place(u[:, :sigmoids], c[:sigmoids], 0.5, self.states[:sigmoids])
+        _place(u[:, sigmoids:], c[sigmoids:], 1, self.states[sigmoids : 3 * hidden])
         if self.gru == "decoder":
-            _place_transposed(weights["frame_w"], 1, self.states[3 * hidden :, :-1])
-            self.states[3 * hidden :, -1] = weights["frame_b"]
+            _place(weights["frame_w"], weights["frame_b"], 1, self.states[3 * hidden :])
         if not back:
             return
-        for matrix, weight, order in (
-            (self.inputs_back, w, INPUT_GATES),
-            (self.states_back, u, STATE_GATES),
-        ):
-            for index, gate in enumerate(order):
-                matrix[:, _gate(index, hidden)] = weight[:, _gate(gate, hidden)]
+        self.inputs_back[:, :hidden] = w[:, sigmoids:]
+        self.inputs_back[:, hidden:] = w[:, :sigmoids]
+        self.states_back[:, : 3 * hidden] = u
         if self.gru == "decoder":
             self.states_back[:, 3 * hidden :] = weights["frame_w"]
 
 
-def gates_gradient(rows: np.ndarray, gradients: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
-    """dW with db as its last row, (in + 1, 3H): one product a gate over every step and clip.
+def gru_gradients(d: np.ndarray, h_and_x: np.ndarray) -> list[np.ndarray]:
+    """dW, dU, db and dc: products whose sums go over every step and clip.
 
     Parameters
     ----------
-    rows : (in + 1, N) array
-        The gates' inputs, with a row of ones, whose product is db.
-    gradients : (3H, N) array
-        Gates in `order`.
+    d : (4H, N) array
+        da_n, da_r = ds_r, da_z = ds_z and ds_n.
+    h_and_x : (H + 1 + F + 1, N) array
+        States and inputs, each with a row of ones, whose products are dc and db.
     """
-    hidden = len(gradients) // 3
-    out = np.empty((len(rows), 3 * hidden), rows.dtype)
-    for index, gate in enumerate(order):
-        np.matmul(rows, gradients[_gate(index, hidden)].T, out=out[:, _gate(gate, hidden)])
-    return out
+    hidden = len(d) // 4
+    sums = np.empty((len(h_and_x), 3 * hidden), d.dtype)
+    du, dw = sums[: hidden + 1], sums[hidden + 1 :]
+    np.matmul(h_and_x, d[hidden : 3 * hidden].T, out=sums[:, : 2 * hidden])
+    np.matmul(h_and_x[: len(du)], d[3 * hidden :].T, out=du[:, 2 * hidden :])
+    np.matmul(h_and_x[len(du) :], d[:hidden].T, out=dw[:, 2 * hidden :])
+    return [dw[:-1], du[:-1], dw[-1], du[-1]]
 
 
-def _place_transposed(matrix: np.ndarray, factor: float, out: np.ndarray) -> None:
-    """out = factor · matrixᵀ, 16 rows at a time: all rows in one call take twice as long."""
-    for start in range(0, len(matrix), 16):
+def _place(weight: np.ndarray, bias: np.ndarray, factor: float, out: np.ndarray) -> None:
+    """out = factor · (weightᵀ, bias), 16 columns at a time: all in one call take twice as long."""
+    for start in range(0, len(weight), 16):
         part = slice(start, start + 16)
-        np.multiply(matrix[part].T, factor, out=out[:, part])
-
-
-def _gate(index: int, hidden: int) -> slice:
-    return slice(index * hidden, (index + 1) * hidden)
+        np.multiply(weight[part].T, factor, out=out[:, :-1][:, part])
+    np.multiply(bias, factor, out=out[:, -1])

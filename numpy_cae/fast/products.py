@@ -68,3 +68,25 @@ def _by_columns(array: np.ndarray, at_once: int) -> np.ndarray:
     """(J, K, W) as (J, W / at_once, K, at_once), the same memory."""
     count, rows, width = array.shape
     return array.reshape(count, rows, width // at_once, at_once).transpose(0, 2, 1, 3)
+
+
+class RowGroups:
+    """out = a · b for the same contiguous a and out and many b of few columns, by groups of rows.
+
+    The kernels compute 4 rows of 64 columns at a time, or 6 rows of fewer columns.
+    """
+
+    def __init__(self, a: np.ndarray, out: np.ndarray):
+        inner, columns = a.shape[1], out.shape[1]
+        multiple = 4 if columns % 64 == 0 else 6
+        unpacked = MAX_UNPACKED // (inner * columns) // multiple * multiple
+        rows = min(unpacked or len(a), len(a))
+        whole = len(a) // rows * rows
+        self._pairs = [[part[:whole].reshape(-1, rows, part.shape[1]) for part in (a, out)]]
+        if whole < len(a):
+            self._pairs.append([a[whole:], out[whole:]])
+
+    def __call__(self, b: np.ndarray) -> None:
+        """Compute `out` from b, (K, N)."""
+        for rows, out in self._pairs:
+            np.matmul(rows, b, out=out)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from numpy_cae.fast.gru_matrices import INPUT_GATES, STATE_GATES, GruMatrices, gates_gradient
+from numpy_cae.fast.aligned import aligned_empty
+from numpy_cae.fast.gru_matrices import GruMatrices, gru_gradients
+from numpy_cae.fast.products import RowGroups
 from numpy_cae.fast.recurrence import Recurrence
 from numpy_cae.models.sequential_autoencoder import Weights
 
@@ -27,7 +29,6 @@ class SequenceWorker:
         clips: slice,
         frames: int,
         burn_in: int,
-        dtype: np.dtype,
         training: bool,
     ):
         self.encoder, self.decoder = encoder, decoder
@@ -35,51 +36,57 @@ class SequenceWorker:
         steps = burn_in + frames
         hidden, features = encoder.hidden, len(encoder.inputs_back)
         self.hidden, self.features = hidden, features
-        batch = clips.stop - clips.start
+        batch, dtype = clips.stop - clips.start, encoder.inputs.dtype
         self.reader = Recurrence(hidden, batch, frames, dtype, training)
         self.writer = Recurrence(hidden, batch, steps, dtype, training)
-        self.clip = np.ones((frames, features + 1, batch), dtype)
-        self.fed = np.ones((steps + 1, features + 1, batch), dtype)
-        self.fed[0, :features] = 0
+        self.clip = aligned_empty((frames, features + 1, batch), dtype)
+        self.fed = aligned_empty((steps + 1, features + 1, batch), dtype)
+        self.fed[0] = 0
+        self.clip[:, features] = self.fed[:, features] = 1
         self.loss, self.gradients = 0.0, dict[str, np.ndarray]()
-        self._products = np.empty((3 * hidden + features, batch), dtype)
-        self._a = np.empty((3 * hidden, batch), dtype)
-        self._tall = np.empty((frames, 3 * hidden, batch), dtype)
+        a = aligned_empty((3 * hidden, batch), dtype)
+        s_and_y = aligned_empty((3 * hidden + features, batch), dtype)
+        s, self._y = s_and_y[: 3 * hidden], s_and_y[3 * hidden :]
+        gates_of_a, gates_of_s = a.reshape(3, hidden, batch), s.reshape(3, hidden, batch)
+        self._gates = (gates_of_a[1:], gates_of_a[0]), (gates_of_s[:2], gates_of_s[2])
+        self._read_state = RowGroups(encoder.states, s)
+        self._read_frame = RowGroups(encoder.inputs, a)
+        self._write_frame = RowGroups(decoder.states, s_and_y)
+        self._feed_frame = RowGroups(decoder.inputs, a)
         if training:
-            # Of step k: da_n, da_z, da_r, ds_n, and dy_k, the gradient of the frame it is fed.
+            # Of step k: da_n, da_r, da_z, ds_n, and dy_k, the gradient of the frame it is fed.
             # Index S + T holds the dy of the last frame alone.
-            self._gradients = np.zeros((steps + 1, 4 * hidden + features, batch), dtype)
+            self._gradients = aligned_empty((steps + 1, 4 * hidden + features, batch), dtype)
+            self._gradients[-1] = 0
             self._parts = [each[: 4 * hidden].reshape(4, hidden, batch) for each in self._gradients]
-            self._rows = np.empty((5 * hidden + 2 * features + 2, (steps + 1) * batch), dtype)
-            self._dh, self._product = np.empty((2, hidden, batch), dtype)
-            self._dx = np.empty((features, batch), dtype)
+            self._rows = aligned_empty((5 * hidden + 2 * features + 2, (steps + 1) * batch), dtype)
+            self._dh, self._product = aligned_empty((2, hidden, batch), dtype)
+            self._dx = aligned_empty((features, batch), dtype)
+            self._read_back = RowGroups(encoder.states_back, self._product)
+            self._write_back = RowGroups(decoder.states_back, self._product)
+            self._feed_back = RowGroups(decoder.inputs_back, self._dx)
 
     def read(self, x: np.ndarray) -> np.ndarray:
         """h_T of the encoder, (H, B), for its part of (B, T, F) clips."""
         self.clip[:, : self.features] = x[self.clips].transpose(1, 2, 0)
-        np.matmul(self.encoder.inputs, self.clip, out=self._tall)
-        s = self._products[: 3 * self.hidden]
-        split_s = self._split(s, 0)
         for k in range(self.frames):
-            np.matmul(self.encoder.states, self.reader.states[k], out=s)
-            self.reader.step(k, self._split(self._tall[k], 1), split_s)
+            self._read_frame(self.clip[k])
+            self._read_state(self.reader.states[k])
+            self.reader.step(k, *self._gates)
         return self.reader.states[-1, : self.hidden]
 
     def write(self, h0: np.ndarray) -> np.ndarray:
         """The frames y_1 to y_(S+T), (S + T, F, B), from the decoder's first state (H, B)."""
         hidden, features = self.hidden, self.features
         self.writer.states[0, :hidden] = h0
-        s_and_y, a = self._products, self._a
-        split_s, split_a = self._split(s_and_y[: 3 * hidden], 0), self._split(a, 1)
-        y = s_and_y[3 * hidden :]
         for k in range(len(self.fed) - 1):
-            np.matmul(self.decoder.states, self.writer.states[k], out=s_and_y)
+            self._write_frame(self.writer.states[k])
             if k > 0:  # the first input is zero, not a frame of h_0
-                self.fed[k, :features] = y
-            np.matmul(self.decoder.inputs, self.fed[k], out=a)
-            self.writer.step(k, split_a, split_s)
-        np.matmul(self.decoder.states[3 * hidden :], self.writer.states[-1], out=y)
-        self.fed[-1, :features] = y
+                self.fed[k, :features] = self._y
+            self._feed_frame(self.fed[k])
+            self.writer.step(k, *self._gates)
+        np.matmul(self.decoder.states[3 * hidden :], self.writer.states[-1], out=self._y)
+        self.fed[-1, :features] = self._y
         return self.fed[1:, :features]
 
     def copy_clips(self, out: np.ndarray) -> None:
@@ -108,20 +115,18 @@ class SequenceWorker:
             self.writer.step_pullback(k, dh, self._parts[k])
             step = gradients[k]
             if k > 0:  # y_0 is constant
-                np.matmul(self.decoder.inputs_back, step[: 3 * hidden], out=dx)
+                self._feed_back(step[: 3 * hidden])
                 dy = step[4 * hidden :]
                 np.add(dy, dx, dy)
-                np.matmul(states_back, step[hidden:], out=product)
+                self._write_back(step[hidden:])
             else:
                 np.matmul(states_back[:, : 3 * hidden], step[hidden : 4 * hidden], out=product)
             np.add(dh, product, dh)
 
-        d, h, y = self._in_rows(gradients, self.writer.states, self.fed)
-        dw_db = gates_gradient(y, d[: 3 * hidden], INPUT_GATES)
-        du_dc = gates_gradient(h, d[hidden : 4 * hidden], STATE_GATES)
-        dframe = h @ d[4 * hidden :].T
-        gradients_by_name = _named("decoder", dw_db, du_dc)
-        return dh, {**gradients_by_name, "frame_w": dframe[:-1], "frame_b": dframe[-1]}
+        d, h_and_y = self._in_rows(gradients, self.writer.states, self.fed)
+        dframe = h_and_y[: hidden + 1] @ d[4 * hidden :].T
+        of_gru = _named("decoder", gru_gradients(d[: 4 * hidden], h_and_y))
+        return dh, {**of_gru, "frame_w": dframe[:-1], "frame_b": dframe[-1]}
 
     def read_pullback(self, dh_last: np.ndarray) -> Weights:
         """The gradients of the encoder's weights from dh_T, (H, B)."""
@@ -131,39 +136,26 @@ class SequenceWorker:
         for k in reversed(range(frames)):
             self.reader.step_pullback(k, dh, self._parts[k])
             if k > 0:  # h_0 is no parameter
-                ds = self._gradients[k, hidden : 4 * hidden]
-                np.matmul(self.encoder.states_back, ds, out=product)
+                self._read_back(self._gradients[k, hidden : 4 * hidden])
                 np.add(dh, product, dh)
 
-        d, h, x = self._in_rows(
-            self._gradients[:frames, : 4 * hidden], self.reader.states[:frames], self.clip
-        )
-        dw_db = gates_gradient(x, d[: 3 * hidden], INPUT_GATES)
-        du_dc = gates_gradient(h, d[hidden:], STATE_GATES)
-        return _named("encoder", dw_db, du_dc)
+        gradients = self._gradients[:frames, : 4 * hidden]
+        d, h_and_x = self._in_rows(gradients, self.reader.states[:frames], self.clip)
+        return _named("encoder", gru_gradients(d, h_and_x))
 
-    def _split(self, gates: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-        """(3H, B) as update and reset, (2, H, B), which start at gate `first`, and new, (H, B)."""
-        parts = gates.reshape(3, self.hidden, -1)
-        return parts[first : first + 2], parts[2 - 2 * first]
+    def _in_rows(self, gradients: np.ndarray, *factors: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The gradients, and the factors one below the other; each (T, rows, B) as (rows, T·B).
 
-    def _in_rows(self, *arrays: np.ndarray) -> list[np.ndarray]:
-        """Each (T, rows, B) as (rows, T·B), so that a sum over steps and clips is one product."""
-        frames, _, batch = arrays[0].shape
-        out, start = [], 0
-        for each in arrays:
-            stop = start + each.shape[1]
-            rows = self._rows[start:stop, : frames * batch]
+        So a sum over steps and clips is one product.
+        """
+        frames, stop, batch = gradients.shape
+        start = 0
+        for each in (gradients, *factors):
+            rows = self._rows[start : start + each.shape[1], : frames * batch]
             rows.reshape(-1, frames, batch)[...] = each.transpose(1, 0, 2)
-            out.append(rows)
-            start = stop
-        return out
+            start += each.shape[1]
+        return self._rows[:stop, : frames * batch], self._rows[stop:start, : frames * batch]
 
 
-def _named(name: str, dw_db: np.ndarray, du_dc: np.ndarray) -> Weights:
-    return {
-        f"{name}_w": dw_db[:-1],
-        f"{name}_u": du_dc[:-1],
-        f"{name}_b": dw_db[-1],
-        f"{name}_c": du_dc[-1],
-    }
+def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
+    return {f"{gru}_{letter}": each for letter, each in zip("wubc", gradients, strict=True)}

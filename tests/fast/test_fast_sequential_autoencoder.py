@@ -19,7 +19,6 @@ TOLERANCE = {np.float64: 1e-10, np.float32: 2e-5}
 @pytest.fixture(autouse=True)
 def always_use_threads(monkeypatch):
     """Small networks would use one thread; here they use as many as they are given."""
-    monkeypatch.setattr(fast_sequential_autoencoder, "MAX_UNITS_PER_CLIP", 1000)
     monkeypatch.setattr(fast_sequential_autoencoder, "MIN_STATES_PER_THREAD", 1)
 
 
