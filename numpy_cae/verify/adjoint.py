@@ -15,10 +15,9 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     Parameters
     ----------
     f : x -> (value, pullback)
-        Linear in x, and its pullback returns the gradient for x alone.
-    x : array of float64
-    y : array of float64
-        In the shape of f(x).
+        Linear in x, with a gradient for x alone.
+    x, y : arrays of float64
+        An argument, and an array in the shape of f(x).
     tolerance : float
         Relative to |f(x)| |y| + |x| |pullback(y)|, which rounding is proportional to.
 

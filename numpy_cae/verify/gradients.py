@@ -28,37 +28,27 @@ def check_gradients(
 ) -> None:
     """Raise unless the pullback of f agrees with differences in every argument.
 
-    The upstream gradient is random, never all ones. Inputs of up to 100 entries are checked entry
-    by entry, each with steps of its own; larger ones along random directions of entries that
-    contribute alike, and a failure there is traced to one entry by halving the direction. The
-    complex step decides where f is analytic and computes with complex numbers. An entry at a kink
-    (a tie of max, the 0 of |x|) may have any slope between those to its left and right, but at
-    most one entry in twenty, or one where there are fewer. f is called again, and must return the
-    same.
+    Inputs of up to 100 entries are checked entry by entry, larger ones along random directions.
+    docs/verify.md tells what is done about steps, kinks, float32 and functions of complex numbers.
 
     Parameters
     ----------
     f : (*inputs) -> (value, pullback)
         In the form of `numpy_cae.ops`. The value may be an array, a number, or a tuple of these;
-        the pullback of a tuple takes a tuple, with None for what are no floats. A whole model
-        goes in wrapped, and its pullback takes the upstream number like any other:
-        `lambda *w: (loss, lambda dloss: tuple(dloss * g for g in gradients))`.
+        the pullback of a tuple takes a tuple, with None for what are no floats.
     *inputs : arrays of float64 or float32, and others
-        Integers, bool arrays and whatever is no array of floats are not differentiated. The
-        pullback returns a gradient for each of the others, or None for these. Where f computes in
-        float64 if it is given that, gradients for float32 are compared with its differences.
+        What is no array of floats is not differentiated: the pullback returns a gradient for each
+        of the others, or None for these.
     rng : numpy.random.Generator, optional
-        For the upstream gradient and the directions; the default has a fixed seed, so that a
-        failure is repeatable.
+        For the upstream gradient and the directions; the default has a fixed seed.
     tolerance : float
         Relative to the sizes of both numbers, and at least 1e-4 for float32.
-    names : sequence of str, optional
-        The names of the arguments in messages; by default their names in f's signature.
-    only : sequence of str, optional
-        The names of the arguments to check; by default all of them.
+    names, only : sequence of str, optional
+        The names of the arguments in messages, by default those in f's signature; the names of
+        those to check, by default all.
     second : bool
-        Whether to check at inputs nearby too. The gradients are right at both if, and only if, the
-        second derivatives between them are.
+        Whether to check at inputs nearby too, where the gradients are right only if the second
+        derivatives between are.
 
     Raises
     ------

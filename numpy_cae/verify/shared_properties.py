@@ -266,36 +266,19 @@ def _again(what: str, found, expected) -> tuple:
     return what, found, expected
 
 
+LINEARITY = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
+DTYPE = "float32 stays float32, with its precision, float64 likewise"
+PURITY = "no argument and no upstream gradient is altered"
+INDEPENDENCE = "a pullback called again returns the same, whatever was called in between"
+STRIDES = "views in any memory order, or that cannot be written, give the same as copies"
+SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
+VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
 SHARED = (
-    (
-        "linearity",
-        "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each",
-        _linearity,
-        UPSTREAM,
-        (),
-    ),
-    ("dtype", "float32 stays float32, with its precision, float64 likewise", _dtype, UPSTREAM, ()),
-    ("purity", "no argument and no upstream gradient is altered", _purity, UPSTREAM | LAYOUT, ()),
-    (
-        "independence",
-        "a pullback called again returns the same, whatever was called in between",
-        _independence,
-        UPSTREAM | LAYOUT,
-        (),
-    ),
-    (
-        "strides",
-        "views in any memory order, or that cannot be written, give the same as copies",
-        _strides,
-        {**UPSTREAM, "layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")},
-        ("layout", "of"),
-    ),
-    (
-        "special inputs",
-        "equal, sorted, zero, wide, large or long arrays too give what the definition gives",
-        compared,
-        {"upstream": (ORDINARY, "random")},
-        ("values", "of"),
-    ),
+    ("linearity", LINEARITY, _linearity, UPSTREAM, ()),
+    ("dtype", DTYPE, _dtype, UPSTREAM, ()),
+    ("purity", PURITY, _purity, UPSTREAM | LAYOUT, ()),
+    ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
+    ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
+    ("special inputs", SPECIAL, compared, {"upstream": (ORDINARY, "random")}, ("values", "of")),
 )
 """Name, statement, findings, classes, and of what every combination is drawn."""

@@ -12,8 +12,6 @@ from pathlib import Path
 
 from numpy_cae.verify.patch import Patch, read_patches
 
-__all__ = ["conventions_of"]
-
 PATCHES = read_patches(Path(__file__).parent)
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from numpy_cae.verify.patch import Patch, read_patches
 
-__all__ = ["BUGS", "bug_named", "bugs_of"]
-
 BUGS = read_patches(Path(__file__).parent)
 
 
