@@ -7,8 +7,10 @@ arrays with a structure, such as repeated or sorted slices.
 """
 
 import math
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle, islice, product
 
 import numpy as np
 
@@ -16,6 +18,7 @@ WORTH_PRINTING = 32
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
+MANY = 160
 LARGE = 16
 """A size above this comes in one case of a property, with small sizes beside it."""
 ORDINARY = "ordinary"
@@ -37,11 +40,6 @@ class Case:
 
     def get(self, name: str, default: int | str = ORDINARY) -> int | str:
         return dict(self.sizes).get(name, default)
-
-    @property
-    def entries(self) -> int:
-        """About how many entries its arrays have."""
-        return math.prod(size for _, size in self.sizes if isinstance(size, int))
 
     def rng(self) -> np.random.Generator:
         return np.random.default_rng(self.seed)
@@ -162,15 +160,40 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
     return arrays
 
 
-def drawn_column(rng: np.random.Generator, options: Sequence, count: int) -> list:
+def random_cases(name: str, sizes: Sizes, count: int, combined: Sequence[str] = ()) -> list[Case]:
+    """At least so many cases, seeded by a name, those of the smallest arrays first.
+
+    Each small size and each class is drawn as often, a large size once, beside small ones, and
+    every combination of those that are named once, or twice where these are few.
+    """
+    combined = [size for size in combined if size in sizes]
+    every = list(product(*(sizes[size] for size in combined)))
+    count = max(count, len(every), min(2 * len(every), MANY))
+    rng = np.random.default_rng(zlib.crc32(name.encode()))
+    columns = {size: _column(rng, options, count) for size, options in sizes.items()}
+    together = zip(*islice(cycle(every), count), strict=True)
+    columns.update(zip(combined, map(list, together), strict=True))
+    large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
+    for number, (size, option) in zip(rng.permutation(count), large, strict=False):
+        columns[size][number] = option
+    rows = (tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
+    return sorted(cases, key=_entries)
+
+
+def _column(rng: np.random.Generator, options: Sequence, count: int) -> list:
     """So many of the options that are not large, each as often, in random order."""
-    small = [option for option in options if not is_large(option)]
+    small = [option for option in options if not _is_large(option)]
     order = [rng.permutation(len(small)) for _ in range(-(-count // len(small)))]
     return [small[i] for i in np.concatenate(order)[:count]]
 
 
-def is_large(option: int | str) -> bool:
+def _is_large(option: int | str) -> bool:
     return isinstance(option, int) and option > LARGE
+
+
+def _entries(case: Case) -> int:
+    return math.prod(size for _, size in case.sizes if isinstance(size, int))
 
 
 def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:

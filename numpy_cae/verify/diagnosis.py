@@ -15,7 +15,7 @@ from numpy_cae.verify.call import copies
 from numpy_cae.verify.conventions import conventions_of
 from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.planted_bugs import bugs_of
-from numpy_cae.verify.property import Property, drawn_cases, property_of, results
+from numpy_cae.verify.property import Property, property_of, results
 
 SEVERAL = 2
 GENERAL_CASES = 8
@@ -26,7 +26,7 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     operation = stated.definition
     if operation is None:
         return ""
-    cases = [case for case in drawn_cases(stated) if case.get("layout") != "read-only"]
+    cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
     found = [stated.check.found(implementation, case) for case in cases]
     right = [stated.check.found(operation.reference, case) for case in cases]
     if sum(not _same(one, other) for one, other in zip(found, right, strict=True)) < SEVERAL:
@@ -56,7 +56,7 @@ def _shared_effects(operation: Operation, implementation: Callable, wrong: Calla
     general = property_of(operation, "diagnosis", "", _every_result)
     touched: set[int] = set()
     differing: set[int] = set()
-    for case in drawn_cases(replace(general, examples=GENERAL_CASES)):
+    for case in replace(general, examples=GENERAL_CASES).cases():
         functions = (implementation, wrong, operation.reference)
         one, other, right = (general.check.found(f, case) for f in functions)
         touched |= _differing(other, right)

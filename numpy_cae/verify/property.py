@@ -4,33 +4,19 @@ Each compares what an implementation returns with what it should return. The pro
 operation shares are in `shared_properties`, those of a single one in `operation_properties`.
 """
 
-import math
 import re
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import cycle, islice, product
 
 import numpy as np
 
 from numpy_cae.verify.call import gradients_of, require_array
-from numpy_cae.verify.case import (
-    LAYOUTS,
-    ORDINARY,
-    SEEDS,
-    SEEDS_TRIED,
-    Case,
-    Sizes,
-    drawn_column,
-    is_large,
-    spread,
-)
+from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operation import Operation
 
 EXACT = 1e-10
 EXAMPLES = 28
 """The number of cases drawn, unless a property states another."""
-MANY = 160
 UPSTREAM = {
     "upstream": (ORDINARY, "zeros", "integers", "random", "sparse", "strided", "constant")
     + ("large", "tiny")
@@ -79,6 +65,11 @@ class Property:
     examples: int = EXAMPLES
     combined: tuple[str, ...] = ()  # sizes and classes of which every combination is drawn
 
+    def cases(self) -> list[Case]:
+        """Random cases, the same ones every time, those of the smallest arrays first."""
+        name = f"{self.operation}: {self.name}"
+        return random_cases(name, self.sizes, self.examples, self.combined)
+
     @property
     def definition(self) -> Operation | None:
         """The operation, if its value and pullback have a definition to compare with."""
@@ -108,27 +99,6 @@ def property_of(
     """A property of an operation, tried with its sizes and further classes."""
     check, sizes = Comparison(operation, findings), {**operation.sizes, **classes}
     return Property(operation.name, name, statement, check, operation.arguments, sizes, **others)
-
-
-def drawn_cases(stated: Property) -> list[Case]:
-    """Random cases of a property, seeded by its name, those of the smallest arrays first.
-
-    Each small size and each class is drawn as often, a large size once, beside small ones, and
-    every combination of what the property names once, or twice where these are few.
-    """
-    sizes, names = stated.sizes, [name for name in stated.combined if name in stated.sizes]
-    every = math.prod(len(sizes[name]) for name in names)
-    count = max(stated.examples, every, min(2 * every, MANY))
-    rng = np.random.default_rng(zlib.crc32(f"{stated.operation}: {stated.name}".encode()))
-    columns = {name: drawn_column(rng, options, count) for name, options in sizes.items()}
-    combined = islice(cycle(product(*(sizes[name] for name in names))), count)
-    columns.update(zip(names, map(list, zip(*combined, strict=True)), strict=True))
-    large = [(name, option) for name in sizes for option in filter(is_large, sizes[name])]
-    for number, (name, option) in zip(rng.permutation(count), large, strict=False):
-        columns[name][number] = option
-    rows = (tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
-    cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
-    return sorted(cases, key=lambda case: case.entries)
 
 
 def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:

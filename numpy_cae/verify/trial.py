@@ -17,17 +17,7 @@ from numpy_cae.verify.case import (
 from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.diagnosis import likely_mistake
 from numpy_cae.verify.messages import LONGEST_TEXT, described
-from numpy_cae.verify.property import (
-    Outcome,
-    Property,
-    agrees,
-    case_of,
-    copied,
-    copies,
-    differentiated,
-    drawn_cases,
-    drawn_upstream,
-)
+from numpy_cae.verify.property import Outcome, Property, agrees, case_of, right_results
 
 WORTH_A_RESULT = 12
 
@@ -87,9 +77,10 @@ def example_of(
     arguments = properties[0].arguments(case)
     if operation is None:
         return Example(arguments)
-    value, pullback = operation.reference(*copies(arguments))
-    dy = drawn_upstream(case, value)
-    return Example(arguments, dy, value, differentiated(operation, pullback(copied(dy))))
+    dy, right = right_results(operation, case)
+    value, *gradients = right.values()
+    named = dict(zip(operation.differentiated, gradients, strict=True))
+    return Example(arguments, dy, value, named)
 
 
 def try_property(tried: Property, implementation: Callable, shrink: bool = True) -> Outcome:
@@ -120,7 +111,7 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
 
 def failing_case(tried: Property, implementation: Callable) -> Case | None:
     """The first of the drawn cases in which a property does not hold, if there is one."""
-    cases = drawn_cases(tried)
+    cases = tried.cases()
     return next((c for c in cases if _failure(tried, implementation, c)[0] is not None), None)
 
 

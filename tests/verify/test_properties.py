@@ -10,7 +10,6 @@ from numpy_cae.verify import strategies
 from numpy_cae.verify.case import VALUES
 from numpy_cae.verify.catalogue import CATALOGUE
 from numpy_cae.verify.conventions import conventions_of
-from numpy_cae.verify.property import drawn_cases
 
 
 def test_properties_are_data():
@@ -24,7 +23,7 @@ def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
     seeds = set()
     for task in CATALOGUE.values():
         for tried in task.properties:
-            cases = list(drawn_cases(tried))
+            cases = tried.cases()
             for name, options in tried.sizes.items():
                 assert {case[name] for case in cases} == set(options)
             assert len(tried.sizes["values"]) < len(VALUES) or "ties" in tried.sizes["values"]
