@@ -65,13 +65,9 @@ def _near_ties(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -
     return rng.choice([-1.0, 0.0, 0.5], shape) * reach + 1e-8 * spread(rng, shape)
 
 
-def _wide(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
-    return spread(rng, shape, reach) * 10 ** rng.uniform(-9, 2.5, shape)
-
-
 def _identity(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
-    square = np.eye(*((1, *shape)[-2:]))
-    return np.zeros(shape) + square.reshape(shape[-2:])
+    row, column = np.indices((1, *shape))[-2:, 0]
+    return np.where(row == column, 1.0, 0.0)
 
 
 def _along_an_axis(change: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
@@ -83,11 +79,6 @@ def _along_an_axis(change: Callable[..., np.ndarray]) -> Callable[..., np.ndarra
         return np.ascontiguousarray(np.moveaxis(change(array, rng), 0, axis))
 
     return drawn_along
-
-
-def _one_slice_zero(array: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    array[rng.integers(len(array))] = 0
-    return array
 
 
 def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
@@ -109,10 +100,12 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "offset": lambda rng, shape, reach: 1e4 + spread(rng, shape, reach),
     "huge": _chosen(-500.0, -500.0, -50.0, -15.0, 15.0, 50.0, 500.0, 500.0),
     "mixed": _mixed,
-    "wide": _wide,
+    "wide": lambda rng, shape, reach: spread(rng, shape, reach) * 10 ** rng.uniform(-9, 2.5, shape),
     "constant": lambda rng, shape, reach: np.full(shape, rng.uniform(-reach, reach)),
     "identity": _identity,
-    "a slice of zeros": _along_an_axis(_one_slice_zero),
+    "a slice of zeros": _along_an_axis(
+        lambda array, rng: np.insert(array[1:], rng.integers(len(array)), 0, 0)
+    ),
     "repeated slices": _along_an_axis(lambda array, rng: array[np.arange(len(array)) // 2]),
     "equal slices": _along_an_axis(lambda array, rng: array[np.zeros(len(array), int)]),
     "symmetric": _along_an_axis(lambda array, rng: (array + array[::-1]) / 2),
@@ -125,25 +118,13 @@ EXTREME = _chosen(-1e30, 1e30, 1e-30, -1e-30, 1.0)
 """Numbers whose squares float32 cannot hold, for operations that do not multiply them."""
 
 
-def _every_other(array: np.ndarray) -> np.ndarray:
-    larger = np.zeros((*array.shape[:-1], 2 * array.shape[-1]), dtype=array.dtype)
-    larger[..., ::2] = array
-    return larger[..., ::2]
-
-
-def _read_only(array: np.ndarray) -> np.ndarray:
-    array = array.copy()
-    array.flags.writeable = False
-    return array
-
-
 LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     ORDINARY: np.ndarray.copy,
     "in Fortran order": lambda array: array.copy(order="F"),
-    "every other entry": _every_other,
+    "every other entry": lambda array: np.stack([array, np.zeros_like(array)], axis=-1)[..., 0],
     "reversed": lambda array: np.flip(np.flip(array).copy()),
     "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
-    "read-only": _read_only,
+    "read-only": lambda array: np.broadcast_to(array.copy(), array.shape),
     "broadcast": lambda array: np.broadcast_to(array[:1], array.shape),
 }
 """The memory layouts that an array may have: none of them may change a result."""

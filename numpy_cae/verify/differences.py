@@ -4,12 +4,10 @@ Along a direction v the scalar L = Σ dy ∘ f(x) has the slope
 
     (L(x + h v) - L(x - h v)) / 2h      off by h² L'''/6 and by rounding, about ε|L|/h
 
-so the best step is about the cube root of ε, times the scale of x, if L''' and L are of a like
-size. Where the first step does not confirm the pullback, smaller ones follow, or larger ones where
-rounding hides the slope, and of all slopes the most certain one counts. The complex step,
-Im L(x + i h v) / h, has no such errors where f is analytic and computes with complex numbers. If
-the slopes to the left and to the right stay apart however small the step, as at 0 those of |x|,
-the pullback may have any number between them.
+so the best step is about the cube root of ε, times the scale of x. Where it does not confirm the
+pullback, smaller or larger ones follow, and of all slopes the most certain one counts. The complex
+step, Im L(x + i h v) / h, has no such errors where f is analytic. If the slopes to the left and to
+the right stay apart however small the step, as at 0 those of |x|, any number between them is right.
 """
 
 import warnings

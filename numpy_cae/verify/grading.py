@@ -82,12 +82,11 @@ def grade(
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
-    The file is a Python file, whose functions with the name of an operation are tested, or a
-    lesson's notebook, whose exercise cells are. `catalogue` is the module whose `CATALOGUE` lists
-    what is tested, and whose `ASSIGNMENTS`, if it has them, the names in each lesson. `named` has
-    the functions with other names, by operation. The limits are those of the whole file, and of
-    the memory of one process (on Linux). All exercises of `lesson`, such as "03", count; by default
-    it is that of a notebook's cells or of a name such as 03_mine.py.
+    Tested are the functions of a Python file with the name of an operation, or the exercise cells
+    of a notebook. `catalogue` is the module with a `CATALOGUE` of what may be tested, and perhaps
+    `ASSIGNMENTS`, the names in each lesson; `named` has functions with other names, by operation.
+    The limits are those of the whole file, and of the memory of one process (on Linux). All
+    exercises of `lesson`, by default that of the cells or of a name such as 03_mine.py, count.
 
     Raises a ValueError if there is no such operation or lesson.
     """

@@ -17,10 +17,8 @@ from numpy_cae.verify.operation import Operation
 EXACT = 1e-10
 EXAMPLES = 28
 """The number of cases drawn, unless a property states another."""
-UPSTREAM = {
-    "upstream": (ORDINARY, "zeros", "integers", "random", "sparse", "strided", "constant")
-    + ("large", "tiny")
-}
+KINDS = "zeros integers random sparse strided constant large tiny".split()
+UPSTREAM = {"upstream": (ORDINARY, *KINDS)}
 
 Findings = Iterator[tuple]
 """Of each thing compared: what it is, as found, as expected, and the tolerance if not EXACT."""

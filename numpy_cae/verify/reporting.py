@@ -39,16 +39,12 @@ class Report:
         kinds = [_kind(outcome.stated.name) for outcome in self.outcomes]
         if not {"value", "gradient"} & set(kinds):
             kinds = [kind or "value" for kind in kinds]
-        wrong = {
-            kind for kind, outcome in zip(kinds, self.outcomes, strict=True) if not outcome.held
-        }
+        each = list(zip(kinds, self.outcomes, strict=True))
+        wrong = {kind for kind, outcome in each if not outcome.held}
         needed = {"value": set(), "gradient": {"value"}}  # by the others: both
-        return [
-            outcome.stated.points
-            if outcome.held and not wrong & needed.get(kind, {"value", "gradient"})
-            else 0
-            for kind, outcome in zip(kinds, self.outcomes, strict=True)
-        ]
+        counts = (not wrong & needed.get(kind, {"value", "gradient"}) for kind in kinds)
+        points = (outcome.held * outcome.stated.points for outcome in self.outcomes)
+        return [own * right for own, right in zip(points, counts, strict=True)]
 
     @property
     def possible(self) -> int:
@@ -166,12 +162,11 @@ def report_on(
 ) -> Report:
     """`report`, for a task of any catalogue and an implementation of any name."""
     called = called or getattr(implementation, "__name__", task.name)
-    outcomes: list[Outcome] = []
-    for stated in task.properties:
-        if outcomes and outcomes[0].problem.startswith(UNSOLVED):
-            outcomes.append(Outcome(stated, held=False, problem=UNSOLVED))
-        else:
-            outcomes.append(try_property(stated, implementation))
+    outcomes = [try_property(task.properties[0], implementation)]
+    unsolved = outcomes[0].problem.startswith(UNSOLVED)
+    for stated in task.properties[1:]:
+        stub = Outcome(stated, held=False, problem=UNSOLVED)
+        outcomes.append(stub if unsolved else try_property(stated, implementation))
     others = in_other_conventions(task) if any_convention else ()
     if not all(outcome.held for outcome in outcomes):
         for other in others:

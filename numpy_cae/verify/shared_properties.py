@@ -40,26 +40,23 @@ ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "re
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has, those of its arguments one by one."""
-    value = "the value is that of the definition, loop by loop"
-    yield property_of(operation, "value", value, _value, {}, points=VALUE_POINTS)
+    yield property_of(operation, "value", VALUE, _value, {}, points=VALUE_POINTS)
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        check, classes = _gradient_for(name), UPSTREAM | operation.without_ties
-        title = f"gradient for {name}"
-        yield property_of(operation, title, statement, check, classes, points=GRADIENT_POINTS)
+        classes, points = UPSTREAM | operation.without_ties, {"points": GRADIENT_POINTS}
+        check, title = _gradient_for(name), f"gradient for {name}"
+        yield property_of(operation, title, statement, check, classes, **points)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
         classes = UPSTREAM | ALIKE_IN_SIZE
         yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name), classes)
-    known = operation.sizes
     for name, statement, findings, classes, combined in SHARED:
-        if findings is not compared:
-            yield property_of(operation, name, statement, findings, classes, combined=combined)
-        elif operation.reference:
-            longer = {size: (*known[size], *LONG[size]) for size in LONG if size in known}
-            classes = {**classes, **longer}
-            yield property_of(operation, name, statement, findings, classes, combined=combined)
+        yield property_of(operation, name, statement, findings, classes, combined=combined)
+    if operation.reference:
+        longer = {name: (*sizes, *LONG.get(name, ())) for name, sizes in operation.sizes.items()}
+        longer["upstream"], every = (ORDINARY, "random"), ("values", "of")
+        yield property_of(operation, "special inputs", SPECIAL, compared, longer, combined=every)
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -193,12 +190,11 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
     value, pullback = implementation(*given)
     dy = drawn_upstream(case, value)
     yield from arguments_after("call")
-    if case.get("layout") == "broadcast":
-        layout = np.ndarray.copy
     for layout_of_dy in (layout, np.ndarray.copy):
         dy_given = layout_of_dy(dy) if np.ndim(dy) else copied(dy)
+        dy_before = np.copy(dy_given)
         pullback(dy_given)
-        yield "the upstream gradient, which the pullback must not alter,", dy_given, dy, 0
+        yield "the upstream gradient, which the pullback must not alter,", dy_given, dy_before, 0
         yield from arguments_after("pullback")
 
 
@@ -266,6 +262,7 @@ def _again(what: str, found, expected) -> tuple:
     return what, found, expected
 
 
+VALUE = "the value is that of the definition, loop by loop"
 LINEARITY = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
 DTYPE = "float32 stays float32, with its precision, float64 likewise"
 PURITY = "no argument and no upstream gradient is altered"
@@ -279,6 +276,5 @@ SHARED = (
     ("purity", PURITY, _purity, UPSTREAM | LAYOUT, ()),
     ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
     ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
-    ("special inputs", SPECIAL, compared, {"upstream": (ORDINARY, "random")}, ("values", "of")),
 )
 """Name, statement, findings, classes, and of what every combination is drawn."""

@@ -1,9 +1,8 @@
 """Other conventions of an operation: right in their own way, but not what the contract says.
 
-The contract is that of `numpy_cae.ops`. A report that is asked to allow other conventions says
-which one a function follows, and tests it by the definition in that convention. Each is a patch
-of an operation (`patch.py`), in the text file that has the operation's name; its sentence tells
-what differs, and in parentheses stands the property, if any, that only the contract has.
+Each is a patch of an operation (`patch.py`), in the text file that has the operation's name; its
+sentence tells what differs, and in parentheses stands the property, if any, that only the contract
+has.
 """
 
 from functools import cache

@@ -1,8 +1,7 @@
 """Planted bugs: classic mistakes in derivatives, each a small patch of a right operation.
 
-The properties catch every one of them, each by the property that the bug names; a report compares
-a failing implementation with them to name a likely mistake. In lesson 12 students look for the
-mistake in the source of some of them.
+Each is caught by the property that it names; a report compares a failing implementation with them
+to name a likely mistake. In lesson 12 students look for some of them.
 """
 
 from pathlib import Path
