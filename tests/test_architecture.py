@@ -47,7 +47,7 @@ BUDGET = {
     "motion": 5280,
     "manifold": 1780,
     "fast": 1900,
-    "verify": 3090,
+    "verify": 3064,
     "measures baselines viz": 1850,
     "beyond": 800,
     "experiments": 5020,

@@ -211,8 +211,6 @@ def written(value: object) -> str:
     """An argument or result as it is printed in a counterexample."""
     if not isinstance(value, np.ndarray):
         return f"{value:.6g}" if isinstance(value, float) else repr(value)
-    if value.size == 0:
-        return f"np.empty({value.shape})"
     if value.dtype.kind == "f":
         value = np.array([f"{v:.6g}" for v in value.flat], float).reshape(value.shape)
     return str(value.tolist())

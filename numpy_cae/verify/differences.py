@@ -61,8 +61,7 @@ class Argument:
     def judge(self, direction: np.ndarray, tolerance: float) -> Verdict:
         """Compare the pullback's number for a direction with slopes at several steps.
 
-        The tolerance is relative to the larger of both numbers, and of the sum of the sizes of
-        what the outputs contribute to the slope.
+        The tolerance is relative to the larger of both, and of what all outputs contribute.
         """
         analytic = float(np.sum(self.gradient * direction))
         first, along = np.cbrt(self.epsilon), self.x[direction != 0]
@@ -120,11 +119,7 @@ class Argument:
 
 
 def step_scale(x: np.ndarray) -> np.ndarray:
-    """The scale of each entry of x, which its step is relative to.
-
-    The larger of the entry itself and the median entry, so that neither a zero nor a single huge
-    entry makes the others' steps useless.
-    """
+    """What the step of each entry of x is relative to: the larger of it and the median entry."""
     magnitude = np.abs(x)
     present = magnitude[magnitude > 0]
     typical = np.median(present) if present.size else 1.0

@@ -213,10 +213,7 @@ def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) ->
 
 
 def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
-    """Every entry in turn; of a large array, random directions of entries that contribute alike.
-
-    What a small entry contributes would be lost beside that of a large one.
-    """
+    """Every entry in turn; of a large array, random directions of entries that contribute alike."""
     if at.x.size <= EVERY_ENTRY_UP_TO:
         yield from _entries(at.x, range(at.x.size))
         return

@@ -50,8 +50,7 @@ POINTS = {
     "directions": (1, 2, 3, 34),
 }
 LONG = {
-    "batch": (256, 300),
-    "frames": (256, 300),
+    **dict.fromkeys(("batch", "frames"), (256, 300)),
     "taps": (33,),
     "points": (256, 1030),
     "directions": (3, 5, 7, 64, 300),

@@ -69,13 +69,10 @@ for _names, _name, _statement, _values in COMPARED:
     _state(_names, _name, _statement, compared, {"values": _values})
 
 
-@states(
-    "conv1d",
-    "shift in time",
-    "away from the edges, a frame's delay of x delays y by a frame",
-    frames=(8, 9, 10),
-    taps=(1, 3, 5),
-)
+SHIFT = "away from the edges, a frame's delay of x delays y by a frame"
+
+
+@states("conv1d", "shift in time", SHIFT, frames=(8, 9, 10), taps=(1, 3, 5))
 def _shift(conv1d, case, x, w, b):
     beyond = len(w) // 2
     later = conv1d(np.roll(x, 1, axis=1), w, b)[0][:, beyond + 1 : case["frames"] - beyond]

@@ -17,8 +17,6 @@ from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.property import UPSTREAM
 from numpy_cae.verify.trial import Example, example_of
 
-__all__ = ["arguments", "examples"]
-
 
 def examples(name: str) -> st.SearchStrategy[Example]:
     """Arguments of an operation, an upstream gradient, and what the definition makes of them.

@@ -1,6 +1,5 @@
 """The smallest network with tied weights: one layer of holden2015 without its pooling.
 
-It is tested like an operation because a gradient is forgotten most easily where weights are tied:
 W and b act in encoding (equation 1) and in decoding (equation 2), and both add to the gradient.
 """
 

@@ -7,13 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.case import (
-    WORTH_PRINTING,
-    Case,
-    example_call,
-    smallest,
-    written,
-)
+from numpy_cae.verify.case import WORTH_PRINTING, Case, example_call, smallest, written
 from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.diagnosis import likely_mistake
 from numpy_cae.verify.messages import LONGEST_TEXT, described

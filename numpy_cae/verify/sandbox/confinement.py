@@ -87,8 +87,7 @@ def _refuse_actions(folder: str) -> None:
 def _isolate_modules() -> list[ModuleType]:
     """Replace every module by a copy, so that what a file changes there does not reach the tests.
 
-    The functions of the tests keep the modules that they have, NumPy and builtins among them.
-    Returns those, to be kept while they are in use.
+    The tests keep the modules that they have, which are returned, to be kept while in use.
     """
     loaded = [(name, module) for name, module in sys.modules.items() if name not in SHARED]
     ours = {name: module for name, module in loaded if type(module) is ModuleType}
