@@ -55,7 +55,7 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(operation, name, statement, findings, classes, combined=combined)
     if operation.reference:
         longer = {name: (*sizes, *LONG.get(name, ())) for name, sizes in operation.sizes.items()}
-        longer["upstream"], every = (ORDINARY, "random"), ("values", "of")
+        longer["upstream"], every = (ORDINARY, "random", "integers"), ("values", "of")
         yield property_of(operation, "special inputs", SPECIAL, compared, longer, combined=every)
 
 
