@@ -91,7 +91,7 @@ def _source_lines(operation: str) -> list[str]:
     lines = source.splitlines()
     docstring = function.body[0]
     kept = lines[: docstring.lineno - 1] + lines[docstring.end_lineno :]
-    return [line for line in kept if not line.strip().startswith("#")]
+    return [line.partition("  # ")[0] for line in kept if not line.strip().startswith("#")]
 
 
 def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name: str) -> list[str]:
