@@ -20,7 +20,8 @@ from numpy_cae.cli import change_files, damage_options, one_motion
 from numpy_cae.cli.output import note
 from numpy_cae.manifold import Repaired, SequenceManifold, project_motion, repair, repair_sequence
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import Mappings, Motion, body_positions
+from numpy_cae.manifold.repaired import distances
+from numpy_cae.motion import Mappings, Motion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,7 +92,5 @@ def _repaired(
 
 def _whole(motion: Motion, changed: Motion, mapping: Mappings) -> Repaired:
     """The result of a method that changes everything; it may remove a T-pose at the beginning."""
-    after = body_positions(changed, mapping)
-    before = body_positions(motion, mapping)[-len(after) :]
-    moved = np.linalg.norm(after - before, axis=-1)
+    moved = distances(motion, changed, mapping)
     return Repaired(changed, np.ones(moved.shape, bool), moved)

@@ -12,14 +12,14 @@ from numpy_cae.manifold.detect import direct_damage, find_damage, residual
 from numpy_cae.manifold.fill import fill_positions, whole_features
 from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.repaired import Repaired, change_joints
+from numpy_cae.manifold.repaired import Repaired, change_joints, distances
 from numpy_cae.manifold.smooth import smooth_motion
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import body_positions, find_joints
+from numpy_cae.motion.retarget.rigs import find_joints
 
 UNKNOWN = 0.12
 """Metres of the largest typical residual of a motion like those that the manifold knows: more than
@@ -79,8 +79,7 @@ def repair(
 def without_jitter(repaired: Repaired, body: Body) -> Repaired:
     """The same without jitter; every joint that moves counts as touched."""
     motion = smooth_motion(repaired.motion)
-    after = body_positions(motion, body.mapping)
-    moved = np.linalg.norm(after - body.positions_in_file, axis=-1)
+    moved = distances(body.motion, motion, body.mapping)
     return replace(repaired, motion=motion, touched=moved > 0, moved=moved)
 
 
@@ -102,7 +101,9 @@ def project_motion(
     """
     body = manifold.body(motion, mapping)
     projected = manifold.project(body.features, manifold.shifts)
-    return body.to_rig(*keep_trajectory(body.features, projected, body.root, manifold.rate))
+    kept = keep_trajectory(body.features, projected, body.root, manifold.rate)
+    del projected  # in an hour, 50 MB
+    return body.to_rig(*kept)
 
 
 def keep_trajectory(

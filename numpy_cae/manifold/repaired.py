@@ -7,7 +7,7 @@ import numpy as np
 from numpy_cae.manifold.holes import spline
 from numpy_cae.motion.body import Body
 from numpy_cae.motion.motion import Motion, blocks
-from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.rigs import Mappings, find_joints
 
 
 @dataclass(frozen=True)
@@ -60,9 +60,8 @@ def change_joints(
     residual : float
         Of `Repaired`.
     """
-    moved = np.zeros(touched.shape)
     if not touched.any():
-        return Repaired(original, touched, moved, residual)
+        return Repaired(original, touched, np.zeros(touched.shape), residual)
     own = body.positions_in_file
     positions = body.in_file_frames(target)
     for joint in np.flatnonzero(touched.any(axis=0)):
@@ -73,8 +72,19 @@ def change_joints(
             positions[:, column] += spline(miss, touched[:, column])
         positions[:, joint] = own[:, joint] + strength * (positions[:, joint] - own[:, joint])
     motion = body.retarget(positions, touched)
-    joints = find_joints(motion.skeleton, body.mapping)
-    for frames in blocks(np.flatnonzero(touched.any(axis=1))):
-        change = motion.at(frames).positions(joints) - original.at(frames).positions(joints)
-        moved[frames] = np.linalg.norm(change, axis=-1)
+    moved = distances(original, motion, body.mapping, np.asarray(touched.any(axis=1)))
     return Repaired(motion, touched, moved, residual)
+
+
+def distances(
+    before: Motion, after: Motion, mapping: Mappings, changed: np.ndarray | None = None
+) -> np.ndarray:
+    """How far each of the twenty joints moved, (frames, 20) in metres; 0 in frames that are not
+    `changed` (frames), by default none. If `after` is shorter, it is the end of `before`."""
+    joints = find_joints(after.skeleton, mapping)
+    before = before.at(slice(len(before) - len(after), None))
+    moved = np.zeros((len(after), len(joints)))
+    for frames in blocks(np.arange(len(after)) if changed is None else np.flatnonzero(changed)):
+        change = after.at(frames).positions(joints) - before.at(frames).positions(joints)
+        moved[frames] = np.linalg.norm(change, axis=-1)
+    return moved

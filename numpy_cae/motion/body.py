@@ -107,11 +107,11 @@ class Body:
             With the skeleton, rate and unit of the motion. Joints beyond the twenty keep their
             rotation relative to their parent.
         """
-        positions = self.positions_of(features, root)
         truncated = replace(self, motion=_truncated(self.motion, len(features)))
         # Below 30 frames a second the last pose can lie after the last frame.
-        positions = positions[: len(truncated.motion.source_frames(RATE))]
-        return truncated.retarget(truncated.in_file_frames(positions))
+        poses = len(truncated.motion.source_frames(RATE))
+        positions = truncated.in_file_frames(self.positions_of(features, root)[:poses])
+        return truncated.retarget(positions)
 
 
 def hold_first_pose(motion: Motion, frames: int) -> Motion:

@@ -9,15 +9,7 @@ from itertools import permutations
 
 import numpy as np
 
-from numpy_cae.motion.quaternions import (
-    IDENTITY,
-    angle,
-    from_angles,
-    inverse,
-    product,
-    rotate,
-    to_angles,
-)
+from numpy_cae.motion import quaternions
 
 
 @dataclass(frozen=True)
@@ -73,12 +65,12 @@ class Channels:
         order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
         if order.islower():  # fixed axes are the joint's own in reverse
             order, angles = order[::-1].upper(), angles[:, ::-1]
-        found = from_angles(order, angles)
+        found = quaternions.from_angles(order, angles)
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
-            found[:, :3] = rotate(self.axes, found[:, :3])
+            found[:, :3] = quaternions.rotate(self.axes, found[:, :3])
         if self.orientation is not None:
-            found = product(self.orientation, found)
+            found = quaternions.product(self.orientation, found)
         return found
 
     def rotation_values(
@@ -95,9 +87,10 @@ class Channels:
         """
         local = rotations
         if self.orientation is not None:
-            local = product(inverse(self.orientation), local)
+            local = quaternions.product(quaternions.inverse(self.orientation), local)
         if self.axes is not None:
-            local = product(product(inverse(self.axes), local), self.axes)
+            inverse = quaternions.inverse(self.axes)
+            local = quaternions.product(quaternions.product(inverse, local), self.axes)
         angles = nearest_angles(local, self.order)
         unit = np.radians(1.0) if self.degrees else 1.0
         jump = 0 if before is None else len(angles)
@@ -126,7 +119,7 @@ def read_pose(
 
     A joint without position channels has its offset, of `offsets` (J, 3), in every frame.
     """
-    rotations = np.tile(IDENTITY, (len(values), len(channels), 1))
+    rotations = np.tile(quaternions.IDENTITY, (len(values), len(channels), 1))
     translations = np.tile(offsets, (len(values), 1, 1))
     for joint, own in enumerate(channels):
         for coordinate, column in zip(own.coordinates, own.columns("t"), strict=True):
@@ -170,10 +163,11 @@ def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
     for three in map("".join, permutations("XYZ")):
         places = [three.index(axis) for axis in order]
         if places == sorted(places):
-            angles = to_angles(three, rotations)[:, places]
+            angles = quaternions.to_angles(three, rotations)[:, places]
             if len(order) == 3:
                 return angles
-            miss = angle(product(inverse(from_angles(order, angles)), rotations))
+            inverse = quaternions.inverse(quaternions.from_angles(order, angles))
+            miss = quaternions.angle(quaternions.product(inverse, rotations))
             found[miss < least] = angles[miss < least]
             least = np.minimum(least, miss)
     return found

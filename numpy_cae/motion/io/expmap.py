@@ -14,18 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.motion import quaternions
+from numpy_cae.motion.io.channels import continuous_angles
 from numpy_cae.motion.io.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
 from numpy_cae.motion.io.text_file import MAX_LINE, TextFile
 from numpy_cae.motion.io.units import require_unit, unit_name
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.quaternions import (
-    angle,
-    from_angles,
-    from_vector,
-    inverse,
-    product,
-    to_angles,
-)
 
 _MIN_COMMAS = 40
 """In a line; no sentence has as many."""
@@ -61,7 +55,7 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     translations = np.tile(rig.skeleton.offsets, (len(values), 1, 1))
     translations[:, 0] = values[:, :3] * metres
     vectors = values[:, 3:].reshape(len(values), -1, 3)[:, rig.joints]
-    rotations = from_vector(-vectors.reshape(-1, 3))
+    rotations = quaternions.from_vector(-vectors.reshape(-1, 3))
     rotations = rotations.reshape(len(values), -1, 4)
     if rig is CMU:
         rotations[:, 0] = cmu_root(rotations[:, 0])
@@ -116,18 +110,12 @@ def cmu_root(text: np.ndarray) -> np.ndarray:
     Three angles and (z + π, π - x, y + π) are the same rotation in the text's order, but two
     in the database's; so the angles are chosen to be continuous from frame to frame.
     """
-    zxy = to_angles("ZXY", text)
-    other = np.stack([zxy[:, 0] + np.pi, np.pi - zxy[:, 1], zxy[:, 2] + np.pi], axis=1)
-    cuts = np.append(True, angle(product(text[1:], inverse(text[:-1]))) > _CUT)
-    continuous = np.empty_like(zxy)
-    for frame, (one, two, cut) in enumerate(zip(zxy, other, cuts, strict=True)):
-        if cut:
-            # The database begins with y between -90° and 90°.
-            continuous[frame] = one if abs(one[2]) <= np.pi / 2 else two
-        else:
-            before = continuous[frame - 1]
-            period = 2 * np.pi
-            near = [angles + period * np.round((before - angles) / period) for angles in (one, two)]
-            continuous[frame] = min(near, key=lambda angles: np.sum((angles - before) ** 2))
-    z, x, y = continuous.T
-    return from_angles("ZYX", np.stack([z, y, x], axis=1))
+    zxy = quaternions.to_angles("ZXY", text)
+    steps = quaternions.angle(quaternions.product(text[1:], quaternions.inverse(text[:-1])))
+    parts = np.split(zxy, np.flatnonzero(steps > _CUT) + 1)
+    for part in parts:  # each is a part of zxy
+        if abs(part[0, 2]) > np.pi / 2:  # the database begins with y between -90° and 90°
+            part[0] = part[0] * [1, -1, 1] + np.pi
+        part[:] = continuous_angles(part)
+    z, x, y = zxy.T
+    return quaternions.from_angles("ZYX", np.stack([z, y, x], axis=1))

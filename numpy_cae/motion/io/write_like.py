@@ -32,6 +32,7 @@ _NOTICEABLE = 0.5
 """Degrees by which a rotation may miss, for want of channels or by limits, without a message."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """What is between words."""
+_Words = tuple[list[str], list[str]]
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ def _replaced(
     return texts, values[-1]
 
 
-def _words(text: str) -> tuple[list[str], list[str]]:
+def _words(text: str) -> _Words:
     """The words of a text, and what is before, between and after them; of single spaces, nothing
     between."""
     body = text.strip()
@@ -191,9 +192,7 @@ def _put_angles(
     return miss
 
 
-def _decimals(
-    words: dict[int, tuple[list[str], list[str]]], numbers: dict[int, Sequence[int]]
-) -> int:
+def _decimals(words: dict[int, _Words], numbers: dict[int, Sequence[int]]) -> int:
     """The most decimals of a number in some of the frames."""
     some = islice(words, 0, None, max(1, len(words) // 50))
     texts = (words[frame][0][place] for frame in some for place in numbers[frame])

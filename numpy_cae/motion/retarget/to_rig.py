@@ -124,8 +124,10 @@ def retarget(
         damaged = np.any(touched[:, [joints.index(bone.end) for bone in passing]], axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
-        present = motion.at(frames).positions(joints)
-        targets = np.where(touched[frames][..., None], positions[frames], present)
+        targets = positions[frames]
+        if not touched[frames].all():
+            present = motion.at(frames).positions(joints)
+            targets = np.where(touched[frames][..., None], targets, present)
         part = replace(motion, rotations=rotations, translations=translations).at(frames)
         before, rotations_before = part.forward_kinematics()
         if touched[frames, 0].any():
