@@ -1,5 +1,5 @@
 """Make a small synthetic set of motions, train on it, repair a test clip that lost half of its
-values, and compare that with doing nothing and with PCA.
+values, and compare that with PCA.
 
 example: numpy-cae demo -o demo
 """
@@ -12,8 +12,8 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.takes import read_takes
 from numpy_cae.experiments.material import unlabelled
 from numpy_cae.experiments.repair import half_zeroed
-from numpy_cae.manifold import learn_manifold, save_manifold
-from numpy_cae.motion import fit_motion, write_bvh
+from numpy_cae.manifold import learn_manifold, project_motion, save_manifold
+from numpy_cae.motion import fit_motion, load_motion, write_bvh, write_like
 from numpy_cae.training import Schedule, Stage
 from numpy_cae.viz import save_viewer
 
@@ -47,13 +47,17 @@ def run(args: argparse.Namespace) -> int:
     save_viewer(figure.animation.actors, out / "index.html", figure.animation.rate, "numpy_cae")
     take = half_zeroed.typical(manifold, material.testing).positions
     for name, positions in half_zeroed.half_lost_positions(manifold, take, args.seed).items():
-        motion = fit_motion(positions, manifold.lengths, manifold.rate)
-        write_bvh(motion, out / f"{name}.bvh")
+        write_bvh(fit_motion(positions, manifold.lengths, manifold.rate), out / f"{name}.bvh")
+    corrupted = load_motion(out / "corrupted.bvh")
+    projected = project_motion(corrupted, manifold)
+    write_like(out / "corrupted.bvh", corrupted, projected, out / "projected.bvh")
     print(
-        f"{out}/index.html: open it in a browser; orange lost half of its values, blue is its "
-        f"projection, green the truth\n{out}/figure_1.png and .gif: the same as pictures\n"
-        f"{out}/projected.bvh, corrupted.bvh, truth.bvh: the same for Blender\n"
-        f"{out}/model.npz: the manifold, for `numpy-cae repair`"
+        f"{out}/index.html: open it in a browser; orange lost half of its values, path included, "
+        f"blue is its projection, green the truth\n"
+        f"{out}/figure_1.png and .gif: the same as pictures\n"
+        f"{out}/truth.bvh and corrupted.bvh: the same for Blender, both on the true path\n"
+        f"{out}/projected.bvh: made by `numpy-cae repair {out}/corrupted.bvh -m {out}/model.npz "
+        f"--project -o {out}/projected.bvh`"
     )
     return 0
 

@@ -1,10 +1,12 @@
 """The commands: what starting them imports, what they write, how they fail."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
@@ -131,12 +133,15 @@ def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     monkeypatch.setattr(demo, "SCHEDULE", Schedule(Stage(epochs=1), Stage(1, 0.05, 0.9, 0.0)))
     run("demo", "-o", tmp_path / "demo", "--quiet")
     out = capsys.readouterr().out
-    for method in ("doing nothing", "PCA on frames", "PCA on windows", "the network"):
+    for method in ("as damaged", "PCA on frames", "PCA on windows", "the network"):
         assert f"| {method} " in out
     motions = {"corrupted.bvh", "projected.bvh", "truth.bvh"}
     expected = {"motions", "model.npz", "figure_1.png", "figure_1.gif", "index.html", *motions}
     assert {path.name for path in (tmp_path / "demo").iterdir()} == expected
-    assert len(load_motion(tmp_path / "demo" / "projected.bvh")) == 45
+    command = re.search(r"made by `numpy-cae (.*)`", out)[1].split()
+    projected = Path(command[-1]).read_bytes()
+    run(*command)
+    assert len(load_motion(command[-1])) == 45 and Path(command[-1]).read_bytes() == projected
 
 
 def test_a_truncated_file_and_outputs_that_cannot_be(walks, model, tmp_path, error_of):

@@ -81,12 +81,12 @@ def test_a_take_in_one_piece_is_the_whole_take(result_of):
 def test_half_zeroed_rows_that_need_no_network(small_manifold, labelled):
     half = half_zeroed.run(small_manifold, labelled).tables[0]
     whole, lost = half.header[1:3]
-    assert half.value("doing nothing", whole) == 0
+    assert half.value("as damaged", whole) == 0
     assert half.value("PCA on frames", whole) == pytest.approx(0, abs=1e-4)
     # Half of all values lost at random: half of the mean pose's squared error remains.
     mean = half.value("the mean pose", lost)
     assert half.value("the mean pose", whole) == mean
-    assert half.value("doing nothing", lost) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
+    assert half.value("as damaged", lost) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
     assert half.value("PCA on frames", lost) < mean and half.value("PCA on windows", lost) < mean
 
 

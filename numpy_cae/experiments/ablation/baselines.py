@@ -13,7 +13,7 @@ from numpy_cae.experiments.split import Split
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.training import zero_values
 
-NOTHING, LINEAR = "doing nothing", "linear denoiser, 15 frames"
+NOTHING, LINEAR = "as damaged", "linear denoiser, 15 frames"
 PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
 
 
