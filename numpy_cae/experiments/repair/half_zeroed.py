@@ -25,8 +25,8 @@ PCA_WINDOWS = 2000
 """Windows that PCA on windows is fitted to at most, chosen evenly, to save memory."""
 HEADER = ("method", "reconstruction, cm", "half zeroed, cm", "share of damage", "axes of PCA")
 NOTE = (
-    "Errors are in the body's own frame, without path and heading. PCA has the number of axes that "
-    "is best on the test takes, for each of the two columns."
+    "Errors are of the pose in the body's own frame, without path and heading. PCA has the number "
+    "of axes that is best on the test takes, for each of the two columns."
 )
 
 
@@ -77,7 +77,7 @@ def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Res
     features, _ = manifold.features(typical(manifold, material.testing).positions)
     motions = _half_lost(manifold, features, seed)
     errors = {name: position_error(x, features) for name, x in motions.items()}
-    labels = [f"{name}, {errors[name]:.1f} cm off in the body's frame" for name in list(errors)[:2]]
+    labels = [f"{name}, {errors[name]:.1f} cm off in pose" for name in list(errors)[:2]]
     drawn = zip(motions.values(), (CORRUPTED, PROJECTED, TRUTH), strict=True)
     return Result(
         "Figure 1: half of the values lost",
