@@ -59,7 +59,7 @@ def write_commands() -> None:
     parts = ["# Commands\n"]
     for name, line in cli.SUBCOMMANDS.items():
         parser = cli.subcommand_parser(name)
-        parts.append(f"## {name}\n\n{line[0].upper()}{line[1:]}.\n")
+        parts.append(f"## {name}\n\n{line}.\n")
         parts.append(f"```text\n{parser.format_help()}```\n")
     write_if_changed(HERE / "reference" / "commands.md", "\n".join(parts))
 

@@ -8,32 +8,52 @@ standard error and exit status 2, without a traceback.
 """
 
 import argparse
+import os
+import re
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from importlib import import_module
+from pathlib import Path
+from typing import NoReturn
 
 from numpy_cae import __version__
 from numpy_cae.errors import NumpyCaeError
 
+
+def _first_sentence(name: str) -> str:
+    """Of a subcommand's description, without importing its module."""
+    source = Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")
+    return " ".join(source.split('"""')[1].split()).split(". ")[0]
+
+
 SUBCOMMANDS = {
-    "demo": "make motions, learn from them and repair one, in about a minute; needs no files",
-    "download": "download motion files of the CMU database",
-    "train": "learn a manifold from folders of motion files",
-    "repair": "repair a motion by projecting it onto a manifold",
-    "fill": "fill in a missing joint, or the frames between keyframes",
-    "interpolate": "interpolate between two motions along a manifold",
-    "compare": "compute the distances between motions",
-    "sample": "sample new motions from a manifold",
-    "rig": "say which joints, axes and unit a motion file has, and write a mapping for its rig",
-    "show": "draw a motion file as a strip of poses and an animation",
-    "report": "run every experiment of holden2015 and write one page of results",
-    "study": "run every experiment of jang2018 and write its results",
-    "lessons": "write student copies of the lessons, or run the originals",
-    "verify": "check and grade the operations in a Python file",
-    "bench": "measure the speed of training and projection",
+    name: _first_sentence(name)
+    for name in (
+        "demo download train repair fill interpolate compare sample rig show report study lessons "
+        "verify bench"
+    ).split()
 }
-"""Each subcommand, which is the module of that name, with its help in one line."""
+"""Each subcommand, which is the module of that name, with its help in one sentence."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, with the word that was perhaps meant."""
+
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[override]
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:  # refused here, where the options of the subcommand are known
+            self.refuse(unknown[0], re.findall(r"--[\w-]+", self.format_help()))
+        return found, unknown
+
+    def refuse(self, word: str, known: Iterable[str]) -> None:
+        close = get_close_matches(word, known, 1)
+        meant = f", did you mean {close[0]}?" if close else ""
+        self.error(f"unexpected argument {word}{meant}")
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -42,7 +62,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     command = _command(argv)
     try:
         args = _parser(argv).parse_args(argv)  # imports for a second
-        return args.run(args)
+        status = args.run(args)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # as in `numpy-cae repair … | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
         problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else error
         print(f"numpy-cae {command}: {problem}", file=sys.stderr)
@@ -60,12 +85,14 @@ def _command(argv: Sequence[str]) -> str | None:
 
 def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     """The parser, with the options of the subcommand that `argv` names and of no other."""
-    parser = argparse.ArgumentParser(
-        prog="numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
+    parser = _Parser(
+        "numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
     )
     parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     chosen = _command(argv)
+    if chosen is not None and chosen not in SUBCOMMANDS:
+        parser.refuse(chosen, SUBCOMMANDS)
     for name, help_line in SUBCOMMANDS.items():
         if name == chosen:
             _add_subcommand(subparsers, name)
@@ -76,7 +103,7 @@ def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
 
 def subcommand_parser(name: str) -> argparse.ArgumentParser:
     """The parser of one subcommand, for the documentation."""
-    return _add_subcommand(argparse.ArgumentParser(prog="numpy-cae").add_subparsers(), name)
+    return _add_subcommand(_Parser(prog="numpy-cae").add_subparsers(), name)
 
 
 def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:

@@ -27,9 +27,33 @@ def test_help_lists_every_subcommand_and_imports_none():
         "try: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
     )
     printed = run_python("-c", code).stdout
-    assert all(f"    {name} " in printed for name in SUBCOMMANDS)
+    indented = {line.split()[0] for line in printed.splitlines() if line.startswith("    ")}
+    assert set(SUBCOMMANDS) <= indented
+    assert "Find what is damaged in a motion, repair that" in printed
     heavy = {"numpy", "scipy", "torch", "data_synth", "numpy_cae.cli.train"}
     assert not set(printed.split()) & heavy
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("repiar a.bvh", "repair"),
+        ("repair a.bvh --smoth", "--smooth"),
+        ("rig a.bvh --ubit 1", "--unit"),
+    ],
+)
+def test_a_mistyped_word_is_answered_in_one_line(words, meant, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main(words.split())
+    (line,) = capsys.readouterr().err.splitlines()
+    assert exit_.value.code == 2 and f"did you mean {meant}?" in line
+
+
+def test_a_reader_that_ends_early_is_no_error(walks):
+    command = [sys.executable, "-m", "numpy_cae", "rig", walks / "walk_0.bvh"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b"" and process.wait() == 1
 
 
 def test_it_runs_as_a_module_and_prints_its_version():
@@ -175,4 +199,4 @@ def test_numbers_out_of_range_exit_with_2(options, capsys):
         main(["train", "x", "-o", "y", *options.split()])
     assert exit_.value.code == 2
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith(f"numpy-cae train: error: argument {options.split()[0]}: ")
+    assert last.startswith(f"numpy-cae train: argument {options.split()[0]}: ")
