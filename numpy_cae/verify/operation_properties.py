@@ -5,9 +5,9 @@ Where a property says what the definition returns for one class of values, it is
 """
 
 from collections.abc import Callable, Iterator
+from itertools import permutations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from numpy_cae import ops
 from numpy_cae.verify.case import ORDINARY, Case, spread
@@ -162,13 +162,13 @@ def _order(sliced_wasserstein, case, z, prior, directions):
         yield "in another order the gradient", gradient, of_order
 
 
+FEW = (1, 2, 3, 4, 5)
 CHEAPEST = "in one dimension it is the cheapest assignment on squared costs, mean over points"
 
 
-@states("sliced_wasserstein", "optimal assignment", CHEAPEST, dimensions=(1,))
+@states("sliced_wasserstein", "optimal assignment", CHEAPEST, points=FEW, dimensions=(1,))
 def _assignment(sliced_wasserstein, case, z, prior, directions):
-    cost = (z - prior.T) ** 2
-    cheapest = cost[linear_sum_assignment(cost)].mean()
+    cheapest = min(np.mean((np.array(order) - prior) ** 2) for order in permutations(z))
     yield "the distance", sliced_wasserstein(z, prior, np.ones((1, 1)))[0], cheapest
 
 
