@@ -83,13 +83,18 @@ class Motion:
         joints = range(len(self.skeleton.names)) if joints is None else joints
         found = np.empty((len(self), len(joints), 3))
         for frames in blocks(np.arange(len(self))):
-            found[frames] = self.at(frames).forward_kinematics()[0][:, joints]
+            found[frames] = self.at(frames).forward_kinematics(joints)[0][:, joints]
         return found
 
-    def forward_kinematics(self) -> tuple[np.ndarray, np.ndarray]:
-        """World positions (F, J, 3) in metres and global rotations (F, J, 4) of the joints."""
+    def forward_kinematics(
+        self, joints: Sequence[int] | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """World positions (F, J, 3) in metres and global rotations (F, J, 4) of the joints; of some
+        and those above them only, where `joints` names some."""
         positions, rotations = self.translations.copy(), self.rotations.copy()
-        for joint, parent in list(enumerate(self.skeleton.parents))[1:]:
+        ends = range(len(self.skeleton.names)) if joints is None else joints
+        for joint in sorted({each for end in ends for each in self.skeleton.path(end)} - {0}):
+            parent = self.skeleton.parents[joint]
             above = rotations[:, parent]
             rotations[:, joint] = quaternions.product(above, rotations[:, joint])
             positions[:, joint] = quaternions.rotate(above, positions[:, joint])

@@ -126,9 +126,8 @@ def _replaced(
     words = {frame: _words(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
     numbers = {frame: found.numbers(own) for frame, (own, _) in words.items()}
     values = np.zeros((len(texts), len(next(iter(numbers.values())))))
-    for frame, places in numbers.items():
-        own = words[frame][0]
-        values[frame] = [float(own[place]) for place in places]
+    read = zip(words.values(), numbers.values(), strict=True)
+    values[needed] = [[float(own[place]) for place in places] for (own, _), places in read]
     old = values.copy()
     for joint, channels in enumerate(found.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
@@ -144,8 +143,9 @@ def _replaced(
     written = iter(fixed(values[new], decimals))
     for frame in np.flatnonzero(changed).tolist():
         own, gaps = words[frame]
-        for column in np.flatnonzero(new[frame]).tolist():
-            own[numbers[frame][column]] = next(written)
+        columns, places = np.flatnonzero(new[frame]).tolist(), numbers[frame]
+        for column, text in zip(columns, written, strict=False):
+            own[places[column]] = text
         texts[frame] = _joined(own, gaps)
     return texts, values[-1]
 
