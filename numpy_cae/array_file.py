@@ -82,7 +82,9 @@ def load_arrays(
     except Exception:  # zipfile, zlib and NumPy raise a dozen kinds for damaged bytes
         raise ModelFileError(f"{path}: not a model that `numpy-cae train` wrote") from None
     try:
-        found = word(arrays, "format") if "format" in arrays else "no model"
+        if "format" not in arrays:
+            raise ValueError("not a model that `numpy-cae train` wrote")
+        found = word(arrays, "format")
         if found not in readers:
             expected = " or ".join(map(repr, readers))
             raise ValueError(

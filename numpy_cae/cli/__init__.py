@@ -49,8 +49,7 @@ class _Parser(argparse.ArgumentParser):
 
     def refuse(self, word: str, known: Iterable[str]) -> None:
         close = get_close_matches(word, known, 1)
-        meant = f", did you mean {close[0]}?" if close else ""
-        self.error(f"unexpected argument {word}{meant}")
+        self.error(f"unexpected argument {word}" + (f", did you mean {close[0]}?" if close else ""))
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")

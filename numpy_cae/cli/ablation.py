@@ -70,9 +70,9 @@ def run(args: argparse.Namespace) -> int:
         "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
         "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s for what "
         "was not measured before",
-    } | describe(
-        list(networks[0].filters), choices.TAPS, vars(stages.layer), vars(stages.fine_tuning)
-    )
+    }
+    settings = vars(stages.layer), vars(stages.fine_tuning)
+    how |= describe(list(networks[0].filters), choices.TAPS, *settings)
     html, text = page([section], how, TITLE, INTRODUCTION), plain_text([section], how)
     write_texts(output, {"ablation.html": html, "ablation.txt": text})
     print(f"{output / 'ablation.html'}: {section.held} of {len(section.claims)} claims held")

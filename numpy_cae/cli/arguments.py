@@ -43,20 +43,17 @@ PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
 
 UP = ("x", "y", "z", "-x", "-y", "-z")
 
-_SEED: dict[str, Any] = {"type": whole_number, "default": 0}
-_JSON: dict[str, Any] = {"type": Path, "metavar": "JSON"}
 _METRES: dict[str, Any] = {"type": positive, "metavar": "METRES"}
+_MAPPING = (
+    "file that maps our joint names to those of an unknown rig (from `numpy-cae rig`); "
+    "of several --mapping options each motion takes the first that fits"
+)
 
 SHARED: dict[str, dict[str, Any]] = {
-    "seed": _SEED | {"help": "seed of all random numbers (default: 0)"},
+    "seed": {"type": whole_number, "default": 0, "help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
     "json": FLAG | {"help": "print JSON instead of text"},
-    "mapping": _JSON
-    | {"action": "append", "default": []}
-    | {
-        "help": "file that maps our joint names to those of an unknown rig (from `numpy-cae rig`); "
-        "of several --mapping options each motion takes the first that fits"
-    },
+    "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
     "unit": _METRES | {"help": "length unit of the files in metres, as 0.01 (default: guessed)"},
     "up": {"choices": UP, "help": "axis that is up in the files; --up=-z for -z (default: found)"},
     "floor": {"type": finite, "metavar": "METRES"}

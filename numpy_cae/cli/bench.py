@@ -126,7 +126,5 @@ def _warn_if_busy() -> None:
     """Warn if other programs use the processor, which makes all figures meaningless."""
     busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if busy > 0.5:
-        note(
-            f"numpy-cae bench: other programs use the processor ({busy:.1f} of them on average "
-            "over the last minute), so neither the times nor the ratios are reliable"
-        )
+        load = f"other programs use the processor ({busy:.1f} on average in the last minute)"
+        note(f"numpy-cae bench: {load}, so neither the times nor the ratios are reliable")

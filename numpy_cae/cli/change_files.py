@@ -26,7 +26,7 @@ from numpy_cae.motion import (
     write_motion,
 )
 from numpy_cae.motion.io.amc import find_skeleton
-from numpy_cae.motion.io.write import require_writer
+from numpy_cae.motion.io.write import WRITERS, require_writer
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor
 
 Change = Callable[[Motion, Mappings], Repaired]
@@ -90,6 +90,8 @@ def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
         if _like(args.files[0], args.output) is False:
             require_writer(args.output)
     else:
+        if args.output.suffix.lower() in (*LIKE, *WRITERS) and not args.output.is_dir():
+            raise ValueError(f"{args.output}: is a file's name, expected a folder for the motions")
         targets = {
             source: args.output / (name if source.suffix.lower() in LIKE else f"{name}.bvh")
             for source, name in found.items()
@@ -146,11 +148,8 @@ def _copy_skeleton(source: Path, target: Path) -> None:
 def _actors(motion: Motion, repaired: Repaired, mapping: Mappings) -> list[Actor]:
     before, after = body_of(motion, mapping), body_of(repaired.motion, mapping)
     before = before[-len(after) :]
-    frames = np.minimum(
-        np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int),
-        len(repaired.touched) - 1,
-    )
-    touched = repaired.touched[frames]
+    frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
+    touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
     moved = np.linalg.norm(after - before, axis=-1)
     return [
         replace(one_motion.body_actor(before, "before", CORRUPTED), damaged=touched),

@@ -24,7 +24,7 @@ def changes(repaired: Repaired) -> list[str]:
     for frames, joints in groups.items():
         moved = 100 * repaired.moved[:, joints][repaired.touched[:, joints]]
         names = "all joints" if len(joints) == len(JOINTS) else ", ".join(JOINTS[j] for j in joints)
-        lines.append(f"{names}: {frames}: {moved.mean():.1f} cm, at most {moved.max():.1f}")
+        lines.append(f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}")
     return lines or ["nothing to repair was found"]
 
 

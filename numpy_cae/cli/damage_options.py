@@ -77,7 +77,8 @@ def _mask(
         chosen += LIMBS[limb]
     first, last = (0, len(motion) - 1) if frames is None else frames
     if not 0 <= first <= last < len(motion):
-        raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
+        after = "the first is after the last and " if first > last else ""
+        raise ValueError(f"frames {first} to {last}, {after}the motion has 0 to {len(motion) - 1}")
     return joint_mask(len(motion), chosen or JOINTS, slice(first, last + 1))
 
 

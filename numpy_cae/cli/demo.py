@@ -53,8 +53,7 @@ def run(args: argparse.Namespace) -> int:
     write_like(out / "corrupted.bvh", corrupted, projected, out / "projected.bvh")
     print(
         f"{out}/index.html: open it in a browser; orange lost half of its values, path included, "
-        f"blue is its projection, green the truth\n"
-        f"{out}/figure_1.png and .gif: the same as pictures\n"
+        f"blue is its projection, green the truth\n{out}/figure_1.png and .gif: the same, drawn\n"
         f"{out}/truth.bvh and corrupted.bvh: the same for Blender, both on the true path\n"
         f"{out}/projected.bvh: made by `numpy-cae repair {out}/corrupted.bvh -m {out}/model.npz "
         f"--project -o {out}/projected.bvh`"

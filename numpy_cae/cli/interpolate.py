@@ -35,22 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
-    with working(f"{args.first} and {args.second}"):
-        return _run(args)
-
-
-def _run(args: argparse.Namespace) -> int:
     manifold, mapping = one_motion.load_model(args), kinds.chosen_mapping(args)
-    motions = [
-        load_body(path, mapping, kinds.chosen_coordinates(args))[1]
-        for path in (args.first, args.second)
-    ]
-    first, second = (manifold.body(motion, mapping) for motion in motions)
-    between = interpolate(manifold, first.features, second.features, args.share)
+    paths, coordinates = (args.first, args.second), kinds.chosen_coordinates(args)
+    with working(f"{args.first} and {args.second}"):
+        motions = [load_body(path, mapping, coordinates)[1] for path in paths]
+        first, second = (manifold.body(motion, mapping) for motion in motions)
+        between = interpolate(manifold, first.features, second.features, args.share)
+        made = first.to_rig(between)
     frames = len(between)
-    lengths = [len(body.features) for body in (first, second)]
-    note(f"{lengths[0]} and {lengths[1]} frames at 30 a second, {frames} of them used")
-    made = first.to_rig(between)
+    note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
     one_motion.write(made, args.output)
     actors = [
         one_motion.body_actor(first.positions[:frames], args.first.stem, TRUTH),

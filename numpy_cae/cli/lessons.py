@@ -39,9 +39,7 @@ def run(args: argparse.Namespace) -> int:
     """Write copies or a release, or execute or make pictures, and print each file."""
     tasks = [args.execute, args.gallery, args.folder is not None, args.release is not None]
     if tasks.count(True) != 1:
-        raise ValueError(
-            "expected one of: a folder for the students' copies, --release, --execute, --gallery"
-        )
+        raise ValueError("give a folder for students, --release, --execute or --gallery")
     in_clone = args.execute or args.gallery
     source = args.source or (Path("lessons") if in_clone else course.PACKAGED)
     file, *numbers = args.release or [None]

@@ -40,6 +40,8 @@ def load_model(args: argparse.Namespace, sequential: bool = False, motion: bool 
     and must not be, or, with `motion`, if no motion can be written to `--output`."""
     if motion:
         require_writer(args.output)
+    if args.model and not args.model.exists():
+        raise ModelFileError(f"{args.model}: no such file; leave -m out for the starter model")
     manifold = load_manifold(args.model) if args.model else starter()
     if isinstance(manifold, SequenceManifold) and not sequential:
         raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")

@@ -36,15 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     project = "project the whole motion onto the manifold instead, as holden2015 does"
     add("--project", **kinds.FLAG, help=project)
     add("--constrain", **kinds.FLAG, help="keep standing feet in place and above the ground")
-    add(
-        "--pin",
-        type=Path,
-        metavar="JSON",
-        help="constrain, and move joints to the positions in this file: a list such as "
+    pins = (
+        "constrain, and move joints to the positions in this file: a list such as "
         '[{"joint": "left_wrist", "frames": [30, 45], "at": [20, 130, 35]}, {"joint": "hips", '
         '"frames": [0, 119], "path": [[0, null, 0], [50, null, 200]]}], in the unit and the '
-        "frames of the motion, counted from 0; a coordinate that is null is free",
+        "frames of the motion, counted from 0; a coordinate that is null is free"
     )
+    add("--pin", type=Path, metavar="JSON", help=pins)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -71,6 +69,10 @@ def _repaired(
     else:
         damaged = damage_options.chosen_mask(args, motion, mapping)
         found = repair(motion, manifold, mapping, damaged, args.strength, args.smooth, args.force)
+        shares = [found.touched.any(axis=axis).mean() for axis in (0, 1)]
+        if damaged is None and not args.smooth and min(shares) > 0.5 and args.files[0].is_file():
+            found_in = "damage was found in more than half of the joints and of the frames"
+            note(f"{found_in}: if it is everywhere, --project projects the whole motion")
     if not found.known or not (args.constrain or args.pin):
         return found
     from numpy_cae.beyond import constrain, read_pins

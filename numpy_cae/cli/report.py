@@ -42,10 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--test", **kinds.PATTERNS, help=test)
     unseen = "the model has seen none of these files: test on --test or on every fifth file"
     add("--unseen", **kinds.FLAG, help=unseen)
-    only = f"run only these experiments, of {', '.join(names)} (the default) and " + ", ".join(
-        PUBLISHED
-    )
-    choices = (*names, *PUBLISHED)
+    only, choices = f"run only these, of {', '.join(names)} (the default)", (*names, *PUBLISHED)
+    only += f" and {', '.join(PUBLISHED)}"
     add("--only", nargs="+", choices=choices, default=names, metavar="NAME", help=only)
     kinds.add_shared(parser, "seed json mapping unit up floor")
     ablation.add_arguments(parser)
@@ -58,7 +56,8 @@ def run(args: argparse.Namespace) -> int:
     own = [name for name in EXPERIMENTS if name in args.only]
     missing = [name for name in ("data", "output") if getattr(args, name) is None]
     if missing:
-        raise ValueError(f"needs {', '.join(f'--{name}' for name in missing)}, or --ablation")
+        needed = " and ".join(f"--{name}" for name in missing)
+        raise ValueError(f"give {needed} (only --ablation does without)")
     started = time.monotonic()
     data = ", ".join(folder.name for folder in args.data)
     given: dict[str, tuple] = {name: (args.data,) for name in PUBLISHED if name in args.only}
@@ -122,10 +121,7 @@ def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[s
             "may be ones that it has seen. Leave --test out"
         )
     if not (own or args.test):
-        raise ValueError(
-            f"{args.model} does not record which takes it was not trained on: name them with "
-            "--test, such as --test '*_005.bvh'"
-        )
+        raise ValueError(f"{args.model} names no test takes: give --test, such as '*_005.bvh'")
     return own or args.test
 
 

@@ -52,15 +52,11 @@ def run(args: argparse.Namespace) -> int:
         f"floor  {motion.floor:.2f} m\nrig    {rig}"
     )
     for joint in JOINTS:
-        name = (
-            skeleton.names[found[joint]] if joint in found else "missing: name a joint of the rig"
-        )
+        name = skeleton.names[found[joint]] if joint in found else "missing: name one of the rig"
         guessed = name != names.get(joint) and found.get(joint, joints) < joints
         print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
     if args.output is not None:
-        chosen = {
-            each: skeleton.names[found[each]] for each in JOINTS if found.get(each, joints) < joints
-        }
+        chosen = {j: skeleton.names[found[j]] for j in JOINTS if found.get(j, joints) < joints}
         with atomic_write(args.output) as beside:
             text = json.dumps(chosen, indent=1, ensure_ascii=False)
             beside.write_text(text + "\n", encoding="utf-8")

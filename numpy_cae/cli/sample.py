@@ -52,17 +52,13 @@ def run(args: argparse.Namespace) -> int:
     numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like:
-            raise ValueError(
-                f"{args.model}: --data and --like have no effect on a sequential model"
-            )
+            raise ValueError(f"{args.model}: a sequential model takes no --data and no --like")
         made = [sample_sequence(manifold, frames, rng) for _ in numbers]
     else:
         prior, made = _prior(args, manifold), []
         if args.like:
-            rig = hold_first_pose(
-                load_body(args.like, mapping, kinds.chosen_coordinates(args))[1], frames
-            )
-            body = manifold.body(rig, mapping)
+            like = load_body(args.like, mapping, kinds.chosen_coordinates(args))[1]
+            body = manifold.body(hold_first_pose(like, frames), mapping)
         for _ in numbers:
             features = sample(manifold, frames, rng, prior)
             if args.like:
@@ -74,10 +70,9 @@ def run(args: argparse.Namespace) -> int:
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
     if args.gif or args.html:
-        bodies = [body_of(motion, mapping) for motion in made[:MAX_DRAWN]]
         actors = [
-            one_motion.body_actor(body, str(number), PROJECTED)
-            for number, body in enumerate(bodies, start=1)
+            one_motion.body_actor(body_of(motion, mapping), str(number), PROJECTED)
+            for number, motion in enumerate(made[:MAX_DRAWN], start=1)
         ]
         one_motion.draw(args, args.output, "what was drawn", actors)
     return 0

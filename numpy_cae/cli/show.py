@@ -28,7 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", **kinds.FOLDER, default=Path(), help=output)
     page = (
         "write one interactive page with all files instead of pictures; joints of the later files "
-        "are coloured by their distance from the first file's where the rigs and lengths agree"
+        "are coloured by their distance from the first file's if both have the same joints and as "
+        "many frames"
     )
     add("--html", **kinds.FLAG, help=page)
     kinds.add_shared(parser, "unit up floor")
@@ -88,8 +89,7 @@ def _write_page(args: argparse.Namespace, drawn: list[tuple[Actor, float]]) -> i
 
 def _compared(actor: Actor, first: Actor) -> Actor:
     """The motion with the distance of its joints from those of the first, where they agree."""
-    if actor is first or actor.names != first.names:
-        return actor
-    if actor.positions.shape != first.positions.shape:
+    same = actor.names == first.names and actor.positions.shape == first.positions.shape
+    if actor is first or not same:
         return actor
     return replace(actor, moved=np.linalg.norm(actor.positions - first.positions, axis=-1))

@@ -68,9 +68,7 @@ def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
         return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
     how = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
-    actions = [
-        read_action(folder.resolve().name, [folder], args.test, *how) for folder in args.data
-    ]
+    actions = [read_action(each.resolve().name, [each], args.test, *how) for each in args.data]
     for action in actions:
         if not (action.training and action.testing):
             which = "train" if action.testing else "test"

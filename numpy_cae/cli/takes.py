@@ -20,15 +20,12 @@ def read_takes(
     strict: bool = False,
     cache: Path | None = None,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Each motion file as twenty joints at 30 frames a second, for training and for testing.
+    """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, for training
+    and for testing.
 
     Files whose name matches a pattern in `test` are for testing. A file that cannot be used is an
     error of `read_bodies` if `strict` or if it is the only one, otherwise it is reported and
     skipped. Raises ValueError if the patterns leave nothing to test or to train on.
-
-    Returns
-    -------
-    training, testing : lists of (F, 20, 3) arrays in metres
     """
     for pattern in test:
         if not any(is_test(path, [pattern]) for path in paths):
@@ -47,15 +44,20 @@ def read_takes(
     if not training:
         raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
     skipped = f", {left_out} left out" if left_out else ""
-    seconds = sum(map(len, training)) / 30
     note(
         f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
-        f"({seconds / 60:.1f} min), {len(testing)} to test; lengths in "
+        f"({minutes_of(training, 30)}), {len(testing)} to test; lengths in "
         + ", ".join(f"{each} ({count})" for each, count in notes.most_common())
     )
     if changed:
         note(f"{changed} files turned to Y up or moved to a floor at 0; see `numpy-cae rig FILE`")
     return training, testing
+
+
+def minutes_of(takes: Sequence[np.ndarray], rate: float) -> str:
+    """The minutes of takes at so many frames a second, with a warning where they are few."""
+    minutes = sum(map(len, takes)) / rate / 60
+    return f"{minutes:.1f} min" + (", less than 10 is little to learn from" if minutes < 10 else "")
 
 
 def usable_bodies(

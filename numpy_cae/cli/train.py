@@ -15,7 +15,7 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options as options
 from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.output import note, print_json, require_place
-from numpy_cae.cli.takes import read_takes
+from numpy_cae.cli.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
@@ -71,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
     if figure:
         figure.save_picture(args.picture)
     text = f"learned from {summary}"
-    text += f"\n\n{table.text()}" if table else ""
+    text += f"\n\n{table.text()}" if table else "; no error is measured without --test"
     text += f"\n\n{args.picture}: written" if figure else ""
     return _print(args, text, manifold.settings, table.data() if table else None)
 
@@ -87,8 +87,7 @@ def _print(
 
 
 Learned = tuple[Any, str, Callable[[], tuple]]
-"""A manifold, what it was learned from, and a function that measures it on the test files and draws
-the picture if one is requested: a table and a figure."""
+"""A manifold, what it was learned from, and a function that measures and draws it on test files."""
 
 
 def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
@@ -130,8 +129,8 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     if not action.training:
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
     count, tests = len(action.training), len(action.testing)
-    minutes = sum(map(len, action.training)) / ANGLE_RATE / 60
-    note(f"{count} motions to train on ({minutes:.1f} min), {tests} to test")
+    minutes = minutes_of(action.training, ANGLE_RATE)
+    note(f"{count} motions to train on ({minutes}), {tests} to test")
     manifold = learn_sequences(action.training, schedule, args.seed, **how)
 
     def measure() -> tuple:

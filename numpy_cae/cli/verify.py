@@ -33,6 +33,8 @@ from typing import Any
 
 from numpy_cae.cli import arguments as kinds
 
+SUFFIXES = (".py", ".ipynb")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the names of functions and the limits."""
@@ -65,7 +67,9 @@ def run(args: argparse.Namespace) -> int:
 
     files = {file: path for path in args.files for file in _submissions(path)}
     if not any(file.is_file() for file in files):
-        raise ValueError(f"nothing to grade: {', '.join(map(str, args.files))}")
+        missing = [path for path in args.files if not path.exists()]
+        problem = "there is no such file" if missing else "no Python file and no notebook"
+        raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
     named, limits = dict(args.named), (args.time_limit, int(args.memory_limit))
 
     def graded_file(file: Path) -> FileReport:
@@ -96,12 +100,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _submissions(path: Path) -> list[Path]:
-    """A file itself; of a folder, the notebooks and Python files in it, without any mine.py."""
+    """A notebook or Python file itself; those in a folder, without any mine.py."""
     if not path.is_dir():
-        return [path]
+        return [path] if path.suffix in SUFFIXES else []
     inside = (file.relative_to(path) for file in path.rglob("*"))
     hidden = re.compile(r"(^|/)[.]")  # such as .ipynb_checkpoints
-    found = (f for f in inside if f.suffix in (".py", ".ipynb") and not hidden.search(f.as_posix()))
+    found = (f for f in inside if f.suffix in SUFFIXES and not hidden.search(f.as_posix()))
     return [path / file for file in sorted(found) if file.name != "mine.py"]
 
 

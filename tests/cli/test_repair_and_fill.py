@@ -90,6 +90,7 @@ def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
         (("--joint", "nose"), "there is no joint 'nose'"),
         (("--joint", "left_hip"), "left_hip is fixed"),
         (("--joint", "left_wrist", "--frames", 80, 400), "the motion has 0 to 119"),
+        (("--joint", "left_wrist", "--frames", 90, 40), "the first is after the last"),
         (("--mask", "MASK"), "entry 2: there is no limb 'tail'"),
     ],
 )
@@ -152,6 +153,21 @@ def test_repair_of_a_folder(takes, tmp_path, capsys, run):
     assert {path.name for path in out.rglob("*.html")} == {"clean.html", "spike.html"}
     before, after = (load_motion(each / "more" / "spike.bvh") for each in (takes, out))
     assert changed_joints(before, after)[40, before.skeleton.index("lradius")]
+
+
+def test_damage_in_most_joints_and_frames_is_pointed_out(takes, tmp_path, capsys, run):
+    clean = load_motion(takes / "clean.bvh")
+    rotations, hit = clean.rotations.copy(), np.random.default_rng(0).random((90, 31)) < 0.1
+    rotations[hit] = (0.6, 0.0, 0.0, 0.8)
+    write_bvh(replace(clean, rotations=rotations), tmp_path / "hit.bvh")
+    run("repair", tmp_path / "hit.bvh", "--force", "--dry-run")
+    assert "if it is everywhere, --project" in capsys.readouterr().err
+    run("repair", takes / "more" / "spike.bvh", "--force", "--dry-run")
+    assert "everywhere" not in capsys.readouterr().err
+
+
+def test_a_folder_is_not_repaired_into_the_name_of_a_file(takes, tmp_path, error_of):
+    assert "expected a folder" in error_of("repair", takes, "-o", tmp_path / "out.bvh")
 
 
 def test_unusable_files_of_a_folder_are_listed(takes, tmp_path, capsys):

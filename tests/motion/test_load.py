@@ -45,8 +45,10 @@ def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
         (load_motion, "", "is a folder, expected one motion file"),
         (find_motion_files, "", "holds no motion file"),
         (find_motion_files, "none", "no such folder"),
+        (find_motion_files, "file", "is a file, expected a folder"),
     ],
 )
 def test_missing_files_and_folders_are_refused(tmp_path, read, name, message):
+    (tmp_path / "file").touch()
     with pytest.raises(MotionFileError, match=message):
         read(tmp_path / name)

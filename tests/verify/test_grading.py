@@ -123,7 +123,10 @@ def test_endless_loops_end(graded, monkeypatch):
 
 def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path, capsys):
     assert main(["verify", str(tmp_path), str(tmp_path / "nowhere.py")]) == 2
-    assert "nothing to grade" in capsys.readouterr().err
+    assert "nowhere.py: there is no such file" in capsys.readouterr().err
+    (tmp_path / "marks.json").write_text("{}")
+    assert main(["verify", str(tmp_path / "marks.json")]) == 2
+    assert "marks.json: no Python file and no notebook" in capsys.readouterr().err
     right = tmp_path / "group" / "right.py"
     right.parent.mkdir()
     right.write_text(RIGHT)

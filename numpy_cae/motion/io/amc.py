@@ -112,7 +112,7 @@ def find_skeleton(path: str | Path) -> Path:
         path,
         None,
         f"its skeleton is not clear: the folder contains {found}, expected "
-        f"{path.stem.split('_')[0]}.asf; pass the .asf file that belongs to it to read_amc",
+        f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name",
     )
 
 

@@ -94,7 +94,8 @@ def find_motion_files(folder: str | Path) -> list[Path]:
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise MotionFileError(folder, None, "there is no such folder")
+        problem = "is a file, expected a folder" if folder.exists() else "there is no such folder"
+        raise MotionFileError(folder, None, problem)
     found = sorted(
         path
         for path in folder.rglob("*")
