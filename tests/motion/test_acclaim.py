@@ -128,7 +128,7 @@ def test_positions_are_those_of_explicit_matrices(read_pair):
 def test_units_come_from_the_skeleton_unless_given(read_pair):
     motion = read_pair(ASF.replace("length 0.45", "length 2.54"))
     assert motion.unit == pytest.approx(0.01)
-    assert motion.unit_note.startswith("centimetres (:units of the skeleton; ")
+    assert motion.unit_note.startswith("centimetres (:units of the skeleton: ")
     np.testing.assert_allclose(motion.translations[0, 0], [0.01, 0.02, 0.03])
     motion = read_pair(unit=0.1)
     assert motion.unit_note.startswith("units of 0.1 m (as given")

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.motion import Skeleton, load_motion, write_bvh
-from numpy_cae.motion.io.units import TIP_TO_TIP, UNITS, guess_unit, stature
+from numpy_cae.motion.io.units import TIP_TO_TIP, UNITS, guess_unit, stated_unit, stature
 
 
 def test_the_longest_way_from_tip_to_tip():
@@ -29,12 +29,12 @@ def test_a_grown_person_is_measured_in_the_right_unit(name, tall):
     unit, note = guess_unit(height)
     assert unit == UNITS[name]
     tall = height * unit
-    assert note == f"{name} (guessed: the skeleton would be about {tall:.1f} m tall)"
+    assert note == f"{name} (guessed: the skeleton is about {tall:.1f} m tall)"
 
 
 def test_giants_and_dwarfs_are_doubted():
-    assert guess_unit(4.0)[1].endswith("about 4.0 m tall, which no adult is; give the unit)")
-    assert "give the unit" in guess_unit(20_000.0)[1]
+    assert guess_unit(4.0)[1].endswith("about 4.0 m tall, which no adult is; give the right unit)")
+    assert "give the right unit" in guess_unit(20_000.0)[1]
     assert guess_unit(0.0) == (1.0, "metres (assumed: the skeleton has no two limbs to measure)")
 
 
@@ -48,3 +48,9 @@ def test_real_skeletons_in_any_unit_are_measured_right(data_folder, tmp_path, ta
     for unit in UNITS.values():
         write_bvh(short, tmp_path / "take.bvh", unit)
         assert load_motion(tmp_path / "take.bvh").unit == unit
+
+
+def test_a_given_unit_is_doubted_too():
+    assert stated_unit(0.01, "as given", 0.0).startswith("centimetres (as given")
+    assert "no adult" not in stated_unit(0.01, "as given", 1.8)
+    assert "18.2 m tall, which no adult is" in stated_unit(0.1, "as given", 18.2)

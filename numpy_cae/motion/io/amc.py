@@ -14,7 +14,7 @@ from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf, statements
 from numpy_cae.motion.io.channels import Channels, read_pose
 from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
-from numpy_cae.motion.io.units import stature, unit_name
+from numpy_cae.motion.io.units import stated_unit, stature
 from numpy_cae.motion.motion import Motion, whole_step
 
 log = logging.getLogger(__name__)
@@ -68,8 +68,7 @@ def read_amc(
     channels = _channels(acclaim, degrees)
     rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
-    height = stature(acclaim.skeleton)
-    note = f"{unit_name(acclaim.unit)} ({source}; the skeleton is about {height:.1f} m tall)"
+    note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
     return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy_cae.motion.io.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.motion.io.channels import Channels, read_pose
 from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
-from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stature, unit_name
+from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stated_unit, stature
 from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -55,10 +55,10 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
     rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
     del values
+    height = stature(_skeleton(joints, 1.0), _lengths(joints, translations))
     if unit is not None:
-        note = f"{unit_name(unit)}, as given"
+        note = stated_unit(unit, "as given", unit * height)
     else:
-        height = stature(_skeleton(joints, 1.0), _lengths(joints, translations))
         unit, note = guess_unit(height)
         level = logging.INFO if is_plausible(unit * height) else logging.WARNING
         log.log(level, "%s: lengths taken as %s", path, note)

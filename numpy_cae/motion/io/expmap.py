@@ -60,7 +60,7 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     if rig is CMU:
         rotations[:, 0] = cmu_root(rotations[:, 0])
     source = "of such text" if unit is None else "as given"
-    note = f"{unit_name(metres)} ({source}, {rig.name}; the bones are a standard person's)"
+    note = f"{unit_name(metres)} ({source}, {rig.name}, the bones are a standard person's)"
     return Motion(rig.skeleton, rig.rate, rotations, translations, metres, note)
 
 

@@ -87,8 +87,7 @@ def load_motion(
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """The .bvh, .amc and .c3d files in a folder and its subfolders, and the .txt files among them
-    that are exponential maps, sorted.
+    """The motion files in a folder and its subfolders, sorted, of .txt those of exponential maps.
 
     Raises MotionFileError if there is no such folder or it holds no such file.
     """

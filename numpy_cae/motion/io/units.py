@@ -50,8 +50,7 @@ def unit_name(unit: float) -> str:
 def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float:
     """The stature of a person with such bones, in the unit of the lengths; 0 without two tips.
 
-    `bone_lengths` (J,), from each joint's parent to the joint, are by default those of the
-    skeleton's offsets.
+    `bone_lengths` (J,), from each joint to its parent, are by default those of the offsets.
     """
     if bone_lengths is None:
         bone_lengths = np.linalg.norm(skeleton.offsets, axis=-1)
@@ -76,15 +75,16 @@ def is_plausible(metres: float) -> bool:
     return PLAUSIBLE[0] <= metres <= PLAUSIBLE[1]
 
 
+def stated_unit(unit: float, source: str, height: float) -> str:
+    """The unit's name, its source and the stature in metres that it gives, 0 if none is known."""
+    odd = height > 0 and not is_plausible(height)
+    advice = ", which no adult is; give the right unit" if odd else ""
+    return f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
+
+
 def guess_unit(height: float) -> tuple[float, str]:
-    """The unit in metres in which a person `height` units tall is closest to an adult, and a note
-    with the reason; 1 if the height is 0.
-    """
+    """The unit in metres in which a person of this height is closest to an adult, and a note."""
     if not height > 0:
         return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"
-    name = min(UNITS, key=lambda name: abs(np.log(height * UNITS[name] / ADULT)))
-    tall = height * UNITS[name]
-    note = f"{name} (guessed: the skeleton would be about {tall:.1f} m tall"
-    if not is_plausible(tall):
-        note += ", which no adult is; give the unit"
-    return UNITS[name], note + ")"
+    unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / ADULT)))
+    return unit, stated_unit(unit, "guessed", height * unit)
