@@ -27,7 +27,7 @@ class Actor:
     names : sequence of J str
         Of the joints, for the viewer.
     moved : (F, J) array of float, optional
-        How far each joint was moved, metres; the viewer colours it.
+        How far each joint is from the first motion's, metres; the viewer colours it.
     damaged : (F, J) array of bool, optional
         Which joints were damaged in which frames; the viewer's timeline shows it.
     """

@@ -43,6 +43,8 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     left = min(-0.55 * wide, reach[:, 0].min() - 0.05)
     right = max(0.55 * wide, reach[:, 0].max() + 0.05) + (len(moments) - 1) * wide
     width = 1.25 * len(moments)
+    if any(actor.label for actor in actors):  # 0.22 inches for the line above the poses
+        high += 0.22 * (right - left) / width
     # Damage can move a body up by any distance.
     tall = width * min((high - low) / (right - left), 3.0)
     figure = Figure(figsize=(width, len(actors) * tall))
@@ -58,7 +60,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
             axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
         if actor.label:
             name = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
-            axes.text(0.004, 0.98, actor.label, transform=axes.transAxes, va="top", **name)
+            axes.text(0.004, 0.99, actor.label, transform=axes.transAxes, va="top", **name)
         axes.set(xlim=(left, right), ylim=(low, high))
         axes.set_aspect("equal")
         axes.axis("off")

@@ -87,7 +87,7 @@ def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style
         "overlaid": overlaid,
         "furthest": furthest,
         "motions": [_packed(actor, furthest, _BONE_RADIUS * height) for actor in actors],
-        "tracks": [track for actor in actors for track in _tracks(actor, furthest)],
+        "tracks": [track for actor in actors for track in _tracks(actor, actors[0], furthest)],
     }
     # "</script>" in a joint's name must not end the element.
     text = json.dumps(data).replace("<", "\\u003c")
@@ -131,14 +131,15 @@ def _deflated(values: bytes) -> str:
     return base64.b64encode(zlib.compress(values, 9)).decode()
 
 
-def _tracks(actor: Actor, furthest: float) -> list[dict]:
-    """Rows of the timeline: the share of damaged joints and the largest distance moved."""
+def _tracks(actor: Actor, first: Actor, furthest: float) -> list[dict]:
+    """Rows of the timeline: the share of damaged joints and the largest distance of a joint."""
     tracks = []
     if actor.damaged is not None:
         share = np.where(actor.damaged.any(axis=1), 0.25 + 0.75 * actor.damaged.mean(axis=1), 0.0)
         tracks.append(_track(f"{actor.label}: damaged", DAMAGED_COLOUR, share))
     if actor.moved is not None and furthest > 0:
-        tracks.append(_track(f"{actor.label}: moved", MOVED_COLOUR, actor.moved.max(1) / furthest))
+        label = f"{actor.label}: distance from {first.label}"
+        tracks.append(_track(label, MOVED_COLOUR, actor.moved.max(1) / furthest))
     return tracks
 
 

@@ -56,7 +56,7 @@ def test_the_timeline_shows_damage_and_movement():
     moved[10:20, 3] = 0.2
     data = data_of(fragment([walking(moved=moved, damaged=moved > 0)], 30.0))
     damaged, distance = data["tracks"]
-    assert (damaged["label"], distance["label"]) == ("walk: damaged", "walk: moved")
+    assert (damaged["label"], distance["label"]) == ("walk: damaged", "walk: distance from walk")
     for track in (damaged, distance):
         assert np.flatnonzero(track["values"]).tolist() == list(range(10, 20))
     assert data["furthest"] == 0.2

@@ -25,6 +25,11 @@ async function readMotion(packed) {
   return { ...packed, joints, root, local, moved };
 }
 
+// Metres as text.
+function inUnits(metres) {
+  return metres < 0.995 ? `${(100 * metres).toPrecision(2)} cm` : `${metres.toFixed(1)} m`;
+}
+
 // World position of a joint in a frame, in metres.
 function jointPosition(motion, frame, joint, into) {
   const at = 3 * (frame * motion.joints + joint);
@@ -242,10 +247,10 @@ class Viewer {
     });
     if (data.furthest > 0) {
       const scale = element(stage, "div", { className: "scale" });
-      scale.append("moved 0");
+      scale.append("distance 0");
       const colour = this.motions.find((motion) => motion.moved).colour;
       element(scale, "i").style.background = `linear-gradient(to right, ${colour}, #d62728)`;
-      scale.append(`${(100 * data.furthest).toPrecision(2)} cm`);
+      scale.append(inUnits(data.furthest));
     }
     this.joint = element(stage, "div", { className: "joint", hidden: true });
     const bar = element(this.box, "div", { className: "bar" });
@@ -321,8 +326,8 @@ class Viewer {
     if (!hit) return;
     const { motion, joint } = hit;
     const moved = motion.moved ? motion.moved[Math.floor(this.frame) * motion.joints + joint] : 0;
-    const distance = (100 * motion.furthest * moved / 255).toPrecision(2);
-    this.joint.textContent = motion.names[joint] + (moved ? `, moved ${distance} cm` : "");
+    const distance = `, ${inUnits(motion.furthest * moved / 255)} from ${this.motions[0].label}`;
+    this.joint.textContent = motion.names[joint] + (moved ? distance : "");
     this.joint.style.left = `${x}px`;
     this.joint.style.top = `${y}px`;
   }
@@ -366,10 +371,10 @@ class Viewer {
     this.request = requestAnimationFrame(this.tick);
   }
 
-  // One row a track: how much of the body is damaged or moved in each frame.
+  // One row a track, below its label: how much of the body is damaged or moved in each frame.
   drawTimeline() {
     if (!this.tracks.length) return;
-    const row = 18, width = this.timeline.clientWidth, height = row * this.tracks.length;
+    const row = 32, bar = 16, width = this.timeline.clientWidth, height = row * this.tracks.length;
     const sharp = Math.min(window.devicePixelRatio, 2);
     if (this.timeline.width !== Math.round(width * sharp)) {
       this.timeline.width = Math.round(width * sharp);
@@ -382,15 +387,15 @@ class Viewer {
     pen.font = "11px system-ui, sans-serif";
     this.tracks.forEach((track, place) => {
       pen.fillStyle = "#eef1f4";
-      pen.fillRect(0, place * row + 1, width, row - 2);
+      pen.fillRect(0, (place + 1) * row - bar - 1, width, bar);
       pen.fillStyle = track.colour;
       track.values.forEach((value, frame) => {
-        const tall = value * (row - 2);
+        const tall = value * bar;
         const left = frame / this.frames * width;
         if (tall > 0) pen.fillRect(left, (place + 1) * row - 1 - tall, width / this.frames + 0.5, tall);
       });
       pen.fillStyle = "#1d2733";
-      pen.fillText(track.label, 4, place * row + 13);
+      pen.fillText(track.label, 0, place * row + 11);
     });
     pen.fillRect(Math.floor(this.frame) / Math.max(this.frames - 1, 1) * (width - 1), 0, 1.5, height);
   }
