@@ -69,6 +69,8 @@ class ConvLayer:
         -------
         y : (B, T/2, D) array, within [-1, 1]
         pullback : dy -> (dx, dw, db)
+            With V = X * W + b before pooling; Ψ' puts a value on the larger frame of its pair:
+            dV = Ψ'((1 - Y²) ∘ dY),  dX = dV * W̃,  dW[k] = Σ_t X[t+k-K//2]ᵀ dV[t],  db = Σ_t dV[t]
         """
         convolved, convolve_pullback = ops.conv1d(x, self.w, self.b)
         pooled, pool_pullback = ops.max_pool(convolved)
@@ -95,6 +97,10 @@ class ConvLayer:
         -------
         x : (B, 2T, C) array
         pullback : dx -> (dy, dw, db)
+            With U = Ψ†(tanh⁻¹(Y)) - b, so that X = U * W̃:
+            dU = dX * W,  dW̃[k] = Σ_t U[t+k-K//2]ᵀ dX[t],  dW[k] = dW̃[K-1-k]ᵀ,  db = -Σ_t dU[t],
+            dY = Ψ†ᵀ(dU) / (1 - Y²), but 0 where |Y| > bound. Ψ†ᵀ is half the sum of each pair of
+            frames or, with `first`, the value of the frame that was picked.
         """
         activated, arctanh_pullback = ops.arctanh(y, self.bound)
         if first is None:

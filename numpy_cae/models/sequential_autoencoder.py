@@ -36,16 +36,11 @@ GATES = 3
 
 
 class Losses(NamedTuple):
-    """The training loss and its two terms.
+    """The training loss `total`, which is reconstruction + λ · discrepancy, and its two terms.
 
-    Attributes
-    ----------
-    total : float
-        reconstruction + λ · discrepancy.
-    reconstruction : float
-        Mean squared error over every element, independent of the clip's length and the batch.
-    discrepancy : float
-        The sliced Wasserstein distance between the batch's latent vectors and draws of the prior.
+    `reconstruction` is the mean squared error over every element, independent of the clip's length
+    and the batch; `discrepancy` is the sliced Wasserstein distance between the batch's latent
+    vectors and draws of the prior.
     """
 
     total: float
@@ -65,9 +60,10 @@ class SequentialAutoencoder:
     features : int
         Numbers of a frame, 54 in the paper.
     hidden : int
-        Units of each GRU. The paper does not say; MBR17, whose decoder it takes, has 1024.
+        Units of each GRU; `numpy-cae train` makes 128. The paper does not say; MBR17, whose
+        decoder it takes, has 1024.
     latent : int
-        Dimensions of z. The paper does not say.
+        Dimensions of z; `numpy-cae train` makes 8. The paper does not say.
     rng : numpy.random.Generator, optional
         For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
