@@ -36,7 +36,7 @@ def read_c3d(path: str | Path, unit: float | None = None) -> Motion:
     try:
         import ezc3d
     except ImportError:
-        problem = "reading C3D needs ezc3d: pip install numpy_cae[c3d]"
+        problem = "reading C3D needs ezc3d: pip install ezc3d"
         raise MotionFileError(path, None, problem) from None
     try:
         content = ezc3d.c3d(str(path))
