@@ -199,7 +199,7 @@ OPERATIONS: dict[str, Operation] = {
         arguments,
         tuple(differentiated.split()),
         linear_in=tuple(linear_in.split()),
-        reference=getattr(ops, name, tied_layer),
+        reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
         **others,
     )
     for name, sizes, arguments, differentiated, linear_in, others in _TABLE
