@@ -6,7 +6,6 @@ import numpy as np
 
 from numpy_cae.motion.motion import Motion, slerp
 from numpy_cae.motion.retarget.to_body import RATE
-from numpy_cae.motion.splines import hermite, monotone_slopes
 
 
 def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -16,16 +15,18 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
     known frame their values are held; a column without known frames is left unchanged.
     """
     filled = np.array(values, dtype=np.float64)
+    if not missing.any():
+        return filled
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
     frames = np.arange(len(filled))
     for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
         gaps, known = frames[missing[:, column]], frames[~missing[:, column]]
         if len(known) == 1:
             filled[gaps, column] = filled[known, column]
         else:
-            points = filled[known, column].reshape(len(known), -1)
-            slopes, at = monotone_slopes(known, points), np.clip(gaps, known[0], known[-1])
-            curve = hermite(known, points, slopes, at)
-            filled[gaps, column] = curve.reshape(filled[gaps, column].shape)
+            curve = PchipInterpolator(known, filled[known, column])
+            filled[gaps, column] = curve(np.clip(gaps, known[0], known[-1]))
     return filled
 
 

@@ -28,6 +28,7 @@ from numpy_cae.verify.property import (
     property_of,
     results,
     right_results,
+    rounding,
 )
 
 FLOAT32 = float(np.finfo(np.float32).eps)
@@ -81,7 +82,7 @@ def _gradient_for(argument: str) -> Callable:
         if right and agrees(value, right["the value"]):
             found = differentiated(operation, pullback(copied(dy)))[argument]
             alike = (operation.alike(arguments, gradient) for gradient in (found, right[what]))
-            yield what, *alike, EXACT, operation.selects
+            yield what, *alike, rounding(case, arguments), operation.selects
         elif case.get("values") == case.get("state") == ORDINARY:
 
             def f(*inputs):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
 from numpy_cae.course.exercises.exercise import Exercise, exercise
@@ -26,6 +25,8 @@ def chain_to_root(parents: tuple[int, ...], joint: int) -> tuple[int, ...]:
 
 def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> np.ndarray:
     """The product of the rotations about each axis, the first one leftmost."""
+    from scipy.spatial.transform import Rotation  # slow to import, and not needed to grade others
+
     letters = "".join("XYZ"[axis] for axis in axes)
     return Rotation.from_euler(letters, angles, degrees=True).as_matrix()
 
@@ -62,6 +63,8 @@ def random_tree(case: Case) -> tuple[int, ...]:
 
 def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
     """Rotation matrices, (count, 3, 3)."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix()
 
 

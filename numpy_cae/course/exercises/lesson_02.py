@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from numpy_cae.course.exercises.checks import Claim, array, claim, copies, drawn, require_same
 from numpy_cae.course.exercises.exercise import Exercise, exercise
@@ -24,6 +23,8 @@ def heading_angle(across: np.ndarray) -> np.ndarray:
 
 def turn_about_y(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """R(angle) times each vector of a frame."""
+    from scipy.spatial.transform import Rotation  # slow to import, and not needed to grade others
+
     about_y = Rotation.from_rotvec(angles[:, None] * [0.0, 1.0, 0.0]).as_matrix()
     return np.einsum("fij,fnj->fni", about_y, vectors)
 

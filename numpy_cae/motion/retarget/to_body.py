@@ -8,7 +8,6 @@ from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
-from numpy_cae.motion.splines import akima_slopes, hermite
 
 RATE = 30.0
 """Frames a second of holden2015, section 4."""
@@ -42,6 +41,8 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
     ValueError
         If the number of poses differs.
     """
+    from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
+
     times = motion.source_frames(RATE)
     if len(positions) != len(times):
         raise ValueError(
@@ -56,8 +57,7 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
     positions = np.concatenate([positions, 2 * positions[-1:] - positions[-2:-1]])
     found = np.empty((len(frames), *positions.shape[1:]))
     for joint in range(positions.shape[1]):
-        slopes = akima_slopes(times, positions[:, joint])
-        found[:, joint] = hermite(times, positions[:, joint], slopes, frames)
+        found[:, joint] = Akima1DInterpolator(times, positions[:, joint], method="makima")(frames)
     return found
 
 
