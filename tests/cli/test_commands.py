@@ -69,7 +69,7 @@ def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
     picture = tmp_path / "figure.png"
     file = train(walks, tmp_path / "m.npz", "--test", "*_3.bvh", "--picture", picture)
     captured = capsys.readouterr()
-    assert "3 takes to train on" in captured.err
+    assert "3 takes to train on (0.1 min, less than 10 is little" in captured.err
     assert "centimetres (4)" in captured.err
     assert "| the network " in captured.out
     assert picture.read_bytes().startswith(b"\x89PNG")
