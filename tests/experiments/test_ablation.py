@@ -105,4 +105,4 @@ def test_the_command_names_what_it_needs(tmp_path, capsys):
     assert main(["report", "--ablation", "--data", str(tmp_path)]) == 2
     assert "--test" in capsys.readouterr().err
     assert main(["report", "-o", str(tmp_path)]) == 2
-    assert "or --ablation" in capsys.readouterr().err
+    assert "give --data (only --ablation" in capsys.readouterr().err
