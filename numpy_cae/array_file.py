@@ -1,7 +1,5 @@
 """Files of named arrays (.npz): models and checkpoints are written, read and checked here."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -5,8 +5,6 @@ good one. So it is written under another name in the same folder, brought to the
 then renamed, which the operating system does in one step.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

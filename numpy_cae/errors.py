@@ -1,7 +1,5 @@
 """The base classes of the errors that this project raises for its users to read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 MAX_CHARACTERS = 700

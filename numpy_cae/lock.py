@@ -4,8 +4,6 @@ It is the operating system's lock on a file beside the path, so it ends with the
 it, even if that is killed: no stale lock has to be removed by hand.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

@@ -3,8 +3,6 @@
 PyTorch is optional: without it `torch` is None and the table has no column for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any

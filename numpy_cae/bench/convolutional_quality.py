@@ -1,7 +1,5 @@
 """End-to-end denoising of `ConvAutoencoder`, here and in PyTorch, from the same first weights."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np

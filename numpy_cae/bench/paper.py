@@ -1,7 +1,5 @@
 """The paper's whole training on this machine, for its 43 + 51 + 77 + 133 minutes (section 6)."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The speed of a large matrix product in this process."""
 
-from __future__ import annotations
-
 from timeit import repeat
 
 import numpy as np

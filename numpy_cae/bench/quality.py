@@ -1,7 +1,5 @@
 """The times that trainings need to the same held-out error; they run in turns."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 All start from the same weights and learn from clips that they draw from the same motions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np

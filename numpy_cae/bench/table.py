@@ -1,7 +1,5 @@
 """The table of `numpy-cae bench`: every case and batch size, with PyTorch if it is installed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Functions timed alternately, so that a change of the machine's speed affects all of them."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

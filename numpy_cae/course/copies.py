@@ -1,7 +1,5 @@
 """Students' copies: those of the package, a folder of them, and a release for nbgrader."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Execute a lesson in a fresh kernel; the hash of the source that its outputs belong to."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess

@@ -4,8 +4,6 @@ It is the picture of the cell tagged "gallery", or the last one of the lesson. I
 hash of the original, by which a test finds out whether it is current.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """Marks of a class: a row of points for each student, and a file of feedback for each."""
 
-from __future__ import annotations
-
 import csv
 import re
 import textwrap

@@ -6,8 +6,6 @@ imports the student's own where they are solved, and else the package's. It has 
 of `numpy_cae.course`. Where there is no `mine.py`, or it cannot be run, all are the package's.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib.abc
 import importlib.machinery

@@ -3,8 +3,6 @@
 `nbgrader_config.py` of a release puts `grade_notebook` in the place of nbgrader's execution.
 """
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

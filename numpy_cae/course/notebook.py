@@ -1,7 +1,5 @@
 """Notebook files: JSON, nbformat 4.5."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

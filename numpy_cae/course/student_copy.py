@@ -1,7 +1,5 @@
 """The student's copy of a lesson, without solutions, as nbgrader's generate_assignment makes it."""
 
-from __future__ import annotations
-
 from copy import deepcopy
 
 from numpy_cae.verify.submission import is_exercise

@@ -21,8 +21,6 @@ sequence_worker              one thread's clips through both GRUs and back
 fast_sequential_autoencoder  `SequentialAutoencoder` with these
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from numpy_cae.fast.convolution import conv1d

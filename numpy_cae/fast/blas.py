@@ -7,8 +7,6 @@ dependency for one function). Where NumPy uses another BLAS, `blas_threads` is N
 one thread.
 """
 
-from __future__ import annotations
-
 import ctypes
 import threading
 from collections.abc import Iterator

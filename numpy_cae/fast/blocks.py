@@ -29,8 +29,6 @@ product as well.
 **The adjoint** needs no other matrices: dx = Aᵀ((Cᵀ dy) ∘ (G w)) and dw = Gᵀ((A x) ∘ (Cᵀ dy)).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """`conv1d` with a quarter of the arithmetic: blocks of frames are convolved by their spectra."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.blocks import Blocks, block_length, blocks, overlap_add, overlapping

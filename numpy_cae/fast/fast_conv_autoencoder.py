@@ -4,8 +4,6 @@ Each public method describes what one worker (a thread with its share of the win
 runs that on all workers.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Sequence
 from functools import lru_cache

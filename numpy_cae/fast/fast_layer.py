@@ -6,8 +6,6 @@ unpooling is part of the convolution below it, so that b is subtracted once for 
 frames.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.tied_convolution import TiedConvolution, buffer

@@ -1,7 +1,5 @@
 """`SequentialAutoencoder` at speed: its definition, step for step, over `SequenceWorker`s."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Iterator
 from functools import lru_cache

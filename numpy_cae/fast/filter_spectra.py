@@ -10,8 +10,6 @@ Each thread writes the spectra of its own windows; then each computes dw for som
 (When each thread computed dŵ for its own windows, adding these up took a tenth of a step.)
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.blocks import block_length, blocks

@@ -13,8 +13,6 @@ the encoder has none. The pullbacks have no halves and no biases:
     dh = states_back · (ds, dy)      states_back  (H, 3H + F)
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.aligned import aligned_empty

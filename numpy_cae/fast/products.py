@@ -7,8 +7,6 @@ peak, where the same product in one piece reaches half of it (measured at 30 row
 So the products are cut. The values are the same sums; other BLAS libraries lose nothing.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 MAX_UNPACKED = 1_000_000

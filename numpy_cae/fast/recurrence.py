@@ -16,8 +16,6 @@ has the order new, reset, update and s the order reset, update, new: see `gru_ma
 σ(v) = (1 + tanh(v / 2)) / 2; the factor 1/2 of v is already in the rows of W, U, b and c.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.aligned import aligned_empty

@@ -1,7 +1,5 @@
 """One thread's clips through both GRUs and back, in buffers of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.aligned import aligned_empty

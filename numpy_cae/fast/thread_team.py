@@ -6,8 +6,6 @@ another, all of them `wait`. Each number is computed by the same worker in the s
 fast the threads are, so a result depends on the number of threads and on nothing else.
 """
 
-from __future__ import annotations
-
 import contextvars
 import os
 import threading

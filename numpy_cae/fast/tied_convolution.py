@@ -16,8 +16,6 @@ C. The decoder's products with C then cost half.
 Time is the leading axis everywhere: a row is a frame of B windows of C channels side by side.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.fast.blocks import block_length, overlap_add, overlapping

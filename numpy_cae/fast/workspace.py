@@ -4,8 +4,6 @@ The threads divide the windows of a batch. They have ŵ in common, of which each
 rows, and dw, of which each computes some channels when the spectra of all windows are known.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Checks of the arguments of the two networks; each raises ValueError and names the argument."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

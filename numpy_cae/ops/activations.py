@@ -6,8 +6,6 @@ a decoding layer is unbounded, so it takes a bound: see "Where equation 2 breaks
 docs/lab_book.md. The gates of jang2018's recurrent networks are sigmoids.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -5,8 +5,6 @@ is exactly the adjoint of convolving with W, so the convolution of a decoding la
 of that of the encoding layer, and the gradient of `conv1d` for its input is again a convolution.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

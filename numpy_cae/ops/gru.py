@@ -6,8 +6,6 @@ each frame, and its pullback applies the pullbacks from the last frame to the fi
 backpropagation through time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The affine map along the last axis, used inside a GRU and for its input and output."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

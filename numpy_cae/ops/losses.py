@@ -6,8 +6,6 @@ our α corresponds to the paper's times N_Y / N. A loss is a scalar, so its pull
 number: 1 by default, the weight of the loss where it is one term of a sum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

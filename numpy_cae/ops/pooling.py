@@ -6,8 +6,6 @@ other gets 0. Pooling this again returns max(y, 0). In fine tuning and afterward
 each frame gets half of the value, which is smooth over time. Pooling this again returns y / 2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ A wrong shape that broadcasts gives wrong results without an error, so every ope
 and names the argument, the shape it has and the expected shape.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

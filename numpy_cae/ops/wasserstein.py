@@ -8,8 +8,6 @@ the smallest and so on; in more dimensions the sets are projected onto direction
 one-dimensional costs are averaged.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Adam: steps whose length does not depend on the size of the gradient."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The state of a training in a file, from which an interrupted run continues."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import time

@@ -1,7 +1,5 @@
 """The corruption of denoising autoencoding: X to X_c (holden2015, section 6)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

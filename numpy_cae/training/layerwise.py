@@ -4,8 +4,6 @@ The layers below encode the clean motion. The layer is trained to restore this e
 corrupted copy (Vincent 2010). Fine tuning then trains the whole stack at once.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is reported between steps: progress on standard error, and divergence as an error."""
 
-from __future__ import annotations
-
 import sys
 import time
 

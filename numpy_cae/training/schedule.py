@@ -1,7 +1,5 @@
 """How long and how fast to train; the defaults are those of holden2015, section 6."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,7 +1,5 @@
 """The training of jang2018's network: clips, a prior and directions drawn anew at every step."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field

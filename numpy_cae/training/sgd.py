@@ -1,7 +1,5 @@
 """Stochastic gradient descent (holden2015, section 6), with momentum, with a bounded norm."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

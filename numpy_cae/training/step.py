@@ -1,7 +1,5 @@
 """One step of training of each network: holden2015, section 6, and jang2018."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder

@@ -1,7 +1,5 @@
 """The exercises: their solutions, wrong solutions, and the checks that they share."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from pathlib import Path

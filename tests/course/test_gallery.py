@@ -1,7 +1,5 @@
 """The gallery: one small picture a lesson, made of what the lesson shows."""
 
-from __future__ import annotations
-
 import base64
 import io
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Grading of notebooks: the exercise cells, with the functions of earlier lessons given."""
 
-from __future__ import annotations
-
 import ast
 import json
 from pathlib import Path

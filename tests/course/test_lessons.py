@@ -1,7 +1,5 @@
 """Every lesson from a fresh kernel: the instructor's copy, and the student's, nothing solved."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

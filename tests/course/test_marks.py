@@ -1,7 +1,5 @@
 """Marks of a class: who handed in what, the table and the feedback."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """mine.py: what a solved function leaves there, and what later lessons import of it."""
 
-from __future__ import annotations
-
 import linecache
 import sys
 from functools import partial

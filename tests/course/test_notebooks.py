@@ -1,7 +1,5 @@
 """Notebooks: students' copies, the hash of the source, the command `numpy-cae lessons`."""
 
-from __future__ import annotations
-
 import json
 import sys
 import zipfile

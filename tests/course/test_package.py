@@ -1,7 +1,5 @@
 """Wheel and sdist in a fresh environment: the students' copies, and grading one of them."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

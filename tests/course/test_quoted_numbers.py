@@ -12,8 +12,6 @@ in a lesson's text or formulas has to stand in a code cell of the same lesson, t
   addresses of links are not compared.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Files that disturb the grading as they can: each ends in a report that says what it did."""
 
-from __future__ import annotations
-
 import json
 import textwrap
 

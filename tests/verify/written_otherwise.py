@@ -3,8 +3,6 @@
 None of them may raise an alarm. Each is (operation, function).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import toeplitz
 from scipy.signal import correlate

@@ -1,7 +1,5 @@
 """The exercises of the lessons, as data: check cells, the tests and grading all use them."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 from numpy_cae.course.exercises.difficulty import with_points

@@ -4,8 +4,6 @@ An argument is a number, an array, a dict of arrays by name, a list of arrays, o
 pairs (w, b) of each layer. Gradients have the structure of the argument that they belong to.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The points of each exercise: by its difficulty, shared out among its properties."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from numpy_cae.verify.catalogue import Task

@@ -5,8 +5,6 @@ Most exercises are operations and have the properties that `verify` states of th
 that all are drawn, shrunk, reported and graded alike. The hints are in `hints.md`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 
 from numpy_cae import ops

@@ -1,7 +1,5 @@
 """The hints of the exercises, read from `hints.md`, whose first lines describe its format."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The exercise of lesson 00, two papers in pictures: one operation with its pullback."""
 
-from __future__ import annotations
-
 from numpy_cae.course.exercises.exercise import Exercise, operation_exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.operation import WINDOW, Operation

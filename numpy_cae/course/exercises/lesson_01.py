@@ -1,7 +1,5 @@
 """The exercises of lesson 01, a motion is an array."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 02, what to learn from: the 63 features and the conversion back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 03, convolution by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 04, pooling and its two inverses."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae import ops

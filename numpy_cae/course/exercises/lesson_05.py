@@ -1,7 +1,5 @@
 """The exercises of lesson 05, one layer: equations 1 and 2, and both with the same W and b."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.course.exercises.exercise import Exercise, operation_exercise

@@ -1,7 +1,5 @@
 """The exercises of lesson 06, learning: equation 3, corruption, a step of descent, the loop."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 07, going deep: frames that a unit depends on, stages, the stack."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,8 +1,6 @@
 """The exercises of lesson 08, using the manifold: blind repair, filling in, comparing, and the
 linear map that they are compared with."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 

@@ -1,7 +1,5 @@
 """The exercises of lesson 09, memory: a GRU, backpropagation through time, and clipping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 10, a manifold in sequences: encoder, decoder and loss."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae import ops

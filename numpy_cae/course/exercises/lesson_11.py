@@ -1,7 +1,5 @@
 """The exercises of lesson 11, matching distributions: one dimension, slices, the whole loss."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np

@@ -4,8 +4,6 @@ A check is right if every right implementation passes and no wrong one does. The
 the planted bugs of `verify`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field

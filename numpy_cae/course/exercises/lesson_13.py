@@ -1,7 +1,5 @@
 """The exercises of lesson 13, fast: a convolution rewritten with less and less work."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercises of lesson 14, beyond the papers: the losses with which three projects begin."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.course.exercises.checks import (

@@ -1,7 +1,5 @@
 """jang2018's network in exercises: its value by loops, and random weights and clips."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from numpy_cae.course.exercises.lesson_05 import uniform

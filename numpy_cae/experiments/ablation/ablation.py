@@ -6,8 +6,6 @@ the order, the corruption and the lost values of the test, equally for all rows,
 compared seed by seed.
 """
 
-from __future__ import annotations
-
 import json
 import zlib
 from collections.abc import Callable, Sequence

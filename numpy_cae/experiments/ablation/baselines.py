@@ -1,7 +1,5 @@
 """The baselines of an ablation: no repair, PCA on windows, the best linear map."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

@@ -4,8 +4,6 @@ All networks share the schedule of the first row, except for what a row is named
 the untied network is halved: at the common rate it diverged from one of five seeds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """The windows and measures that are common to all networks and baselines of an ablation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

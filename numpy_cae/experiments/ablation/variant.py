@@ -4,8 +4,6 @@
 Φ_k†(Y) = (Ψ†(tanh⁻¹(Y)) - c_k) * Ṽ_k        V_k = W_k and c_k = b_k, or learned separately
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
