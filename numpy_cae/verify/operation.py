@@ -142,6 +142,8 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
     if case.get("of") == "directions":  # points of a grid would tie along its diagonals
         arrays = {"z": rng.uniform(-2, 2, shape), "prior": rng.uniform(-2, 2, shape)}
         directions = drawn(case, rng, directions=towards)["directions"]
+        if case.get("values") == "identity":
+            directions = np.eye(shape[1])  # the axes, whatever number the case states
     else:
         arrays = drawn(case, rng, z=shape, prior=shape)
         directions = rng.standard_normal(towards)
