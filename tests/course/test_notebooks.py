@@ -78,8 +78,8 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "expected one of: a folder for the students' copies, --release"),
-        (["student", "--execute"], "expected one of"),
+        ([], "give a folder for students, --release"),
+        (["student", "--execute"], "give a folder for students"),
         (["--release", "week.zip", "03", "77"], "no lesson 77 in"),
         (["student", "--from", "nowhere"], "no lessons in nowhere"),
         (["student", "--from", "{here}", "--only", "02"], "no lesson 02 in"),
