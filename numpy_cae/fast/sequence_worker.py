@@ -73,8 +73,8 @@ class SequenceWorker:
             self.reader.step(k, *self._gates)
         return self.reader.states[-1, : self.hidden]
 
-    def write(self, h0: np.ndarray) -> np.ndarray:
-        """The frames y_1 to y_(S+T), (S + T, F, B), from the decoder's first state (H, B)."""
+    def write(self, h0: np.ndarray) -> None:
+        """Put the frames y_1 to y_(S+T) into `fed`, from the decoder's first state (H, B)."""
         hidden, features = self.hidden, self.features
         self.writer.states[0, :hidden] = h0
         for k in range(len(self.fed) - 1):
@@ -85,7 +85,6 @@ class SequenceWorker:
             self.writer.step(k, *self._gates)
         np.matmul(self.decoder.states[3 * hidden :], self.writer.states[-1], out=self._y)
         self.fed[-1, :features] = self._y
-        return self.fed[1:, :features]
 
     def copy_clips(self, out: np.ndarray) -> None:
         """Put the written clips, in the order of time, into its part of (B, T, F)."""

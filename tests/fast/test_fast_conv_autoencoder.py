@@ -95,8 +95,14 @@ def test_the_papers_network_in_float32(batch, unpooling):
         layer.w, layer.b = layer.w.astype(np.float32), layer.b.astype(np.float32)
     arguments = (x.astype(np.float32), corrupted.astype(np.float32), 0.01, first)
     direct = flat(model.loss_and_gradients(*arguments))
-    quick = flat(accelerate(model).loss_and_gradients(*arguments))
+    fast = accelerate(model)
+    y, x_hat = fast.encode(arguments[0]), fast.project(arguments[0])
+    decoded, pullback = fast.decode_with_pullback(y)
+    for each in (y, x_hat, decoded, fast.decode(y), pullback(decoded)):
+        assert each.dtype == np.float32
+    quick = flat(fast.loss_and_gradients(*arguments))
     for truth, a, b in zip(exact, direct, quick, strict=True):
+        assert np.ndim(b) == 0 or b.dtype == np.float32
         size = np.abs(truth).max()
         assert np.abs(b - truth).max() < max(1e-5 * size, 4 * np.abs(a - truth).max())
 

@@ -73,6 +73,7 @@ def test_encode_and_decode_equal_the_definition(threads, written, **shapes):
     model, x, prior, _ = drawn(**shapes)
     fast, tolerance = accelerate(model, threads), TOLERANCE[shapes["dtype"]]
     np.testing.assert_allclose(fast.encode(x), model.encode(x), atol=5 * tolerance)
+    assert fast.encode(x).dtype == shapes["dtype"]
     clips, found = model.decode(prior, written), fast.decode(prior, written)
     np.testing.assert_allclose(found, clips, atol=tolerance * max(1, np.abs(clips).max()))
     assert found.dtype == clips.dtype
