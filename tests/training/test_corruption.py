@@ -1,10 +1,14 @@
 """Damage of stretches: only chains are damaged, in at most three stretches of a window."""
 
 import numpy as np
+import pytest
 
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
+from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import JOINTS
-from numpy_cae.training.corruption import LONGEST, damage_stretches
+from numpy_cae.training import Stage
+from numpy_cae.training.corruption import LONGEST, _damage, damage_stretches
+from numpy_cae.training.step import denoising_step, make_optimiser
 
 
 def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
@@ -23,6 +27,68 @@ def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
     short = damage_stretches(x[:, :8], [(0, 3, 6)], 0.2, rng)
     assert short.shape == (200, 8, 12)
     assert np.all(np.isfinite(short))
+
+
+class Drawn:
+    """In place of a generator: one kind of damage, and numbers that make the shift known."""
+
+    def __init__(self, kind):
+        self.kind = kind
+
+    def integers(self, count):
+        assert self.kind < count == 5
+        return self.kind
+
+    def standard_normal(self, count):
+        return np.arange(1.0, count + 1)
+
+    def random(self):
+        return 0.25
+
+
+@pytest.mark.parametrize(("start", "stop"), [(3, 6), (0, 4), (5, 8)])
+def test_each_kind_of_damage(start, stop):
+    """A chain of two points with its base at channel 3, damaged in the frames start to stop."""
+    x = np.random.default_rng(0).normal(size=(8, 12))
+    base, points = x[:, 3:6], x[:, 6:].reshape(8, 2, 3)
+    before, after = points[max(start - 1, 0)], points[min(stop, 7)]
+    share = np.arange(1, stop - start + 1)[:, None, None] / (stop - start + 1)
+    own_base = base[start:stop] - base[max(start - 1, 0)]
+    expected = (
+        np.zeros((stop - start, 2, 3)),
+        np.broadcast_to(before, (stop - start, 2, 3)),
+        own_base[:, None] + before,
+        (1 - share) * before + share * after,
+        points[start:stop] + 0.2 * np.array([1, 2, 3]) / 2 * [[0.5], [1.0]],
+    )
+    for kind, right in enumerate(expected):
+        damaged = x.copy()
+        _damage(damaged, 3, [6, 9], start, stop, 0.2, Drawn(kind))
+        inside = damaged[start:stop, 6:].reshape(-1, 2, 3)
+        np.testing.assert_allclose(inside, right, atol=1e-12, err_msg=f"kind {kind}")
+        damaged[start:stop, 6:] = x[start:stop, 6:]
+        np.testing.assert_array_equal(damaged, x)
+
+
+def test_noise_has_another_deviation_in_each_window_and_is_drawn_for_each_value(monkeypatch):
+    model, seen = ConvAutoencoder(3, (2,), 3), []
+    gradients = [(np.zeros_like(layer.w), np.zeros_like(layer.b)) for layer in model.layers]
+
+    def loss_and_gradients(x, corrupted, *_):
+        seen.append(corrupted)
+        return 1.0, gradients
+
+    monkeypatch.setattr(model, "loss_and_gradients", loss_and_gradients)
+    stage, x = Stage(noise=0.5, zeroed=0.0), np.zeros((30, 80, 3), np.float32)
+    rng = np.random.default_rng(0)
+    denoising_step(model, x, stage, 0.1, rng, make_optimiser(stage, model.parameters))
+    (noise,) = seen
+    assert noise.dtype == np.float32
+    deviations = noise.std(axis=(1, 2))
+    assert deviations.max() < 0.6
+    assert deviations.min() < 0.1 < 0.4 < deviations.max()
+    for axis in (1, 2):  # not the same in every frame, nor in every channel
+        assert noise.std(axis=axis).mean() > deviations.mean() / 2
 
 
 def test_chains_have_every_joint_and_their_base_is_no_part_of_them():
