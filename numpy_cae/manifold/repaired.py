@@ -79,8 +79,8 @@ def change_joints(
 def distances(
     before: Motion, after: Motion, mapping: Mappings, changed: np.ndarray | None = None
 ) -> np.ndarray:
-    """How far each of the twenty joints moved, (frames, 20) in metres; 0 in frames that are not
-    `changed` (frames), by default none. If `after` is shorter, it is the end of `before`."""
+    """How far each of the twenty joints moved, (frames, 20) in metres. With a mask `changed`
+    (frames) only its frames are compared. If `after` is shorter, it is the end of `before`."""
     joints = find_joints(after.skeleton, mapping)
     before = before.at(slice(len(before) - len(after), None))
     moved = np.zeros((len(after), len(joints)))
