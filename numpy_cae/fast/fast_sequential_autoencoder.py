@@ -85,30 +85,31 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         weights = self.weights
         require_clips("x", x, weights)
         frames, dtype = x.shape[1], _dtype(weights, x)
-        last_states = np.empty((len(x), self.hidden), dtype)
+        z = np.empty((len(x), self.latent), dtype)
 
         for workspace, part in self._in_parts(len(x), frames, dtype):
             workspace.encoder.load(weights, back=False)
 
             def work(worker: SequenceWorker, part: slice = part) -> None:
-                last_states[part][worker.clips] = worker.read(x[part]).T
+                last_states = worker.read(x[part]).T
+                z[part][worker.clips] = last_states @ weights["latent_w"] + weights["latent_b"]
 
             workspace.run(work)
-        return last_states @ weights["latent_w"] + weights["latent_b"]
+        return z
 
     def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
         """Clips of z, as `SequentialAutoencoder.decode`."""
         weights = self.weights
         require_latent(z, frames, weights)
         dtype = _dtype(weights, z)
-        first_states = z @ weights["state_w"] + weights["state_b"]
         out = np.empty((len(z), frames, self.features), dtype)
 
         for workspace, part in self._in_parts(len(z), frames, dtype):
             workspace.decoder.load(weights, back=False)
 
             def work(worker: SequenceWorker, part: slice = part) -> None:
-                worker.write(first_states[part][worker.clips].T)
+                first_states = z[part][worker.clips] @ weights["state_w"] + weights["state_b"]
+                worker.write(first_states.T)
                 worker.copy_clips(out[part])
 
             workspace.run(work)
@@ -148,12 +149,12 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
             workspace.run(write_and_pull_back)
             reconstruction = sum(worker.loss for worker in workspace.workers)
             sums = _sums([worker.gradients for worker in workspace.workers])
-        sums |= {
-            "latent_w": last_states.T @ dz,
-            "latent_b": dz.sum(axis=0),
-            "state_w": z.T @ d_first_states,
-            "state_b": d_first_states.sum(axis=0),
-        }
+            sums |= {
+                "latent_w": last_states.T @ dz,
+                "latent_b": dz.sum(axis=0),
+                "state_w": z.T @ d_first_states,
+                "state_b": d_first_states.sum(axis=0),
+            }
         discrepancy = float(distance)
         losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
         return losses, {name: sums[name] for name in weights}
