@@ -49,20 +49,8 @@ class AngleSequence:
 
 
 def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
-    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
-
-    Parameters
-    ----------
-    motion : Motion
-        At the rate of its file.
-    mapping : dict, optional
-        See `find_joints`.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
-    """
+    """The motion, at the rate of its file, as 54 numbers a frame at 25 frames a second, without a
+    leading T-pose. Raises UnknownRigError as `find_joints` does."""
     table = table_for(motion.skeleton)
     found = table.find(motion.skeleton, mapping)
     motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)
@@ -97,20 +85,8 @@ def load_angles(
 
 
 def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Motion:
-    """The motion that 54 numbers a frame describe, on bones of the given offsets.
-
-    Parameters
-    ----------
-    numbers : (F, 54) array of float
-    table : AngleTable
-    offsets : (J, 3) array of float
-        As in `AngleSequence`.
-
-    Returns
-    -------
-    Motion
-        At 25 frames a second. The root is at the translation; see `on_floor` for a clip.
-    """
+    """The motion, at 25 frames a second, that 54 numbers a frame (F, 54) describe on bones of the
+    given offsets (J, 3). The root is at the translation; see `on_floor` for a clip."""
     frames, joints = len(numbers), len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
     vectors[:, table.indices] = numbers[:, TRANSLATION.stop :]

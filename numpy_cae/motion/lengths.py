@@ -66,22 +66,10 @@ def require_steady(path: str | Path, positions: np.ndarray) -> None:
 
 
 def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """The same motion on bones of other lengths.
+    """The same motion, positions (F, 20, 3) in metres, on bones of other lengths.
 
-    With `own` and `target` exchanged it is its own inverse.
-
-    Parameters
-    ----------
-    positions : (F, 20, 3) array of float
-        In metres.
-    own, target : (20,) arrays of float
-        Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
-        result. A bone without a length of its own continues the bone above it.
-
-    Returns
-    -------
-    (F, 20, 3) array of float64
-        In metres.
+    `own` and `target` are (20,) `bone_lengths` in metres, of these positions and of the result;
+    exchanged, they give the inverse. A bone without a length of its own continues the one above.
     """
     changed = np.empty(positions.shape)
     changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())
@@ -99,21 +87,8 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
 def features_on_mean_skeleton(
     takes: Sequence[np.ndarray], rate: float
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """The features of each take on the mean bones of all takes.
-
-    Parameters
-    ----------
-    takes : sequence of (F, 20, 3) arrays of float
-        World positions of the twenty joints in metres.
-    rate : float
-        Frames a second.
-
-    Returns
-    -------
-    features : list of (F, 63) arrays of float64
-    lengths : (20,) array of float64
-        The mean bone lengths in metres; each take has the same weight.
-    """
+    """The features (F, 63) of each take, world positions (F, 20, 3) in metres, on the mean bones of
+    all takes; and these bones' lengths (20,), in whose mean each take has the same weight."""
     own = [bone_lengths(take) for take in takes]
     mean = np.mean(own, axis=0)
     features = [

@@ -55,15 +55,10 @@ class Motion:
 
     def __post_init__(self) -> None:
         frames, joints = len(self.rotations), len(self.skeleton.names)
-        if np.shape(self.rotations) != (frames, joints, 4):
-            raise ValueError(
-                f"rotations have shape {np.shape(self.rotations)}, expected (frames, {joints}, 4)"
-            )
-        if np.shape(self.translations) != (frames, joints, 3):
-            raise ValueError(
-                f"translations have shape {np.shape(self.translations)}, "
-                f"expected ({frames}, {joints}, 3)"
-            )
+        for name, width in (("rotations", 4), ("translations", 3)):
+            shape = np.shape(getattr(self, name))
+            if shape != (frames, joints, width):
+                raise ValueError(f"{name} have shape {shape}, expected {(frames, joints, width)}")
 
     def __len__(self) -> int:
         return len(self.rotations)
@@ -119,14 +114,8 @@ class Motion:
         return replace(self, rate=float(rate), rotations=rotations, translations=translations)
 
     def source_frames(self, rate: float) -> np.ndarray:
-        """The times at which `resampled(rate)` takes its poses, in frames of this motion.
-
-        Returns
-        -------
-        (frames at `rate`,) array
-            Of int if frames are only dropped, else of float64: 1.5 is midway between frames 1
-            and 2.
-        """
+        """The times at which `resampled(rate)` takes its poses, in frames of this motion: int if
+        frames are only dropped, else float64, such as 1.5 midway between frames 1 and 2."""
         if rate <= 0:
             raise ValueError(f"rate is {rate}, expected frames a second above 0")
         step = whole_step(self.rate, rate)

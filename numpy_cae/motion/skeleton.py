@@ -22,10 +22,8 @@ class Skeleton:
     added : int
         The number of joints at the end that the file does not have; no writer writes them.
 
-    Raises
-    ------
-    ValueError
-        If the lengths differ, a name is repeated, or a parent is not before its child.
+    Raises ValueError if the lengths differ, a name is repeated, or a parent is not before its
+    child.
     """
 
     names: tuple[str, ...]

@@ -6,6 +6,7 @@ so that `rx ry rz` is R = R_z · R_y · R_x; `asf` defines the axes.
 
 import logging
 from array import array
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,44 +29,32 @@ def read_amc(
     unit: float | None = None,
     max_rate: float | None = None,
 ) -> Motion:
-    """Read an Acclaim motion.
+    """Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
 
     The format does not state the number of frames, so that frames missing at the end of the
     file are noticed only if the last one is incomplete.
 
     Parameters
     ----------
-    path : path of the .amc file
-    skeleton_path : path of the .asf file, optional
-        By default the one that `find_skeleton` finds.
-    unit : float, optional
-        Metres in one unit of the files; by default as the skeleton says.
-    max_rate : float, optional
-        Frames a second that suffice, as in `read_bvh`.
-
-    Returns
-    -------
-    Motion
-        In metres; a joint is named for its bone and is at the bone's base. The rate is the file's
+    path, skeleton_path : paths of the .amc and the .asf file, by default that of `find_skeleton`
+    unit, max_rate : float, optional
+        As in `read_bvh`; by default the unit is the skeleton's. The rate is the file's
         `:SAMPLES-PER-SECOND`, which few files have; else 120, the rate of the CMU database.
 
     Raises
     ------
     MotionFileError
         If either file is damaged or the two do not fit; a motion is never truncated or padded.
-    ValueError
-        If `unit` is not above 0.
     """
     file = TextFile.read(path)
     if skeleton_path is None:
         skeleton_path = find_skeleton(path)
         log.info("%s: skeleton from %s", path, skeleton_path)
     acclaim = read_asf(skeleton_path, unit)
-    degrees, rate, header = _read_header(file, acclaim.degrees)
+    channels, rate, header = _read_header(file, acclaim)
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     rate = rate if step == 1 or max_rate is None else max_rate
     values = _frames(file, acclaim, header, step, rate)
-    channels = _channels(acclaim, degrees)
     rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
     note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
@@ -74,23 +63,8 @@ def read_amc(
 
 def amc_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of an Acclaim motion, whose unit of length is so many metres."""
-    acclaim = read_asf(find_skeleton(path), unit)
-    degrees, _, _ = _read_header(TextFile.read(path, size=HEADER_SIZE), acclaim.degrees)
-    return _channels(acclaim, degrees)
-
-
-def _channels(acclaim: AcclaimSkeleton, degrees: bool) -> list[Channels]:
-    found, first = [], 0
-    for joint, names in enumerate(acclaim.channels):
-        # The root's translation is added to its preset position, which is its offset.
-        offset, axes = acclaim.skeleton.offsets[joint], acclaim.axes[joint]
-        orientation = None if joint else acclaim.orientation
-        limits = acclaim.limits[joint] if acclaim.degrees == degrees else None
-        found.append(
-            Channels(names, first, acclaim.unit, offset, axes, orientation, degrees, limits)
-        )
-        first += len(names)
-    return found
+    file = TextFile.read(path, size=HEADER_SIZE)
+    return _read_header(file, read_asf(find_skeleton(path), unit))[0]
 
 
 def find_skeleton(path: str | Path) -> Path:
@@ -115,15 +89,18 @@ def find_skeleton(path: str | Path) -> Path:
     )
 
 
-def _read_header(file: TextFile, degrees: bool) -> tuple[bool, float, int]:
-    """Whether angles are degrees, the rate, and the last line before the frames."""
-    rate = CMU_RATE
+def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channels], float, int]:
+    """The channels in the angles of this file, the rate, and the last line before the frames."""
+    rate, channels = CMU_RATE, acclaim.channels
     for line, words in statements(file):
         keyword = words[0].lower()
         if not keyword.startswith(":"):
-            return degrees, rate, line - 1
+            return channels, rate, line - 1
         if keyword in (":degrees", ":radians"):
             degrees = keyword == ":degrees"
+            channels = acclaim.channels
+            if degrees != channels[0].degrees:  # limits are in the angles of the skeleton
+                channels = [replace(c, degrees=degrees, limits=None) for c in channels]
         elif keyword == ":samples-per-second":
             numbers = file.numbers(line, words[1:])
             if len(numbers) != 1 or numbers[0] < MIN_RATE:
@@ -141,17 +118,16 @@ def _frames(
     `rate` is that of these frames. Comments, blanks and the order of the bones do not matter.
     """
     names = acclaim.skeleton.names
-    channels = dict(zip(names, acclaim.channels, strict=True))
+    channels = {name: own.names for name, own in zip(names, acclaim.channels, strict=True)}
     rows = array("d")
     frame: dict[str, tuple[int, list[str]]] = {}
-    number: int | None = None
-    first = frame_line = 0
+    count = number = frame_line = 0
 
-    def finish(number: int, last: bool = False) -> None:
+    def finish(last: bool = False) -> None:
         missing = [name for name in names if channels[name] and name not in frame]
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
-        kept = (number - first) % step == 0
+        kept = (count - 1) % step == 0
         if not kept and not last:  # the last one may be cut off
             return
         words = [word for name in names if channels[name] for word in frame[name][1]]
@@ -163,36 +139,34 @@ def _frames(
             raise
         if kept:
             rows.extend(values)
-            file.require_frames((number - first) // step + 1, len(names), rate)
+            file.require_frames((count - 1) // step + 1, len(names), rate)
 
     for line, (name, *values) in statements(file, header):
-        if name not in channels:
-            following = whole_number(name)
+        expected = channels.get(name)
+        if expected is None:
+            following, problem = whole_number(name), ""
             if values:
                 problem = f"the skeleton has no bone {quoted(name)}; it has {', '.join(names)}"
-                raise file.error(line, problem)
-            if following is None:
+            elif following is None:
                 problem = f"{quoted(name)}, expected the number of a frame or a bone and its values"
-                raise file.error(line, problem)
-            if number is not None:
-                finish(number)
+            elif count:
+                finish()
                 if following != number + 1:
                     problem = f"frame {following} follows frame {number}, expected {number + 1}"
-                    raise file.error(line, problem)
-            first = following if number is None else first
-            number, frame_line, frame = following, line, {}
+            if problem or following is None:
+                raise file.error(line, problem)
+            number, frame_line, frame, count = following, line, {}, count + 1
             continue
-        if number is None:
-            raise file.error(line, f"bone {name!r} is before the number of the first frame")
-        if name in frame:
-            raise file.error(line, f"bone {name!r} appears a second time in frame {number}")
-        expected = channels[name]
-        if len(values) != len(expected):
+        problem = ""
+        if not count:
+            problem = f"bone {name!r} is before the number of the first frame"
+        elif name in frame:
+            problem = f"bone {name!r} appears a second time in frame {number}"
+        elif len(values) != len(expected):
             reason = f" ({' '.join(expected)})" if expected else ": the skeleton gives it no dof"
             problem = f"bone {name!r} has {len(values)} values, expected {len(expected)}{reason}"
+        if problem:
             raise file.error(line, problem)
         frame[name] = line, values
-    if number is None:
-        return np.empty((0, 0))  # not reached: the header ends at a first frame
-    finish(number, last=True)
-    return np.frombuffer(rows).reshape((number - first) // step + 1, -1)
+    finish(last=True)
+    return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)

@@ -19,6 +19,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.io.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 
 CHANNELS = {
@@ -45,16 +46,11 @@ class BvhJoint:
         return f"joint {self.name!r} (line {self.line})"
 
 
-@dataclass
-class _EndSite:
-    """An End Site block while it is open."""
-
-    joint: BvhJoint
-    line: int
-    offset: list[float] | None = None
+class _EndSite(BvhJoint):
+    """An End Site block while it is open; its name is that of its joint."""
 
     def __str__(self) -> str:
-        return f"the End Site of joint {self.joint.name!r}"
+        return f"the End Site of joint {self.name!r}"
 
 
 def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
@@ -64,10 +60,11 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
     """
     blocks = _Blocks(file)
     for line, statement in _statements(file):
+        blocks.line = line
         if statement.upper() == "MOTION":
-            blocks.finish(line)
+            blocks.finish()
             return blocks.joints, line
-        blocks.read(line, statement)
+        blocks.read(statement)
     still_open = f" while {blocks.open[-1]} is still open" if blocks.open else ""
     raise file.error(file.count, f"the file ends{still_open} without MOTION: is it cut off?")
 
@@ -81,136 +78,130 @@ def _statements(file: TextFile) -> Iterator[tuple[int, str]]:
             if statement and started:
                 yield line, statement
             elif statement and statement.upper() != "HIERARCHY":
-                raise file.error(
-                    line,
-                    f"expected HIERARCHY, as every BVH file begins, found {quoted(statement)}",
-                )
+                problem = "expected HIERARCHY, as every BVH file begins, found"
+                raise file.error(line, f"{problem} {quoted(statement)}")
             started = started or bool(statement)
 
 
 class _Blocks:
-    """The tree while it is being read: the joints so far and the blocks that are open."""
+    """The tree while it is being read: the joints so far, the blocks that are open, and the one
+    whose brace follows. `places` are the joints' by their names behind any colon."""
 
     def __init__(self, file: TextFile):
-        self.file = file
+        self.file, self.line = file, 0
         self.joints: list[BvhJoint] = []
-        self.indices: dict[str, int] = {}
-        self.plain: dict[str, int] = {}
-        self.open: list[BvhJoint | _EndSite] = []
-        self.announced: BvhJoint | _EndSite | None = None
+        self.places: dict[str, int] = {}
+        self.open: list[BvhJoint] = []
+        self.announced: BvhJoint | None = None
 
-    def read(self, line: int, statement: str) -> None:
+    def error(self, problem: str) -> MotionFileError:
+        """An error about the present line."""
+        return self.file.error(self.line, problem)
+
+    def read(self, statement: str) -> None:
         """Process one statement."""
-        keyword, *rest = statement.split(maxsplit=1)
-        value = rest[0] if rest else ""
+        keyword, value = [*statement.split(maxsplit=1), ""][:2]
         keyword = keyword.upper()
         if (self.announced is not None) != (keyword == "{"):
-            self.require_no_brace_missing(line, statement)
+            self.require_no_brace_missing(statement)
         if self.announced is not None:
             self.open.append(self.announced)
             self.announced = None
         elif keyword == "}":
-            self.close(line)
+            self.close()
         elif keyword in ("ROOT", "JOINT"):
-            self.open_joint(line, keyword, value)
+            self.open_joint(keyword, value)
         elif re.fullmatch(r"END\s*SITE\b.*", statement, re.IGNORECASE):
-            self.open_end_site(line)
+            self.open_end_site()
         elif keyword == "OFFSET":
-            block = self.block(line, "OFFSET")
+            block = self.block("OFFSET")
             if block.offset is not None:
-                raise self.file.error(line, f"a second OFFSET in {block}")
-            block.offset = self.file.three_numbers(line, value.split(), "OFFSET")
+                raise self.error(f"a second OFFSET in {block}")
+            block.offset = self.file.three_numbers(self.line, value.split(), "OFFSET")
         elif keyword == "CHANNELS":
-            self.read_channels(line, value)
+            self.read_channels(value)
         else:
-            raise self.file.error(
-                line,
-                f"{quoted(statement)} means nothing in a BVH hierarchy, expected ROOT, JOINT, "
-                "End Site, OFFSET, CHANNELS, a brace or MOTION",
-            )
+            expected = "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace or MOTION"
+            problem = f"{quoted(statement)} means nothing in a BVH hierarchy, expected {expected}"
+            raise self.error(problem)
 
-    def require_no_brace_missing(self, line: int, statement: str) -> None:
+    def require_no_brace_missing(self, statement: str) -> None:
         if statement == "{":
-            raise self.file.error(line, "'{' opens nothing: it follows ROOT, JOINT or End Site")
+            raise self.error("'{' opens nothing: it follows ROOT, JOINT or End Site")
         if self.announced is not None:
-            raise self.file.error(line, f"expected '{{', found {quoted(statement)}")
+            raise self.error(f"expected '{{', found {quoted(statement)}")
 
-    def open_joint(self, line: int, keyword: str, name: str) -> None:
+    def open_joint(self, keyword: str, name: str) -> None:
         parent = self.open[-1] if self.open else None
-        problem = None
         if not name:
-            problem = f"{keyword} has no name"
-        elif len(self.joints) == MAX_JOINTS:
-            problem = f"the skeleton has more than {MAX_JOINTS} joints"
-        elif keyword == "ROOT" and self.joints:
-            problem = (
-                f"a second ROOT, {name!r}: the file holds several skeletons, expected one; give "
-                "each a file of its own"
-            )
-        elif keyword == "JOINT" and parent is None:
-            problem = f"JOINT {name!r} is outside ROOT: are there too many '}}' before it?"
-        elif isinstance(parent, _EndSite):
-            problem = f"{keyword} {name!r} cannot stand inside {parent}"
-        elif name.rsplit(":", 1)[-1] in self.plain:
-            first = self.joints[self.plain[name.rsplit(":", 1)[-1]]]
-            problem = (
+            raise self.error(f"{keyword} has no name")
+        if len(self.joints) == MAX_JOINTS:
+            raise self.error(f"the skeleton has more than {MAX_JOINTS} joints")
+        if keyword == "ROOT" and self.joints:
+            advice = "the file holds several skeletons, expected one; give each a file of its own"
+            raise self.error(f"a second ROOT, {name!r}: {advice}")
+        if keyword == "JOINT" and parent is None:
+            raise self.error(f"JOINT {name!r} is outside ROOT: are there too many '}}' before it?")
+        if isinstance(parent, _EndSite):
+            raise self.error(f"{keyword} {name!r} cannot stand inside {parent}")
+        plain = name.rsplit(":", 1)[-1]
+        if plain in self.places:
+            first = self.joints[self.places[plain]]
+            raise self.error(
                 f"joint name {name!r} appears a second time, first as {first.name!r} on line "
                 f"{first.line}: expected every joint to have a name of its own behind any colon"
             )
-        if problem is not None:
-            raise self.file.error(line, problem)
-        self.indices[name] = self.plain[name.rsplit(":", 1)[-1]] = len(self.joints)
-        above = self.indices[parent.name] if isinstance(parent, BvhJoint) else -1
-        self.announced = BvhJoint(name, above, line)
+        above = -1 if parent is None else self.places[parent.name.rsplit(":", 1)[-1]]
+        self.places[plain] = len(self.joints)
+        self.announced = BvhJoint(name, above, self.line)
         self.joints.append(self.announced)
 
-    def open_end_site(self, line: int) -> None:
-        block = self.block(line, "End Site")
+    def open_end_site(self) -> None:
+        block = self.block("End Site")
         if isinstance(block, _EndSite):
-            raise self.file.error(line, "End Site cannot stand inside End Site")
+            raise self.error("End Site cannot stand inside End Site")
         if block.tip is not None:
-            problem = f"a second End Site in joint {block.name!r}, expected one at most"
-            raise self.file.error(line, problem)
-        self.announced = _EndSite(block, line)
+            raise self.error(f"a second End Site in joint {block.name!r}, expected one at most")
+        self.announced = _EndSite(block.name, block.parent, self.line)
 
-    def read_channels(self, line: int, value: str) -> None:
-        block = self.block(line, "CHANNELS")
+    def read_channels(self, value: str) -> None:
+        block = self.block("CHANNELS")
         if isinstance(block, _EndSite):
-            raise self.file.error(line, "an End Site has no CHANNELS")
+            raise self.error("an End Site has no CHANNELS")
         if block.channels is not None:
-            raise self.file.error(line, f"a second CHANNELS in {block}")
+            raise self.error(f"a second CHANNELS in {block}")
         count, *names = value.split() or [""]
         for name in names:
             if name.lower() not in CHANNELS:
-                problem = f"{quoted(name)} is no channel, expected {', '.join(CHANNELS.values())}"
-                raise self.file.error(line, problem)
+                known = ", ".join(CHANNELS.values())
+                raise self.error(f"{quoted(name)} is no channel, expected {known}")
         block.channels = [CHANNELS[name.lower()] for name in names]
         if whole_number(count) != len(names):
-            problem = f"CHANNELS says {quoted(count)} and names {len(names)}, expected as many"
-            raise self.file.error(line, problem)
+            counts = f"CHANNELS says {quoted(count)} and names {len(names)}"
+            raise self.error(f"{counts}, expected as many")
         if len(set(block.channels)) < len(names):
-            raise self.file.error(line, f"CHANNELS names a channel twice: {' '.join(names)}")
+            raise self.error(f"CHANNELS names a channel twice: {' '.join(names)}")
 
-    def close(self, line: int) -> None:
+    def close(self) -> None:
         if not self.open:
-            raise self.file.error(line, "'}' closes nothing: there are more '}' than '{'")
+            raise self.error("'}' closes nothing: there are more '}' than '{'")
         block = self.open.pop()
         if block.offset is None:
             raise self.file.error(block.line, f"{block} has no OFFSET")
         if isinstance(block, _EndSite):
-            block.joint.tip = block.offset
+            self.open[-1].tip = block.offset
 
-    def block(self, line: int, keyword: str) -> BvhJoint | _EndSite:
+    def block(self, keyword: str) -> BvhJoint:
         """The innermost open block."""
         if not self.open:
-            raise self.file.error(line, f"{keyword} is outside ROOT")
+            raise self.error(f"{keyword} is outside ROOT")
         return self.open[-1]
 
-    def finish(self, line: int) -> None:
+    def finish(self) -> None:
         """Check that everything is closed at MOTION."""
         if not self.joints:
-            raise self.file.error(line, "MOTION is before any ROOT")
-        self.require_no_brace_missing(line, "MOTION")
+            raise self.error("MOTION is before any ROOT")
+        self.require_no_brace_missing("MOTION")
         if self.open:
             problem = f"{self.open[-1]} is still open: {len(self.open)} '}}' missing"
-            raise self.file.error(line, f"MOTION comes while {problem}")
+            raise self.error(f"MOTION comes while {problem}")

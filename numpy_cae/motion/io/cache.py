@@ -78,16 +78,9 @@ def read_bodies(
 ) -> Iterator[Body]:
     """Each file as twenty joints at 30 frames a second, in the order of `paths`.
 
-    Parameters
-    ----------
-    paths : sequence of paths
-    mapping, coordinates
-        See `load_body`.
-    cache : path, optional
-        A folder, created if missing; None for no cache. One that belongs to another user or cannot
-        be written is not used, with a warning.
-    processes : int, optional
-        By default one, or the number of processors for `WORTHWHILE` bytes or more.
+    The folder `cache` is created if missing; one that belongs to another user or cannot be written
+    is not used, with a warning. `processes` are by default one, or the number of processors for
+    `WORTHWHILE` bytes or more; the rest is as in `load_body`.
     """
     cache = _usable(cache)
     read = partial(_read, mapping=mapping, coordinates=coordinates or Coordinates(), cache=cache)

@@ -32,28 +32,19 @@ def load_motion(
 
     The motion is turned to Y up and its floor moved to 0; `Motion.up` and `Motion.floor` say how
     the file has them, and the writers restore that. Joints that the rig lacks and whose place is
-    known are added (`completed`).
+    known are added (`completed`); `mapping` is as in `find_joints`.
 
     Parameters
     ----------
     path : path of a .bvh, .amc, .txt or .c3d file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
-        for BVH, as the skeleton says for Acclaim, as the layout says for text; see
-        `Motion.unit_note`.
+        for BVH, else as the file or its layout says; see `Motion.unit_note`.
     max_rate : float, optional
         Frames a second that suffice: if omitting frames gives this rate, they are not parsed.
-    up : str, optional
-        The axis that is up in the file: x, y, z, -x, -y or -z. By default detected.
-    floor : float, optional
-        The height of the floor in the file in metres. By default detected.
-    mapping : dict or sequence of dict, optional
-        See `find_joints`; for the detection and for added joints.
-
-    Returns
-    -------
-    Motion
-        `Motion.positions()` gives (frames, joints, 3) in metres.
+    up, floor : str, float, optional
+        The axis that is up in the file (x, y, z, -x, -y or -z), and the height of the floor along
+        it in metres. By default detected.
 
     Raises
     ------
@@ -64,7 +55,7 @@ def load_motion(
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    problem = None
+    problem = ""
     if os.path.isdir(path):
         problem = f"is a folder, expected one motion file; {SUPPORTED}"
     elif not os.path.exists(path):
@@ -73,7 +64,7 @@ def load_motion(
         problem = "is a skeleton without motion, expected the .amc file that moves it"
     elif suffix not in SUFFIXES:
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
-    if problem is not None:
+    if problem:
         raise MotionFileError(path, None, problem)
     coordinates = Coordinates(unit, up, floor)
     with naming(path):

@@ -11,6 +11,7 @@ import numpy as np
 
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import IDENTITY
 from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig
 
 _BETWEEN = {
@@ -43,23 +44,18 @@ def completed(motion: Motion, mapping: Mappings = None) -> Motion:
         offsets.append(offset)
     if not missing:
         return motion
-    frames, added = len(motion), len(missing)
-    return replace(
-        motion,
-        skeleton=replace(
-            skeleton,
-            names=(*skeleton.names, *(joint + ADDED for joint in missing)),
-            parents=(*skeleton.parents, *parents),
-            offsets=np.concatenate([skeleton.offsets, offsets]),
-            added=added,
-        ),
-        rotations=np.concatenate(
-            [motion.rotations, np.tile([0.0, 0.0, 0.0, 1.0], (frames, added, 1))], axis=1
-        ),
-        translations=np.concatenate(
-            [motion.translations, np.tile(offsets, (frames, 1, 1))], axis=1
-        ),
+    longer = replace(
+        skeleton,
+        names=(*skeleton.names, *(joint + ADDED for joint in missing)),
+        parents=(*skeleton.parents, *parents),
+        offsets=np.concatenate([skeleton.offsets, offsets]),
+        added=len(missing),
     )
+    still = np.tile(IDENTITY, (len(motion), len(missing), 1))
+    places = np.tile(offsets, (len(motion), 1, 1))
+    rotations = np.concatenate([motion.rotations, still], axis=1)
+    translations = np.concatenate([motion.translations, places], axis=1)
+    return replace(motion, skeleton=longer, rotations=rotations, translations=translations)
 
 
 def without_added(motion: Motion) -> Motion:
@@ -67,16 +63,8 @@ def without_added(motion: Motion) -> Motion:
     skeleton = motion.skeleton
     if not skeleton.added:
         return motion
-    joints = len(skeleton.names) - skeleton.added
-    return replace(
-        motion,
-        skeleton=replace(
-            skeleton,
-            names=skeleton.names[:joints],
-            parents=skeleton.parents[:joints],
-            offsets=skeleton.offsets[:joints],
-            added=0,
-        ),
-        rotations=motion.rotations[:, :joints],
-        translations=motion.translations[:, :joints],
-    )
+    own = slice(len(skeleton.names) - skeleton.added)
+    names, parents, offsets = skeleton.names[own], skeleton.parents[own], skeleton.offsets[own]
+    shorter = replace(skeleton, names=names, parents=parents, offsets=offsets, added=0)
+    rotations, translations = motion.rotations[:, own], motion.translations[:, own]
+    return replace(motion, skeleton=shorter, rotations=rotations, translations=translations)

@@ -1,11 +1,16 @@
 """The names of joints in common rigs.
 
-A rig is a table from our joint names to its own, each with alternatives. Where it names no spine
-or chest, they follow from the hierarchy (`numpy_cae.motion.retarget.rigs`): rigs of one family
-differ in their number of spine joints. Blanks and punctuation in names do not matter.
+A rig is a table from our joint names to its own, each with alternatives. `rig_names.json` has a
+line for each: `trunk` names hips and head, or hips, spine, chest and head; `limbs` those of
+`_LIMBS`; `sides` are the patterns for left and right, such as "Left{} Right{}"; every name may have
+one of the `prefixes`; | separates alternatives. Where a rig names no spine or chest, they follow
+from the hierarchy (`numpy_cae.motion.retarget.rigs`): rigs of one family differ in their number of
+spine joints. Blanks and punctuation in names do not matter.
 """
 
+import json
 from itertools import product
+from pathlib import Path
 
 from numpy_cae.motion.joints import JOINTS
 
@@ -16,11 +21,7 @@ _LIMBS = ("collar", "shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toe")
 
 
 def _rig(trunk: str, limbs: str, sides: str, prefixes: str = "") -> Names:
-    """The table of a rig; | separates alternatives.
-
-    `trunk` names hips and head, or hips, spine, chest and head; `sides` are the patterns for left
-    and right, such as "Left{} Right{}"; every name may have one of the prefixes.
-    """
+    """The table of a rig."""
     trunk_names = trunk.split()
     joints = ("hips", "head") if len(trunk_names) == 2 else ("hips", "spine", "chest", "head")
     names = {joint: each.split("|") for joint, each in zip(joints, trunk_names, strict=True)}
@@ -34,60 +35,8 @@ def _rig(trunk: str, limbs: str, sides: str, prefixes: str = "") -> Names:
     }
 
 
-_MOTIONBUILDER = "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase|Toe"
-_UNITY = "Shoulder UpperArm LowerArm Hand UpperLeg LowerLeg Foot Toes|ToeBase"
-_BIPED = "Clavicle UpperArm ForeArm Hand Thigh Calf Foot ToeBase|Toe0"
-
+_KNOWN = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 RIGS: dict[str, Names] = {
     "numpy_cae": {joint: (joint,) for joint in JOINTS},
-    "CMU Acclaim": _rig(
-        "root upperback thorax head",
-        "clavicle humerus radius wrist femur tibia foot toes",
-        "l{} r{}",
-    ),
-    "Mixamo": _rig("Hips Spine Spine2 Head", _MOTIONBUILDER, "Left{} Right{}", "|mixamorig"),
-    "CMU BVH": _rig("Hips Spine Spine1 Head", _MOTIONBUILDER, "Left{} Right{}"),
-    "Bandai": _rig("Hips Spine Chest Head", _UNITY, "{}_L {}_R"),
-    "MotionBuilder, Perception Neuron": _rig(
-        "Hips Head", _MOTIONBUILDER, "Left{} Right{}", "|Robot_|Character1_|mixamorig"
-    ),
-    "Character Creator, iClone": _rig("Hip Head", _BIPED, "L_{} R_{}", "CC_Base_"),
-    "3ds Max Biped": _rig("Pelvis Head", _BIPED, "L_{} R_{}", "Bip01_|Bip001_|"),
-    "LeftHip, LeftCollar (Biovision, 100STYLE)": _rig(
-        "Hips|Hip Head",
-        "Collar Shoulder|UpArm Elbow|LowArm Wrist|Hand Hip|UpLeg Knee|LowLeg Ankle|Foot Toe",
-        "Left{} Right{}",
-    ),
-    "Unreal": _rig(
-        "pelvis head", "clavicle upperarm lowerarm hand thigh calf foot ball", "{}_l {}_r"
-    ),
-    "Rokoko": _rig("Hips Head", "Shoulder Arm ForeArm Hand Thigh Shin Foot Toe", "Left{} Right{}"),
-    "SOMA": _rig("Hips Head", "Shoulder Arm ForeArm Hand Leg Shin Foot ToeBase", "Left{} Right{}"),
-    "Xsens": _rig(
-        "Pelvis Head",
-        "Shoulder UpperArm ForeArm Hand UpperLeg LowerLeg Foot Toe",
-        "Left{} Right{}",
-    ),
-    "Rigify": _rig(
-        "hips|spine spine.006|head",
-        "shoulder upper_arm forearm hand thigh shin foot toe",
-        "{}.L {}.R",
-        "DEF-|ORG-|",
-    ),
-    "VRM, Unity": _rig("hips head", _UNITY, "left{} right{}"),
-    "VRoid": _rig("C_Hips C_Head", _UNITY, "L_{} R_{}", "J_Bip_"),
-    "Daz Genesis, Poser": _rig(
-        "hip head",
-        "Collar ShldrBend|Shldr ForearmBend|ForeArm Hand ThighBend|Thigh Shin Foot Toe",
-        "l{} r{}",
-    ),
-    "Daz Genesis 9": _rig(
-        "hip head", "shoulder|clavicle upperarm forearm hand thigh shin foot toes|toe", "l_{} r_{}"
-    ),
-    "SMPL": _rig(
-        "pelvis head",
-        "collar|thorax shoulder elbow wrist hip knee ankle foot|toe",
-        "left_{}|L_{} right_{}|R_{}",
-        "|m_avg_",
-    ),
+    **{rig: _rig(**patterns) for rig, patterns in _KNOWN.items()},
 }

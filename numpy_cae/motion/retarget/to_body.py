@@ -22,24 +22,9 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
     """Positions at `RATE` resampled to the frames of a motion: the inverse of `body_of` in time.
 
     The interpolation is Akima's modified cubic, smooth and local: poses at rest stay at rest.
-    Frames after the last pose, less than 1/30 s, are extrapolated linearly.
-
-    Parameters
-    ----------
-    motion : Motion
-        Its rate and number of frames are used.
-    positions : (F', N, 3) array of float
-        As many poses as `body_of(motion)` has.
-
-    Returns
-    -------
-    (F, N, 3) array of float64
-        One pose for each frame of the motion.
-
-    Raises
-    ------
-    ValueError
-        If the number of poses differs.
+    Frames after the last pose, less than 1/30 s, are extrapolated linearly. Positions (F', N, 3)
+    give (F, N, 3), a pose for each frame of the motion; ValueError unless they are as many poses as
+    `body_of(motion)` has.
     """
     from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
 

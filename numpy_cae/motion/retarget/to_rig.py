@@ -74,27 +74,21 @@ def retarget(
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
+    The hips reach their targets, other joints come as near as bones of constant length allow.
+    Frames without touched joints, and rotations that no touched joint needs, are the same to the
+    bit.
+
     Parameters
     ----------
-    motion : Motion
-        Of any rig in which the twenty joints can be found.
     positions : (F, 20, 3) array of float
         Target world positions in metres, one pose for each frame of the motion at its own rate
         (`at_rate_of` resamples positions at 30 frames a second).
-    mapping : dict of our joint names to the rig's, optional
     touched : (F, 20) array of bool, optional
         Joints that move to their targets; the others keep their positions as far as bones of
         constant length allow. All joints where None.
     exact : (F, 20) array of bool, optional
         Wrists and ankles that are reached exactly, if need be at the cost of the elbow or the
         knee. Those that are not touched where None.
-
-    Returns
-    -------
-    Motion
-        Of the same skeleton, rate, unit and length. The hips are at their targets; other joints
-        as near as bones of constant length allow. Frames without touched joints, and rotations
-        that no touched joint needs, are the same to the bit.
 
     Raises
     ------
@@ -104,15 +98,14 @@ def retarget(
         If joints are missing, or one of the twenty descends from none of the others.
     """
     joints = find_joints(motion.skeleton, mapping)
-    if touched is None:
-        touched = np.ones((len(motion), len(JOINTS)), dtype=bool)
-    if np.shape(positions) != (len(motion), len(JOINTS), 3):
-        raise ValueError(
-            f"positions have shape {np.shape(positions)}, expected ({len(motion)}, 20, 3): one "
-            "pose of the twenty joints for each frame of the motion"
-        )
-    if np.shape(touched) != (len(motion), len(JOINTS)):
-        raise ValueError(f"touched has shape {np.shape(touched)}, expected ({len(motion)}, 20)")
+    shape = len(motion), len(JOINTS)
+    touched = np.ones(shape, dtype=bool) if touched is None else touched
+    for name, array, expected in (
+        ("positions", positions, (*shape, 3)),
+        ("touched", touched, shape),
+    ):
+        if np.shape(array) != expected:
+            raise ValueError(f"{name} have shape {np.shape(array)}, expected {expected}")
     if not np.all(np.isfinite(positions).all(axis=-1) | ~touched):
         raise ValueError("positions hold values that are not finite")
     bones = _bones_through(motion, joints)
@@ -154,8 +147,7 @@ def _rotated(
     """The rotations (F, J, 4) that point the bones at their targets, from the root down.
 
     `targets` (F, 3) are by joints of the rig; `limbs` gives for an elbow or a knee the wrist or
-    ankle and the frames (F) in which it is reached exactly; `unchanged` are the positions and
-    global rotations of the motion.
+    ankle and the frames (F) in which it is reached exactly; `unchanged` is `forward_kinematics`.
     """
     before, rotations_before = unchanged
     rotations = motion.rotations.copy()
