@@ -59,7 +59,6 @@ def learn_manifold(
         World positions of the twenty joints in metres, at 30 frames a second.
     schedule : Schedule, optional
         The paper's where None.
-    seed : int
     window, overlap : int
         In frames; `window` is a multiple of 8 with three layers.
     filters, taps, bound

@@ -80,13 +80,13 @@ def sample_sequence(manifold: SequenceManifold, frames: int, rng: np.random.Gene
     clips = [_draw(manifold, 1, rng)[0]]
     # Half a clip more than needed: the last frame of a clip, decoded first, is its worst.
     while half * len(clips) < frames:
-        ending = _poses(_part(clips[-1], slice(half, 2 * half)))
+        ending = _poses(clips[-1].at(slice(half, 2 * half)))
         candidates = _draw(manifold, CANDIDATES, rng)
-        beginnings = [_poses(_part(candidate, slice(half))) for candidate in candidates]
+        beginnings = [_poses(candidate.at(slice(half))) for candidate in candidates]
         errors = [np.mean((beginning - ending) ** 2) for beginning in beginnings]
         clips.append(_moved_to_continue(clips[-1], candidates[int(np.argmin(errors))], half))
     blended = _blended(clips, half * np.arange(len(clips)), manifold.rate)
-    return on_floor(_part(blended, slice(frames)))
+    return on_floor(blended.at(slice(frames)))
 
 
 def clip_starts(frames: int, length: int) -> np.ndarray:
@@ -98,12 +98,6 @@ def clip_starts(frames: int, length: int) -> np.ndarray:
 def _draw(manifold: SequenceManifold, count: int, rng: np.random.Generator) -> list[Motion]:
     clips = manifold.denormalise(manifold.network.sample(count, rng, manifold.frames))
     return [motion_of(clip, manifold.table, manifold.offsets) for clip in clips]
-
-
-def _part(motion: Motion, frames: slice) -> Motion:
-    return replace(
-        motion, rotations=motion.rotations[frames], translations=motion.translations[frames]
-    )
 
 
 def _poses(motion: Motion) -> np.ndarray:

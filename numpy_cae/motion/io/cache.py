@@ -23,11 +23,10 @@ from numpy_cae.array_file import ModelFileError, checked, load_arrays, save_arra
 from numpy_cae.errors import FileError
 from numpy_cae.motion.io.amc import find_skeleton
 from numpy_cae.motion.io.coordinates import Coordinates
-from numpy_cae.motion.io.error import MotionFileError, naming
-from numpy_cae.motion.io.load import load_motion
+from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.lengths import require_steady
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
-from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
+from numpy_cae.motion.retarget.to_body import RATE, load_body
 
 log = logging.getLogger(__name__)
 
@@ -128,12 +127,7 @@ def _read(path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path |
         body = None if cached is None else _load(path, cached)
         if body is not None:
             return body
-        motion = load_motion(path, max_rate=RATE, mapping=mapping, **vars(coordinates))
-        try:
-            with naming(path):
-                positions = body_positions(motion.resampled(RATE), mapping)
-        except UnknownRigError as error:
-            raise UnknownRigError(f"{path}: {error}") from None
+        positions, motion = load_body(path, mapping, coordinates, RATE)
         require_steady(path, positions)
     except (MotionFileError, UnknownRigError) as problem:
         return Body(path, None, "", problem)

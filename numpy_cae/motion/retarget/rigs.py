@@ -7,6 +7,7 @@ joint nearest to the middle between hips and chest.
 
 import json
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -127,16 +128,12 @@ def read_mapping(path: str | Path) -> Mapping:
         raise UnknownRigError(f'{path}: expected an object such as {{"hips": "pelvis", …}}')
     unknown = sorted(set(mapping) - set(JOINTS))
     if unknown:
-        raise UnknownRigError(
-            f"{path}: not among the twenty joints: {', '.join(unknown)}; "
-            f"they are {', '.join(JOINTS)}"
-        )
-    twice = {name for name in mapping.values() if list(mapping.values()).count(name) > 1}
+        problem = f"not among the twenty joints: {', '.join(unknown)}; they are {', '.join(JOINTS)}"
+        raise UnknownRigError(f"{path}: {problem}")
+    twice = sorted(name for name, count in Counter(mapping.values()).items() if count > 1)
     if twice:
-        raise UnknownRigError(
-            f"{path}: {', '.join(sorted(twice))} stands for several joints; leave out a joint that "
-            "the rig lacks"
-        )
+        problem = f"{', '.join(twice)} stands for several joints; leave out a joint that the rig"
+        raise UnknownRigError(f"{path}: {problem} lacks")
     return mapping
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.motion.io.coordinates import Coordinates
+from numpy_cae.motion.io.error import naming
 from numpy_cae.motion.io.load import load_motion
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
@@ -47,17 +48,22 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
 
 
 def load_body(
-    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
+    path: str | Path,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
+    max_rate: float | None = None,
 ) -> tuple[np.ndarray, Motion]:
     """The twenty joints of a file at `RATE`, and the motion at the rate of the file.
 
-    What `coordinates` leaves open is detected.
+    What `coordinates` leaves open is detected; `max_rate` is as in `load_motion`.
 
     Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
     if joints are missing.
     """
-    motion = load_motion(path, mapping=mapping, **vars(coordinates or Coordinates()))
+    known = vars(coordinates or Coordinates())
+    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
     try:
-        return body_of(motion, mapping), motion
+        with naming(path):
+            return body_of(motion, mapping), motion
     except UnknownRigError as error:
         raise UnknownRigError(f"{path}: {error}") from None

@@ -18,7 +18,7 @@ they are. For a wrist or an ankle that has to be reached exactly, the target of 
 knee is moved to the nearest point from which it can be: on a circle about the limb's line.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from numpy_cae.motion.quaternions import angle, inverse, product, rotate
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.retarget.seams import without_seams
-from numpy_cae.motion.skeleton import Skeleton
 
 _ROUNDING = 1e-9
 """Radians, and metres at a bone's end. Smaller differences leave a rotation unchanged."""
@@ -52,15 +51,8 @@ _MIDDLES = [
 """Joints in the middle of a limb; the next of `JOINTS` is its end."""
 
 
-@dataclass(frozen=True)
-class _Bone:
-    """The path along the rig from one of the twenty joints to the next, as indices of the rig."""
-
-    start: int
-    between: tuple[int, ...]
-    end: int
-
-
+_Bone = tuple[int, ...]
+"""The path along the rig from one of the twenty joints to the next, as indices of the rig."""
 _Bones = dict[int, list[_Bone]]
 """For each joint of the rig that may rotate, the bones that begin at it or pass through it."""
 
@@ -114,7 +106,7 @@ def retarget(
     if touched[:, 0].any():
         translations = translations.copy()
     for joint, passing in bones.items():
-        damaged = np.any(touched[:, [joints.index(bone.end) for bone in passing]], axis=1)
+        damaged = np.any(touched[:, [joints.index(end) for *_, end in passing]], axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
         targets = positions[frames]
@@ -158,7 +150,7 @@ def _rotated(
             turned[:, joint] = product(above, turned[:, joint])
             after[:, joint] = after[:, parent] + rotate(above, after[:, joint])
         if joint in bones:
-            ends = [bone.end for bone in bones[joint]]
+            ends = [end for *_, end in bones[joint]]
             if ends[0] in limbs and len(bones[joint]) == 1:
                 end, exact = limbs[ends[0]]
                 chain = before[:, [joint, ends[0], end]]
@@ -232,41 +224,33 @@ def moves_alone(motion: Motion, joint: str, mapping: Mappings = None) -> bool:
     joints = find_joints(motion.skeleton, mapping)
     bones = _bones_through(motion, joints)
     index = joints[JOINTS.index(joint)]
-    outgoing = [bone for bone in bones.get(index, []) if bone.start == index]
-    incoming = [bone for group in bones.values() for bone in group if bone.end == index]
-    return len(outgoing) < 2 and any(_free_joints(bone, bone.start, bones) for bone in incoming)
+    outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]
+    incoming = [bone for group in bones.values() for bone in group if bone[-1] == index]
+    return len(outgoing) < 2 and any(_free_joints(bone, bone[0], bones) for bone in incoming)
 
 
 def _bones_through(motion: Motion, joints: list[int]) -> _Bones:
     bones: _Bones = {}
-    for index, joint in enumerate(joints[1:], start=1):
-        bone = _bone_to(motion.skeleton, joint, joints, JOINTS[index])
-        for passed in (bone.start, *bone.between):
+    for name, joint in zip(JOINTS[1:], joints[1:], strict=True):
+        path = motion.skeleton.path(joint)
+        start = next((place for place, above in enumerate(path) if place and above in joints), 0)
+        if not start:
+            raise UnknownRigError(
+                f"{name} ({motion.skeleton.names[joint]!r} in the rig) descends from none of the "
+                "twenty joints: is another joint of the rig its hips? Name it in a mapping"
+            )
+        bone = tuple(path[start::-1])
+        for passed in bone[:-1]:
             # A joint in between that never rotates (CMU's lhipjoint) is part of a rigid bone.
             rotates = np.abs(motion.rotations[:, passed, :3]).max() >= _ROUNDING
-            if passed == bone.start or rotates:
+            if passed == bone[0] or rotates:
                 bones.setdefault(passed, []).append(bone)
     return bones
 
 
-def _bone_to(skeleton: Skeleton, joint: int, joints: list[int], name: str) -> _Bone:
-    between: list[int] = []
-    above = skeleton.parents[joint]
-    while above not in joints:
-        if above < 0:
-            raise UnknownRigError(
-                f"{name} ({skeleton.names[joint]!r} in the rig) descends from none of the twenty "
-                "joints: is another joint of the rig its hips? Name it in a mapping"
-            )
-        between.insert(0, above)
-        above = skeleton.parents[above]
-    return _Bone(above, tuple(between), joint)
-
-
 def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
     """The number of joints from `joint` to the end of the bone that rotate for it alone."""
-    path = (bone.start, *bone.between)
-    return sum(bones.get(passed) == [bone] for passed in path[path.index(joint) :])
+    return sum(bones.get(passed) == [bone] for passed in bone[bone.index(joint) : -1])
 
 
 def _carrier(motion: Motion, hips: int) -> int:
