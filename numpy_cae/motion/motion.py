@@ -125,7 +125,7 @@ class Motion:
         return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
 
 
-def blocks(frames: np.ndarray, size: int = 1024) -> list[np.ndarray]:
+def blocks(frames: np.ndarray, size: int = 2048) -> list[np.ndarray]:
     """The frames in pieces, so that a long motion is not in memory several times."""
     return [frames[start : start + size] for start in range(0, len(frames), size)]
 

@@ -141,5 +141,5 @@ def test_numbers_are_formatted_as_by_python():
     values = np.random.default_rng(1).normal(size=500) * np.logspace(-8, 9, 500)
     values = np.concatenate([values, [0.0, -0.0, -1e-9, 0.5, -0.99999999, 10.0, -99.5]])
     for decimals in (0, 1, 6, 9):
-        assert fixed(values, decimals) == [f"{value:.{decimals}f}" for value in values]
-    assert fixed(np.array([]), 6) == []
+        assert list(fixed(values, decimals)) == [f"{value:.{decimals}f}" for value in values]
+    assert list(fixed(np.array([]), 6)) == []

@@ -82,18 +82,27 @@ class TextFile:
         return self.data.count(b"\n") + (not self.data.endswith(b"\n"))
 
     def numbered(self, after: int = 0) -> Iterator[tuple[int, str]]:
-        """(line number, text) of the lines below line `after`, decoded one at a time."""
-        line, start = 0, 0
+        """(line number, text) of the lines below line `after`."""
+        for first, texts in self._blocks(after):
+            yield from enumerate(texts, first)
+
+    def _blocks(self, after: int) -> Iterator[tuple[int, list[str]]]:
+        """The lines below line `after` in blocks of about a megabyte, which are decoded one at a
+        time: the number of a block's first line and the texts of its lines."""
+        start, line = 0, 1
         while start < len(self.data):
-            line += 1
-            end = self.data.find(b"\n", start)
-            end = len(self.data) if end < 0 else end
+            end = len(self.data)
             if end - start > MAX_LINE:
-                problem = f"the line has {end - start} characters, expected at most {MAX_LINE}"
+                end = self.data.rfind(b"\n", start, start + MAX_LINE + 1) + 1
+            if end == 0:
+                length = (self.data + b"\n").index(b"\n", start) - start
+                problem = f"the line has {length} characters, expected at most {MAX_LINE}"
                 raise self.error(line, problem)
-            if line > after:
-                yield line, self.data[start:end].decode()
-            start = end + 1
+            texts = self.data[start:end].decode().removesuffix("\n").split("\n")
+            if line + len(texts) > after:
+                skipped = max(0, after + 1 - line)
+                yield line + skipped, texts[skipped:]
+            start, line = end, line + len(texts)
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
         """An error about a line of this file, for the caller to raise."""
@@ -148,18 +157,36 @@ class TextFile:
             Lines that are not blank, parsed or not.
         """
         rows, lines = array("d"), 0
-        for line, text in self.numbered(after):
-            if not text.strip():
-                continue
-            if lines < frames and (lines % step == 0 or lines == frames - 1):
-                words = text.split()
-                if len(words) != width:
-                    raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
-                values = self.numbers(line, words)
-                if lines % step == 0:
-                    rows.extend(values)
-            lines += 1
-        return np.frombuffer(rows).reshape(-1, width), lines
+        for first, texts in self._blocks(after):
+            filled = [(line, text) for line, text in enumerate(texts, first) if text.strip()]
+            parsed = [
+                numbered
+                for row, numbered in enumerate(filled, lines)
+                if row < frames and (row % step == 0 or row == frames - 1)
+            ]
+            rows.frombytes(self._rows(parsed, width, expected).tobytes())
+            lines += len(filled)
+        kept = -(-min(lines, frames) // step)
+        return np.frombuffer(rows).reshape(-1, width)[:kept], lines
+
+    def _rows(self, lines: list[tuple[int, str]], width: int, expected: str) -> np.ndarray:
+        """The numbers in some lines (number, text), (lines, width)."""
+        if not lines:
+            return np.empty((0, width))
+        try:
+            values = np.loadtxt([text for _, text in lines], comments=None, ndmin=2)
+        except ValueError:
+            values = np.empty((0, 0))
+        if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
+            return values
+        # Something is wrong, or a number is in digits that only Python knows.
+        return np.array([self._row(line, text, width, expected) for line, text in lines])
+
+    def _row(self, line: int, text: str, width: int, expected: str) -> list[float]:
+        words = text.split()
+        if len(words) != width:
+            raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
+        return self.numbers(line, words)
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
         """Reject more poses than a file of this size can describe; call it before they are parsed.

@@ -6,6 +6,7 @@ byte. The text is processed in blocks of frames, so that a long file needs littl
 
 import logging
 import re
+from array import array
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -32,7 +33,6 @@ _NOTICEABLE = 0.5
 """Degrees by which a rotation may miss, for want of channels or by limits, without a message."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """What is between words."""
-_Words = tuple[list[str], list[str]]
 
 
 @dataclass(frozen=True)
@@ -123,11 +123,21 @@ def _replaced(
     after = as_in_file(after)
     needed = np.convolve(changed, [True, True, True])[1:-1] > 0
     needed[-1] = True
-    words = {frame: _words(texts[frame]) for frame in np.flatnonzero(needed).tolist()}
-    numbers = {frame: found.numbers(own) for frame, (own, _) in words.items()}
-    values = np.zeros((len(texts), len(next(iter(numbers.values())))))
-    read = zip(words.values(), numbers.values(), strict=True)
-    values[needed] = [[float(own[place]) for place in places] for (own, _), places in read]
+    used = [
+        column
+        for kind, is_new in (("t", moved.any(axis=0)), ("r", turned.any(axis=0)))
+        for joint in np.flatnonzero(is_new)
+        for column in found.channels[joint].columns(kind)
+    ]
+    read, numbers = array("d"), {}
+    for frame in np.flatnonzero(needed).tolist():
+        # They are split again below: the words of all frames at once do not fit into the cache.
+        words = _words(texts[frame])[0]
+        places = numbers[frame] = found.numbers(words)
+        read.extend([float(words[places[column]]) for column in used])
+    values = np.zeros((len(texts), len(places)))
+    values[np.ix_(needed, used)] = np.reshape(read, (len(numbers), len(used)))
+    values[-1] = [float(words[place]) for place in places]
     old = values.copy()
     for joint, channels in enumerate(found.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
@@ -138,19 +148,19 @@ def _replaced(
             if miss > _NOTICEABLE:
                 name = after.skeleton.names[joint]
                 misses[name] = max(miss, misses.get(name, 0.0))
-    decimals = _decimals(words, numbers)
+    decimals = _decimals(texts, numbers)
     new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
-    written = iter(fixed(values[new], decimals))
+    written = fixed(values[new], decimals)
     for frame in np.flatnonzero(changed).tolist():
-        own, gaps = words[frame]
-        columns, places = np.flatnonzero(new[frame]).tolist(), numbers[frame]
-        for column, text in zip(columns, written, strict=False):
+        own, gaps = _words(texts[frame])
+        places = numbers[frame]
+        for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
             own[places[column]] = text
         texts[frame] = _joined(own, gaps)
     return texts, values[-1]
 
 
-def _words(text: str) -> _Words:
+def _words(text: str) -> tuple[list[str], list[str]]:
     """The words of a text, and what is before, between and after them; of single spaces, nothing
     between."""
     body = text.strip()
@@ -192,12 +202,14 @@ def _put_angles(
     return miss
 
 
-def _decimals(words: dict[int, _Words], numbers: dict[int, Sequence[int]]) -> int:
+def _decimals(texts: list[str], numbers: dict[int, Sequence[int]]) -> int:
     """The most decimals of a number in some of the frames."""
-    some = islice(words, 0, None, max(1, len(words) // 50))
-    texts = (words[frame][0][place] for frame in some for place in numbers[frame])
-    fixed = (text for text in texts if "e" not in text.lower())
-    return max((len(text.partition(".")[2]) for text in fixed), default=6)
+    most = -1
+    for frame in islice(numbers, 0, None, max(1, len(numbers) // 50)):
+        words = _words(texts[frame])[0]
+        used = [words[place] for place in numbers[frame] if "e" not in words[place].lower()]
+        most = max([most, *(len(word.partition(".")[2]) for word in used)])
+    return most if most >= 0 else 6
 
 
 def _text(path: Path, mode: str):
