@@ -28,10 +28,7 @@ RIDGE = 1e-6
 class LinearDenoiser:
     """A linear convolution over time.
 
-    Parameters
-    ----------
-    weights : (taps, C, C) array of float
-        Neighbouring frame, its feature, the estimated feature.
+    `weights` are (taps, C, C): neighbouring frame, its feature, the estimated feature.
     """
 
     weights: np.ndarray
@@ -45,15 +42,8 @@ class LinearDenoiser:
 
 @dataclass(frozen=True)
 class Moments:
-    """E[z zᵀ] of a frame and its neighbours.
-
-    Parameters
-    ----------
-    second : (taps · C, taps · C) array of float64
-        By frame, then feature.
-    features : int
-        C.
-    """
+    """E[z zᵀ] of a frame and its neighbours, `second` (taps · C, taps · C), by frame, then feature;
+    C is `features`."""
 
     second: np.ndarray
     features: int
@@ -61,8 +51,6 @@ class Moments:
     @classmethod
     def of(cls, windows: np.ndarray, real: np.ndarray, taps: int = TAPS) -> Moments:
         """From whole windows (N, T, C), around the frames that are `real`, (N, T) bool."""
-        if taps % 2 == 0:
-            raise ValueError(f"taps is {taps}, expected an odd number of frames")
         size = taps * windows.shape[-1]
         total = np.zeros((size, size))
         for window, counts in zip(windows, real, strict=True):
@@ -71,14 +59,8 @@ class Moments:
         return cls(total / np.count_nonzero(real), windows.shape[-1])
 
     def solve(self, kept: float | np.ndarray, ridge: float = RIDGE) -> LinearDenoiser:
-        """The optimal weights where each value is kept with a probability and zero otherwise.
-
-        Parameters
-        ----------
-        kept : float or (C,) array of float
-            1 - p, or one probability for each feature.
-        ridge : float
-        """
+        """The optimal weights where a value is kept with a probability and zero otherwise: 1 - p,
+        or (C,), one for each feature."""
         taps = len(self.second) // self.features
         k = np.tile(np.broadcast_to(kept, self.features), taps)
         middle = slice(taps // 2 * self.features, (taps // 2 + 1) * self.features)

@@ -13,32 +13,19 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from numpy_cae.measures.bone_length_error import bone_length_error
-from numpy_cae.measures.foot_sliding import foot_sliding
-from numpy_cae.measures.jitter import jitter
-from numpy_cae.measures.joint_limits import JointLimits, beyond_limits
-from numpy_cae.measures.nearest_pose import NearestPose
-from numpy_cae.motion.features import FEATURES, POSITIONS, features_to_positions
+from numpy_cae.measures.body import bone_length_error, foot_sliding, jitter
+from numpy_cae.measures.joint_limits import JointLimits
+from numpy_cae.motion.features import POSITIONS, features_to_positions
+
+MAX_POSES = 12_000
+"""Real poses kept; neighbouring frames are nearly equal."""
 
 
 @dataclass(frozen=True)
 class Validity:
-    """The measures of one motion, or their means over several.
-
-    Parameters
-    ----------
-    bone_length : float
-        `bone_length_error`, cm.
-    foot_sliding : float
-        cm/s.
-    beyond_limits : float
-        Per cent of the frames.
-    jitter : float
-        m/s².
-    nearest_pose : float
-        cm.
-    """
+    """The measures of one motion, or their means over several, in the units of `HEADER`."""
 
     bone_length: float
     foot_sliding: float
@@ -89,13 +76,31 @@ class ValidityMeasure:
 
     def of(self, features: np.ndarray) -> Validity:
         """Measure one motion, (F, 63) features of at least 3 frames."""
-        if np.ndim(features) != 2 or np.shape(features)[1] != FEATURES:
-            raise ValueError(f"features have shape {np.shape(features)}, expected (frames, 63)")
         positions = features_to_positions(features)
         return Validity(
             bone_length_error(positions, self.lengths),
             foot_sliding(positions, self.rate),
-            beyond_limits(positions, self.limits),
+            float(100 * self.limits.beyond(positions).any(axis=1).mean()),
             jitter(positions, self.rate),
-            self.nearest.mean_distance(features),
+            float(self.nearest.distances(features).mean()),
         )
+
+
+class NearestPose:
+    """The distance to the nearest of real poses (N, 63), at most `MAX_POSES`, evenly spread.
+
+        d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
+
+    over the 60 position features, local to the body's place on the floor and its heading: the
+    smallest `position_error` of each frame to a real pose.
+    """
+
+    def __init__(self, features: np.ndarray):
+        step = -(-len(features) // MAX_POSES)
+        self._tree = cKDTree(np.asarray(features, dtype=np.float64)[::step, POSITIONS])
+
+    def distances(self, features: np.ndarray) -> np.ndarray:
+        """d of every frame (F, 63), in centimetres, (F,)."""
+        poses = np.asarray(features, dtype=np.float64)[:, POSITIONS]
+        distance, _ = self._tree.query(poses)
+        return 100 * distance / np.sqrt(poses.shape[1])

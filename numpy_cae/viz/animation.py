@@ -8,35 +8,31 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.camera import bones, camera_view, floor_point
 
+FPS, HEIGHT = 15.0, 420
+"""Pictures a second, at most the rate of the motions; pixels."""
+
 
 def save_gif(
     actors: list[Actor],
     path: str | Path,
     rate: float,
-    fps: float = 15.0,
     azimuth: float = 40.0,
     seconds: float = 20.0,
     overlaid: bool = False,
-    height: int = 420,
 ) -> str:
     """Write motions side by side or overlaid as a GIF; a camera follows them over a floor.
 
     Parameters
     ----------
     actors : list of Actor, of the same number of frames
-    path : path of the .gif file
     rate : float
         Frames a second of the motions.
-    fps : float
-        Frames a second of the animation, at most `rate`.
     azimuth : float
         Degrees from which the camera looks.
     seconds : float
         A longer motion is truncated.
     overlaid : bool
         All motions in one panel, whose camera follows the first.
-    height : int
-        Of the picture, in pixels.
 
     Returns
     -------
@@ -46,7 +42,7 @@ def save_gif(
     from matplotlib.animation import FuncAnimation, PillowWriter
     from matplotlib.figure import Figure
 
-    step = _step(rate, fps)
+    step = _step(rate)
     frames = len(actors[0].positions)
     moments = range(0, min(frames, int(seconds * rate)), step)
     half = _half_width(actors, moments, azimuth)
@@ -63,18 +59,18 @@ def save_gif(
 
     animation = FuncAnimation(figure, draw, frames=moments, blit=False, init_func=lambda: [])
     with atomic_write(path) as beside:
-        animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=height / 2.8)
+        animation.save(beside, writer=PillowWriter(fps=rate / step), dpi=HEIGHT / 2.8)
     shown, whole = min(frames / rate, seconds), frames / rate
     return f"all {whole:.1f} s" if shown == whole else f"the first {shown:.1f} s of {whole:.1f} s"
 
 
-def _step(rate: float, fps: float) -> int:
-    """Every how many frames a picture is drawn.
+def _step(rate: float) -> int:
+    """Every how many frames a picture is drawn, about `FPS` a second.
 
     A GIF counts hundredths of a second, so only steps that last a whole number of them play at the
     right speed: 30 frames a second in steps of 3 take 10 hundredths each, in steps of 2 6.67.
     """
-    steps = range(max(1, round(rate / fps)), max(2, int(rate / 5)) + 1)
+    steps = range(max(1, round(rate / FPS)), max(2, int(rate / 5)) + 1)
     return min(steps, key=lambda step: round(abs(100 * step / rate - round(100 * step / rate)), 3))
 
 

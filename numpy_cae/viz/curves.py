@@ -16,17 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Curve:
-    """One line of a plot.
-
-    Parameters
-    ----------
-    x, y : sequences of the same number of float
-    label : str
-    colour : str, optional
-        Matplotlib's next colour if None.
-    style : str
-        Of Matplotlib, such as "--".
-    """
+    """One line of a plot; the style and the colour, by default the next one, are Matplotlib's."""
 
     x: Sequence[float]
     y: Sequence[float]
@@ -38,15 +28,8 @@ class Curve:
 def curves_figure(
     curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
 ) -> Figure:
-    """Curves in one plot, with the legend beside it.
-
-    Parameters
-    ----------
-    curves : sequence of Curve
-    across, up : str
-        Labels of the axes, with units.
-    size : (width, height) in inches
-    """
+    """Curves in one plot of so many inches, with the legend beside it; `across` and `up` label the
+    axes, with units."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
@@ -60,18 +43,10 @@ def curves_figure(
     return figure
 
 
-def feature_figure(
-    motions: Motions, column: int, rate: float, up: str, styles: Mapping[str, str] | None = None
-) -> Figure:
-    """A position feature of each motion over time, cm; `up` names it, `styles` are by label."""
+def feature_figure(motions: Motions, column: int, rate: float, up: str) -> Figure:
+    """A position feature of each motion over time, cm; `up` names it."""
     curves = [
-        Curve(
-            np.arange(len(x)) / rate,
-            100 * x[:, column],
-            label,
-            colour,
-            (styles or {}).get(label, "-"),
-        )
+        Curve(np.arange(len(x)) / rate, 100 * x[:, column], label, colour)
         for label, (x, colour) in motions.items()
     ]
     return curves_figure(curves, "time, s", f"{up}, cm", (9.5, 4.0))
@@ -82,11 +57,8 @@ def dots_figure(
 ) -> Figure:
     """A row for each name with a dot for each value and a line at their mean.
 
-    Parameters
-    ----------
-    names, colours : sequences of str
-    panels : mapping of title to one array of values for each name
-        nan values are left out; a grey line is at the mean of the first name.
+    `panels` has by title one array of values for each name; nan is left out. A grey line is at the
+    mean of the first name.
     """
     from matplotlib.figure import Figure
 
@@ -109,25 +81,13 @@ def dots_figure(
 
 
 def bars_figure(
-    names: Sequence[str],
-    groups: Sequence[tuple[str, Sequence[float], str | None]],
-    up: str,
-    size: tuple[float, float] = (9.0, 4.6),
+    names: Sequence[str], groups: Sequence[tuple[str, Sequence[float], str | None]], up: str
 ) -> Figure:
-    """A group of bars for each name.
-
-    Parameters
-    ----------
-    names : sequence of str
-    groups : sequence of (label, heights, colour)
-        One height for each name; the colour may be None.
-    up : str
-        Label of the vertical axis, with the unit.
-    size : (width, height) in inches
-    """
+    """A group of bars for each name, from labels, heights by name and colours; `up` labels the
+    vertical axis, with the unit."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
     axes = figure.add_subplot()
     places, width = np.arange(len(names)), 0.8 / len(groups)
     for number, (label, heights, colour) in enumerate(groups):

@@ -30,12 +30,7 @@ class Player:
 def in_notebook(actors: Sequence[Actor], rate: float, height: int = 420) -> Player:
     """Motions side by side with play, pause and a slider, for the last line of a cell.
 
-    Parameters
-    ----------
-    actors, rate
-        As in `save_viewer`. The viewer takes 260 kB of the notebook, ten seconds of three motions
-        about 150 kB more.
-    height : int
-        Of the frame, in pixels.
+    The viewer takes 260 kB of the notebook, ten seconds of three motions about 150 kB more; its
+    frame has `height` pixels.
     """
     return Player(page_html(actors, rate), ", ".join(actor.label for actor in actors), height)

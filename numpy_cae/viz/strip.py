@@ -16,19 +16,10 @@ if TYPE_CHECKING:
 
 
 def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
-    """A row of poses for each motion, at the same moments in every row.
+    """A row of poses for each motion, of as many frames, at the same moments in every row.
 
-    Each pose is drawn at its place on the strip, without its path in the world.
-
-    Parameters
-    ----------
-    actors : list of Actor, of the same number of frames
-    rate : float
-        Frames a second, for the times below.
-    poses : int
-        How many.
-    azimuth : float
-        Degrees from which the camera looks, 0 from the front of a body that faces +Z.
+    Each pose is drawn at its place on the strip, without its path in the world. `rate` is for the
+    times below; the camera looks from `azimuth` degrees, 0 from the front of a body that faces +Z.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
@@ -72,7 +63,7 @@ def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
     return bones(camera_view(points - floor_point(points), azimuth), actor.parents)
 
 
-def save_figure(figure: Figure, path: str | Path, dpi: int = 110) -> None:
+def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure as a PNG file, atomically."""
     with atomic_write(path) as beside:
-        figure.savefig(beside, format="png", dpi=dpi, facecolor="white")
+        figure.savefig(beside, format="png", dpi=110, facecolor="white")

@@ -32,18 +32,8 @@ def save_viewer(
     actors: Sequence[Actor], path: str | Path, rate: float, title: str = "", overlaid: bool = False
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
-
-    Parameters
-    ----------
-    actors : sequence of Actor
-        The shorter ones hold their last pose until the longest ends.
-    path : path of the .html file
-    rate : float
-        Frames a second of the motions.
-    title : str
-        Of the page; by default the labels of the motions.
-    overlaid : bool
-        Start with all motions in one place instead of side by side.
+    The motions have `rate` frames a second; shorter ones hold their last pose until the longest
+    ends. The title is by default their labels.
     """
     with atomic_write(path) as beside:
         Path(beside).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")

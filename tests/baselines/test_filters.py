@@ -30,9 +30,3 @@ def test_savitzky_golay_preserves_polynomials_of_its_order(order):
     t = np.linspace(-1, 1, 31)[:, None]
     x = sum((k + 1) * t**k for k in range(order + 1))
     np.testing.assert_allclose(savitzky_golay(x, 9, order), x, atol=1e-9)
-
-
-@pytest.mark.parametrize("smooth", [median, lambda x, length: savitzky_golay(x, length, 1)])
-def test_an_even_length_is_refused(smooth):
-    with pytest.raises(ValueError, match="length is 4, expected an odd number"):
-        smooth(np.zeros((10, 1)), 4)

@@ -5,12 +5,12 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.measures import (
-    clip_distances,
     diversity,
     gait_frequency,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
+from numpy_cae.measures.samples import clip_distances
 from numpy_cae.motion import JOINTS, body_positions
 
 

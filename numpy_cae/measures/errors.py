@@ -1,7 +1,8 @@
-"""The error of joint positions, in centimetres."""
+"""Errors of a motion compared with the true one."""
 
 import numpy as np
 
+from numpy_cae.motion.angle_table import ANGLES
 from numpy_cae.motion.features import POSITIONS, joint_slice
 
 
@@ -11,11 +12,9 @@ def position_error(
     real: np.ndarray | None = None,
     joint: str | None = None,
 ) -> float:
-    """Root mean square over the coordinates of all joints, or of one, in centimetres.
+    """100 · √ mean((q̂ - q)²), centimetres, over the coordinates of all joints or of one.
 
-        100 · √ mean((q̂ - q)²)
-
-    over the 60 position features, relative to the body's position on the floor and its heading, so
+    The 60 position features are relative to the body's position on the floor and its heading, so
     that drift of the integrated path does not hide errors of the pose.
 
     Parameters
@@ -32,3 +31,13 @@ def position_error(
     if real is not None:
         gap = gap[real]
     return float(100 * np.sqrt(np.mean(np.square(gap, dtype=np.float64))))
+
+
+def angle_distance(numbers: np.ndarray, truth: np.ndarray) -> float:
+    """The mean over frames of ‖θ̂ - θ‖, over the 51 angles of a frame, in radians.
+
+    jang2018: "Euclidean distance was used as a metric in the joint angle space". Both arguments are
+    (…, 54), not standardised; the root's translation is left out.
+    """
+    gap = (np.asarray(numbers, dtype=np.float64) - truth)[..., ANGLES]
+    return float(np.linalg.norm(gap, axis=-1).mean())

@@ -1,0 +1,101 @@
+"""Measures of world positions (F, 20, 3), in metres, of the twenty joints."""
+
+import numpy as np
+
+from numpy_cae.motion.contacts import FEET, STANDING_HEIGHT, floor_height
+from numpy_cae.motion.joints import JOINTS, PARENTS
+
+MIN_FREQUENCY = 0.4
+"""Strides a second; anything slower is standing."""
+_BONES = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
+
+
+def jitter(positions: np.ndarray, rate: float) -> float:
+    """Mean over joints and frames of the acceleration's magnitude, in m/s².
+
+        mean_{t,j} ‖p_{t+1,j} - 2 p_{t,j} + p_{t-1,j}‖ · rate²
+
+    It is to be compared with the truth's, as it is not best at 0: noise that changes from frame to
+    frame increases it far more than the position error, and too much smoothing decreases it.
+    ValueError for fewer than 3 frames.
+    """
+    if np.ndim(positions) != 3 or np.shape(positions)[2] != 3 or len(positions) < 3:
+        raise ValueError(
+            f"positions have shape {np.shape(positions)}, expected (3 frames or more, joints, 3)"
+        )
+    acceleration = np.diff(np.asarray(positions, dtype=np.float64), 2, axis=0) * rate**2
+    return float(np.linalg.norm(acceleration, axis=-1).mean())
+
+
+def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:
+    """Root mean square over bones and frames of the deviation from `lengths` (20,), centimetres.
+
+        100 · √ mean_{t,j} (‖p_{t,j} - p_{t,parent(j)}‖ - l_j)²
+
+    holden2015, section 7, names it as a limitation: "the manifold projection cannot guarantee
+    constraints such as ground contact and joint lengths". Real bodies have an error too, where a
+    bone spans joints that bend (the neck, between chest and head).
+    """
+    positions = np.asarray(positions, dtype=np.float64)
+    bones = positions[:, _BONES] - positions[:, [PARENTS[joint] for joint in _BONES]]
+    gap = np.linalg.norm(bones, axis=-1) - np.asarray(lengths)[_BONES]
+    return float(100 * np.sqrt(np.mean(gap**2)))
+
+
+def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None) -> float:
+    """The mean speed along the floor of the foot that stands, cm/s; 0 if nothing touches it.
+
+        100 · rate · mean_{t in contact} ‖xz(p_{t+1,f(t)}) - xz(p_{t,f(t)})‖
+
+    f(t) is the foot whose toe joint is the lower one from t to t + 1, and t is in contact if that
+    toe is within `STANDING_HEIGHT` of the floor. A swinging foot passes the floor as closely,
+    at several metres a second, but meanwhile the other foot is lower. There is no bound on the
+    speed, as in `find_contacts`, because a fast slide is what is to be measured.
+
+    `floor` is the height in metres; by default `floor_height`, so that a motion that floats as a
+    whole still slides.
+    """
+    positions = np.asarray(positions, dtype=np.float64)
+    toes = positions[:, FEET]
+    height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
+    lower, frames = height.argmin(axis=1), np.arange(len(height))
+    speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
+    ground = floor_height(positions) if floor is None else floor
+    contact = height[frames, lower] <= ground + STANDING_HEIGHT
+    return float(100 * speed[contact].mean()) if contact.any() else 0.0
+
+
+def gait_frequency(positions: np.ndarray, rate: float) -> float:
+    """Strides a second, two steps each, by autocorrelation.
+
+        s_t = (left ankle - right ankle) · forward,    r_l = mean_t (s_t - s̄)(s_{t+l} - s̄)
+
+    The first peak of r after it was negative is one stride; nan where the legs do not alternate or
+    the clip is shorter than a stride.
+    """
+    lead = _lead(np.asarray(positions, dtype=np.float64))
+    lead = lead - lead.mean()
+    frames = len(lead)
+    # The longest lag leaves a quarter of the clip to compare.
+    lags = np.arange(min(int(rate / MIN_FREQUENCY) + 2, frames * 3 // 4 + 2))
+    products = np.array([np.mean(lead[: frames - lag] * lead[lag:]) for lag in lags])
+    below = np.flatnonzero(products < 0)
+    start = below[0] if len(below) else len(lags)
+    for peak in range(start + 1, len(lags) - 1):
+        left, top, right = products[peak - 1 : peak + 2]
+        if top > 0 and left < top >= right:
+            # The peak of a parabola through three values lies between frames.
+            shift = 0.5 * (left - right) / (left - 2 * top + right)
+            return float(rate / (peak + shift))
+    return float("nan")
+
+
+def _lead(positions: np.ndarray) -> np.ndarray:
+    """How far the left ankle is in front of the right along the hips' direction, (F,), metres."""
+    across, ankles = (
+        positions[:, JOINTS.index(f"left_{name}")] - positions[:, JOINTS.index(f"right_{name}")]
+        for name in ("hip", "ankle")
+    )
+    forward = np.stack([-across[:, 2], np.zeros(len(across)), across[:, 0]], axis=1)
+    forward /= np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
+    return np.sum(ankles * forward, axis=1)
