@@ -112,13 +112,13 @@ class TorchModel:
             loss.backward()
             return loss.detach(), [(w.grad, b.grad) for w, b, _ in layers]
 
-        def project():
-            return self.decode(self.encode(x, layers), layers, masks)
-
         if case.kind == "step":
             return step
-        used = project if case.kind == "project" else lambda: self.encode(x, layers)
-        return torch.inference_mode()(used)
+        if case.kind == "project":
+            return torch.inference_mode()(
+                lambda: self.decode(self.encode(x, layers), layers, masks)
+            )
+        return torch.inference_mode()(lambda: self.encode(x, layers))
 
     def arrays(self, case: Case) -> list[np.ndarray]:
         """The results of the case, in the order of `arrays_of`."""

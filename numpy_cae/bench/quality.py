@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from numpy_cae.bench.convolutional import torch
-from numpy_cae.bench.timing import PAUSE
+from numpy_cae.bench.table import PAUSE
 
 
 @dataclass

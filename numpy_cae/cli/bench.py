@@ -86,7 +86,7 @@ def _quality(args: argparse.Namespace) -> int:
 
 def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
-    from numpy_cae.bench.convolutional_quality import trainings
+    from numpy_cae.bench.trainings import trainings
     from numpy_cae.cli.ablation import material_of
     from numpy_cae.cli.train_options import RECIPES
     from numpy_cae.experiments.ablation.evaluation import Evaluation
@@ -101,7 +101,7 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
 
 def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the sequential network, on synthetic walking; the error is of other people's clips."""
-    from numpy_cae.bench.sequential_quality import trainings
+    from numpy_cae.bench.trainings import sequence_trainings
     from numpy_cae.cli.train_options import SEQUENCE_RECIPES
     from numpy_cae.experiments.sequences.actions import synthetic_action
     from numpy_cae.manifold.learning import mean_and_deviation
@@ -115,7 +115,7 @@ def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     def normalised(clips: np.ndarray) -> np.ndarray:
         return ((clips - mean) / deviation).astype(np.float32)
 
-    return trainings(
+    return sequence_trainings(
         lambda rng, batch: normalised(draw_clips(action.training, batch, rng)),
         normalised(cut_clips(action.testing, step=600)),
         SEQUENCE_RECIPES["fast"],

@@ -39,10 +39,8 @@ Progress = Callable[[str, int, "int | None"], None]
 
 @dataclass
 class Tally:
-    """The numbers of files that are new and that were known before, and the refused ones.
-
-    A refused file was downloaded and cannot be read, for the stated reason; it is not kept.
-    """
+    """The numbers of files that are new and that were known before; and the reasons for which
+    others, which are not kept, cannot be read."""
 
     new: int = 0
     known: int = 0
@@ -75,19 +73,13 @@ def download_cmu(
     site: CmuSite | None = None,
     progress: Progress | None = None,
 ) -> Tally:
-    """Download Acclaim files into `folder/02/02.asf`, `folder/02/02_01.amc`, …
+    """Download Acclaim files into `folder/02/02.asf`, `folder/02/02_01.amc`, …, by default all.
 
     A file gets its name only when it is complete and can be read; it is then never downloaded
     again. An interrupted download is continued by the next call.
 
-    Without `subjects` the whole database is downloaded, as one archive.
-
-    Raises
-    ------
-    DownloadError
-        If a download fails, or the archive is damaged or has paths that leave the folder.
-    FileError
-        If another process downloads into the folder.
+    Raises DownloadError if a download fails, or the archive is damaged or has paths that leave the
+    folder; FileError if another process downloads into the folder.
     """
     folder, site = Path(folder), site or CmuSite()
     progress = progress or (lambda name, done, total: None)

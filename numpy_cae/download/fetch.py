@@ -60,13 +60,10 @@ def fetch(
     """Download a file into `part`, continuing after the bytes that it has.
 
     `part` is complete when the function returns; the caller renames it. `pause` is the time in
-    seconds before the second attempt, doubled with each further one; `most` the bytes of the file.
+    seconds before the second attempt, doubled with each further one.
 
-    Raises
-    ------
-    DownloadError
-        If the server does not have the file, it is larger than `most`, `MAX_FAILURES` attempts in a
-        row brought nothing, or `PATIENCE` seconds fewer than `LEAST` bytes.
+    Raises DownloadError if the server does not have the file or it has more than `most` bytes, if
+    `MAX_FAILURES` attempts in a row brought nothing, `PATIENCE` seconds fewer than `LEAST` bytes.
     """
     part = Path(part)
     ended: list[Exception | None] = []
@@ -92,7 +89,8 @@ def fetch(
                 "are kept: run the command again to continue"
             )
     if ended[0] is not None:
-        _remove_empty(part)
+        if part.exists() and _size(part) == 0:
+            part.unlink()
         raise ended[0]
 
 
@@ -191,11 +189,6 @@ def _total(text: str, start: int, length: int | None) -> int:
     if first != start or not first <= last < total or length not in (None, last - first + 1):
         raise _Changed(f"the server sent {text[:80]!r}, expected bytes from {start}")
     return total
-
-
-def _remove_empty(part: Path) -> None:
-    if part.exists() and _size(part) == 0:
-        part.unlink()
 
 
 def _size(path: Path) -> int:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from numpy_cae.bench import convolutional_quality, quality, sequential_quality
+from numpy_cae.bench import quality, trainings
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.paper import synthetic_windows
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
@@ -44,10 +44,10 @@ def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
         return Training(name, count, turns, lambda: passes(10.0, "", 1.0))
 
     monkeypatch.setattr(time, "perf_counter", lambda: now[0])
-    trainings = [training("a", 2), training("b", 4)]
-    train_in_turns(trainings)
+    both = [training("a", 2), training("b", 4)]
+    train_in_turns(both)
     assert "".join(called) == "abbabb"
-    assert [each.seconds for each in trainings] == [[2.0, 4.0], [2.0, 4.0, 6.0, 8.0]]
+    assert [each.seconds for each in both] == [[2.0, 4.0], [2.0, 4.0, 6.0, 8.0]]
 
 
 def test_the_target_is_the_lowest_error_that_all_reach():
@@ -61,7 +61,7 @@ def test_the_target_is_the_lowest_error_that_all_reach():
 def test_our_training_is_that_of_numpy_cae_train():
     windows = np.random.default_rng(1).normal(size=(10, 16, 63)).astype(np.float32) / 4
     trained, expected = (ConvAutoencoder(filters=(3, 4, 5), taps=3) for _ in range(2))
-    assert len(list(convolutional_quality.epochs(trained, windows, STAGE))) == STAGE.epochs
+    assert len(list(trainings.epochs(trained, windows, STAGE))) == STAGE.epochs
     schedule = Schedule(Stage(epochs=0), STAGE)
     train_autoencoder(expected, windows, schedule, np.random.default_rng(0), show_progress=False)
     for name, weight in trained.parameters.items():
@@ -71,21 +71,21 @@ def test_our_training_is_that_of_numpy_cae_train():
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 def test_all_networks_learn(monkeypatch):
     torch.set_num_threads(1)  # no time is compared here
-    usual = replace(convolutional_quality.USUAL, epochs=9, batch=2)
-    monkeypatch.setattr(convolutional_quality, "USUAL", usual)
+    usual = replace(trainings.USUAL, epochs=9, batch=2)
+    monkeypatch.setattr(trainings, "USUAL", usual)
     x = synthetic_windows(6)
     lost = zero_values(x, 0.5, np.random.default_rng(0))
-    trainings = convolutional_quality.trainings(x, STAGE, lambda f: np.mean((f(lost) - x) ** 2))
-    train_in_turns(trainings)
-    assert [len(each.errors) for each in trainings] == [8, 9, 8]
-    assert all(each.errors[-1] < each.errors[0] for each in trainings)
+    made = trainings.trainings(x, STAGE, lambda f: np.mean((f(lost) - x) ** 2))
+    train_in_turns(made)
+    assert [len(each.errors) for each in made] == [8, 9, 8]
+    assert all(each.errors[-1] < each.errors[0] for each in made)
 
 
 def test_our_training_of_sequences_is_that_of_numpy_cae_train():
     trained, expected = (
         SequentialAutoencoder(3, 7, 2, np.random.default_rng(0), burn_in=2) for _ in range(2)
     )
-    assert len(list(sequential_quality.epochs(trained, waves, SEQUENCES))) == SEQUENCES.epochs
+    assert len(list(trainings.sequence_epochs(trained, waves, SEQUENCES))) == SEQUENCES.epochs
     train_sequential(expected, waves, SEQUENCES, np.random.default_rng(0), show_progress=False)
     for name, weight in trained.weights.items():
         np.testing.assert_array_equal(weight, expected.weights[name])
@@ -93,19 +93,19 @@ def test_our_training_of_sequences_is_that_of_numpy_cae_train():
 
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 def test_all_sequential_networks_learn(monkeypatch):
-    monkeypatch.setattr(sequential_quality, "USUAL", replace(SEQUENCES, epochs=3))
-    monkeypatch.setattr(sequential_quality, "HIDDEN", 12)
+    monkeypatch.setattr(trainings, "USUAL_SEQUENCES", replace(SEQUENCES, epochs=3))
+    monkeypatch.setattr(trainings, "HIDDEN", 12)
     held_out = waves(np.random.default_rng(5), 50)
-    trainings = sequential_quality.trainings(waves, held_out, SEQUENCES)
-    train_in_turns(trainings)
-    assert [len(each.errors) for each in trainings] == [2, 3, 2]
-    assert all(each.errors[-1] < each.errors[0] for each in trainings)
+    made = trainings.sequence_trainings(waves, held_out, SEQUENCES)
+    train_in_turns(made)
+    assert [len(each.errors) for each in made] == [2, 3, 2]
+    assert all(each.errors[-1] < each.errors[0] for each in made)
 
 
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 def test_the_command_trains_sequences_on_synthetic_walking(monkeypatch, run, capsys):
     monkeypatch.setattr("numpy_cae.cli.bench.SEQUENCE_MINUTES", 0.3)
-    monkeypatch.setattr(sequential_quality, "USUAL", SEQUENCES)
+    monkeypatch.setattr(trainings, "USUAL_SEQUENCES", SEQUENCES)
     monkeypatch.setitem(SEQUENCE_RECIPES, "fast", SEQUENCES)
     run("bench", "--quality", "--sequential", "--quiet")
     assert "| PyTorch, our settings |" in capsys.readouterr().out
