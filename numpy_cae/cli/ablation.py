@@ -9,9 +9,8 @@ import numpy as np
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, write_texts
 from numpy_cae.experiments.ablation import choices
-from numpy_cae.experiments.ablation.ablation import measure_rows
+from numpy_cae.experiments.ablation.ablation import ablation_result, measure_rows
 from numpy_cae.experiments.ablation.evaluation import Evaluation
-from numpy_cae.experiments.ablation.result import ablation_result
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.section import drawn
@@ -34,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("ablation").add_argument
     ablation = (
         "train and compare networks of other depth, sparsity, pooling, … instead (default: on "
-        f"{SYNTHETIC_MINUTES:g} minutes of synthetic motions, into {OUTPUT}/, where it continues)"
+        f"{SYNTHETIC_MINUTES:g} minutes of synthetic motions, into {OUTPUT}/)"
     )
     add("--ablation", **kinds.FLAG, help=ablation)
     seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
@@ -59,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 
     networks = choices.choices(args.width, *args.epochs)
     evaluation = Evaluation(material)
-    rows = measure_rows(evaluation, networks, args.seeds, output / "ablation.json", progress)
+    rows = measure_rows(evaluation, networks, args.seeds, progress)
     seconds = time.monotonic() - started
     section = drawn("ablation", ablation_result(rows, evaluation.split.sample), seconds)
     folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
@@ -68,8 +67,7 @@ def run(args: argparse.Namespace) -> int:
         "data": f"{folders}: {len(material.training)} takes to learn from "
         f"({len(evaluation.windows)} windows), {len(material.testing)} to test",
         "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
-        "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s for what "
-        "was not measured before",
+        "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}, {seconds:.0f} s",
     }
     settings = vars(stages.layer), vars(stages.fine_tuning)
     how |= describe(list(networks[0].filters), choices.TAPS, *settings)

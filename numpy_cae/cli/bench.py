@@ -103,7 +103,7 @@ def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the sequential network, on synthetic walking; the error is of other people's clips."""
     from numpy_cae.bench.trainings import sequence_trainings
     from numpy_cae.cli.train_options import SEQUENCE_RECIPES
-    from numpy_cae.experiments.sequences.actions import synthetic_action
+    from numpy_cae.experiments.sequences.study import synthetic_action
     from numpy_cae.manifold.learning import mean_and_deviation
     from numpy_cae.motion import cut_clips, draw_clips
 

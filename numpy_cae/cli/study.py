@@ -12,8 +12,8 @@ import argparse
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options
 from numpy_cae.cli.output import print_json, write_texts
-from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.sequences.sequential import sequential
+from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
 
 ACTIONS = ("walking", "waiting", "walking_dog")

@@ -119,7 +119,7 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
 
 
 def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    from numpy_cae.experiments.sequences.actions import read_action
+    from numpy_cae.experiments.sequences.study import read_action
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
     how_read = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
@@ -134,8 +134,8 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     manifold = learn_sequences(action.training, schedule, args.seed, **how)
 
     def measure() -> tuple:
-        from numpy_cae.experiments.sequences.figure_3 import figure_3
         from numpy_cae.experiments.sequences.reconstruction import reconstruction
+        from numpy_cae.experiments.sequences.samples import figure_3
         from numpy_cae.experiments.sequences.study import Study
 
         study = Study(action, manifold)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import clips_of, hold_ends, project, project_ends_held
-from numpy_cae.experiments.split import split_takes
+from numpy_cae.experiments.clips import clips_of, hold_ends, project, project_ends_held, split_takes
 from numpy_cae.measures import jitter
 from numpy_cae.motion import features_to_positions
 

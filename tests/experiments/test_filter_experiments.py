@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.experiments.comparison.distances import untrained
-from numpy_cae.experiments.filters.responses import Responses, responses_of
+from numpy_cae.experiments.filters import Responses, responses_of
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import joint_slice
 

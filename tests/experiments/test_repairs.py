@@ -15,7 +15,7 @@ HALF = "p = 0.5"
 
 
 def test_the_sweep_of_lost_values(result_of):
-    blind, known, _ = result_of("repair_sweep").tables
+    blind, known = result_of("repair_sweep").tables
     assert blind.rows[0][0] == CORRUPTED_ROW
     errors = np.array(blind.rows[0][1:])  # they grow with the root of p
     np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)

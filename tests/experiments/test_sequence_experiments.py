@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.experiments.sequences.actions import Action, read_action, synthetic_action
 from numpy_cae.experiments.sequences.figure_2 import figure_2
-from numpy_cae.experiments.sequences.figure_3 import FITTED, PRIOR, REAL, figure_3, fitted_latents
 from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
@@ -17,10 +15,16 @@ from numpy_cae.experiments.sequences.reconstruction import (
     SQUARED,
     reconstruction,
 )
-from numpy_cae.experiments.sequences.regulariser import regulariser
-from numpy_cae.experiments.sequences.samples import samples
-from numpy_cae.experiments.sequences.study import train_study
-from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
+from numpy_cae.experiments.sequences.samples import (
+    FITTED,
+    PRIOR,
+    REAL,
+    figure_3,
+    fitted_latents,
+    samples,
+)
+from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action, train_study
+from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
@@ -103,7 +107,7 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
-    monkeypatch.setattr("numpy_cae.experiments.sequences.regulariser.REPEATS", 1)
+    monkeypatch.setattr("numpy_cae.experiments.sequences.training.REPEATS", 1)
     free = train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
     result = regulariser(studies[:1], [free])
     _, error, error_without, *_ = result.tables[0].rows[0]

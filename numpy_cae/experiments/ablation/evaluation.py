@@ -2,12 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
+from numpy_cae.experiments.clips import Split, split_of
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.split import split_of
+from numpy_cae.experiments.repair.repair_baselines import pca_on_windows
 from numpy_cae.manifold import MotionManifold, learn_manifold
+from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import cut_windows
 from numpy_cae.training import Schedule, Stage, zero_values
@@ -64,3 +67,31 @@ class Evaluation:
             "reconstruction": truth.error(repair(truth.x)),
             "half_zeroed": truth.error(repair(lost)),
         }
+
+
+NOTHING, LINEAR = "as damaged", "linear denoiser, 15 frames"
+PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
+
+
+def baselines(split: Split) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
+    """Functions that repair normalised windows, by name, fitted to the training takes.
+
+    PCA has the size that repairs held-back training takes best; the linear map is the one for the
+    share of zeros in each window, to a tenth.
+    """
+    pca = pca_on_windows(split)
+    practice = zero_values(split.choosing.x, P, np.random.default_rng(0))
+    plain = pca.best(practice, split.choosing)
+    rescaled = pca.best(practice / (1 - P), split.choosing)
+    linear = cache(lambda p: split.moments.solve(1 - p))
+
+    def linearly(x: np.ndarray) -> np.ndarray:
+        ps = [round(float(p), 1) for p in zeroed_fraction(x)[:, 0, 0]]
+        return np.concatenate([linear(p).repair(x[n : n + 1]) for n, p in enumerate(ps)])
+
+    return {
+        NOTHING: lambda x: x,
+        PCA_WINDOWS: lambda x: pca.repair(x, plain),
+        RESCALED: lambda x: pca.repair(x / (1 - zeroed_fraction(x)), rescaled),
+        LINEAR: linearly,
+    }

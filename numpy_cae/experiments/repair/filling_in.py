@@ -8,10 +8,9 @@ held, the paper finds smooth transitions. Where it is known what is missing, see
 
 import numpy as np
 
-from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project_ends_held
+from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project_ends_held, testing_of
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
-from numpy_cae.experiments.split import testing_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import POSITIONS, joint_slice
 from numpy_cae.motion.joints import JOINTS

@@ -18,11 +18,12 @@ from numpy_cae.experiments.clips import (
     clips_of,
     project,
     project_ends_held,
+    split_of,
+    split_takes,
 )
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.repair.repair_baselines import printed, repair_baselines
+from numpy_cae.experiments.repair.repair_baselines import repair_baselines
 from numpy_cae.experiments.result import Claim, Result, Table, moving
-from numpy_cae.experiments.split import split_of, split_takes
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
@@ -58,9 +59,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             TRUE: truth.x,
         }
         measured = {name: (truth.error(x), truth.jitter(x)) for name, x in repaired.items()}
-        settings = {name: printed(setting) for name, setting in best.items()}
-        rows = [[name, *values, settings.get(name)] for name, values in measured.items()]
-        tables.append(Table("", [source, "error, cm", "jitter, m/s²", "setting"], rows))
+        rows = [[name, *values] for name, values in measured.items()]
+        tables.append(Table("", [source, "error, cm", "jitter, m/s²"], rows))
         claims += _claims(source, measured)
         sample.append(f"{len(takes)} {source} takes ({len(truth)} windows)")
         if motions is None:

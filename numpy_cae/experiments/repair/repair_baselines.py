@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.baselines import PCA, median, savitzky_golay
-from numpy_cae.experiments.clips import Clips
-from numpy_cae.experiments.split import Split
+from numpy_cae.experiments.clips import Clips, Split
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
 MEDIAN, SAVITZKY_GOLAY = "median filter", "Savitzky-Golay filter"
@@ -56,11 +55,6 @@ def repair_baselines(split: Split) -> list[RepairBaseline]:
 def pca_on_windows(split: Split) -> RepairBaseline:
     """PCA of whole windows."""
     return _pca(PCA_ON_WINDOWS, split, split.training.x[0].size)
-
-
-def printed(setting: object) -> str:
-    """A setting in a table: "7, 2" for (7, 2)."""
-    return str(setting).strip("()")
 
 
 def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:

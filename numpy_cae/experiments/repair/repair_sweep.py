@@ -15,17 +15,16 @@ from numpy_cae.experiments.clips import (
     Clips,
     project,
     project_ends_held,
+    split_of,
 )
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.repair.repair_baselines import (
     MEDIAN,
     PCA_ON_WINDOWS,
     SAVITZKY_GOLAY,
-    printed,
     repair_baselines,
 )
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.experiments.split import split_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, Curve, curves_figure
@@ -54,7 +53,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     baselines = repair_baselines(split)
     floor = testing.error(project(manifold, testing.x))
     errors: Errors = {}
-    settings: dict[str, list[str]] = {}
     known_holes: list[float] = []
 
     def note(name: str, repaired: np.ndarray) -> None:
@@ -71,7 +69,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                     continue  # a median is a value that was there, or zero: it is not scaled
                 setting = baseline.best(practice * factor, choosing)
                 note(baseline.name + suffix, baseline.repair(lost * factor, setting))
-                settings.setdefault(baseline.name + suffix, []).append(printed(setting))
             note(NETWORK + suffix, project(manifold, lost * factor))
             note(ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
             if bool(suffix) == manifold.rescales:
@@ -82,11 +79,10 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
     columns = [f"p = {p}" for p in PS]
     easier = "An easier problem, where the holes are known:"
-    chosen = "Settings chosen (axes of PCA; frames, or frames and order, of a filter):"
+    blind = [[name, *row] for name, row in errors.items()]
     tables = [
-        Table(CAPTION, ["blind", *columns], _rows(errors)),
+        Table(CAPTION, ["blind", *columns], blind),
         Table(easier, ["holes known", *columns], [[INTERPOLATED, *known_holes]]),
-        Table(chosen, ["setting", *columns], _rows(settings)),
     ]
     return Result(
         "Repair: values set to zero",
@@ -95,10 +91,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         lambda: _figure(errors, known_holes),
         note=split.text(),
     )
-
-
-def _rows(by_method: dict[str, list]) -> list[list]:
-    return [[name, *row] for name, row in by_method.items()]
 
 
 def _zeroed(clips: Clips, p: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

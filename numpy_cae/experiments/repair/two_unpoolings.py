@@ -9,10 +9,9 @@ trained network decodes the same hidden units with both.
 
 import numpy as np
 
-from numpy_cae.experiments.clips import cut_ends, hold_ends, project_ends_held
+from numpy_cae.experiments.clips import cut_ends, hold_ends, project_ends_held, testing_of
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
-from numpy_cae.experiments.split import testing_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import joint_slice
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, feature_figure, world_actors

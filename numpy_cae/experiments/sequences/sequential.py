@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from numpy_cae.experiments.result import Result
-from numpy_cae.experiments.sequences.actions import Action
 from numpy_cae.experiments.sequences.figure_2 import figure_2
-from numpy_cae.experiments.sequences.figure_3 import COLOURS, figure_3
 from numpy_cae.experiments.sequences.reconstruction import reconstruction
-from numpy_cae.experiments.sequences.regulariser import regulariser
-from numpy_cae.experiments.sequences.samples import samples
-from numpy_cae.experiments.sequences.study import train_study
-from numpy_cae.experiments.sequences.teacher_forcing import TeacherForced, teacher_forcing
+from numpy_cae.experiments.sequences.samples import COLOURS, figure_3, samples
+from numpy_cae.experiments.sequences.study import Action, train_study
+from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
 
