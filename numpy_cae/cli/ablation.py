@@ -13,7 +13,6 @@ from numpy_cae.experiments.ablation.ablation import ablation_result, measure_row
 from numpy_cae.experiments.ablation.evaluation import Evaluation
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
-from numpy_cae.experiments.section import drawn
 from numpy_cae.motion import body_of
 from numpy_cae.motion.retarget.to_body import RATE
 
@@ -60,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     evaluation = Evaluation(material)
     rows = measure_rows(evaluation, networks, args.seeds, progress)
     seconds = time.monotonic() - started
-    section = drawn("ablation", ablation_result(rows, evaluation.split.sample), seconds)
+    result = ablation_result(rows, evaluation.split.sample)
     folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
     stages = networks[0].schedule
     how = {
@@ -71,9 +70,9 @@ def run(args: argparse.Namespace) -> int:
     }
     settings = vars(stages.layer), vars(stages.fine_tuning)
     how |= describe(list(networks[0].filters), choices.TAPS, *settings)
-    html, text = page([section], how, TITLE, INTRODUCTION), plain_text([section], how)
+    html, text = page({"ablation": result}, how, TITLE, INTRODUCTION), plain_text([result], how)
     write_texts(output, {"ablation.html": html, "ablation.txt": text})
-    print(f"{output / 'ablation.html'}: {section.held} of {len(section.claims)} claims held")
+    print(f"{output / 'ablation.html'}: {result.held} of {len(result.claims)} claims held")
     return 0
 
 

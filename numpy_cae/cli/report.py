@@ -24,7 +24,8 @@ from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note, print_json, working, write_texts
 from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
-from numpy_cae.experiments.section import EXPERIMENTS, PUBLISHED, Section, run_section
+from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
+from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import find_motion_files
 
@@ -66,22 +67,25 @@ def run(args: argparse.Namespace) -> int:
         manifold, material, how = _read(args, data)
         given = {name: (manifold, material) for name in own} | given
     args.output.mkdir(parents=True, exist_ok=True)
-    sections: list[Section] = []
+    results: dict[str, Result] = {}
     for name, arguments in given.items():
         with working(name):
-            sections.append(run_section(name, *arguments, seed=args.seed))
-        note(f"[{len(sections)}/{len(given)}] {sections[-1].summary()}")
+            result = results[name] = run_experiment(name, *arguments, seed=args.seed)
+        counted = f"{result.held} of {len(result.claims)} claims held"
+        note(f"[{len(results)}/{len(given)}] {name}: {counted if result.claims else result.note}")
     seconds = time.monotonic() - started
     how |= {"made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"}
-    html, text = page(sections, how), plain_text(sections, how)
+    html, text = page(results, how), plain_text(results.values(), how)
     write_texts(args.output, {"report.html": html, "report.txt": text})
-    claims = sum(len(section.claims) for section in sections)
-    held = sum(section.held for section in sections)
+    counts = {
+        "held": sum(result.held for result in results.values()),
+        "claims": sum(len(result.claims) for result in results.values()),
+    }
     if args.json:
-        experiments = [section.data() for section in sections]
-        print_json({"held": held, "claims": claims, "how": how, "experiments": experiments})
+        experiments = [{"name": name} | result.data() for name, result in results.items()]
+        print_json(counts | {"how": how, "experiments": experiments})
     else:
-        print(f"{args.output / 'report.html'}: {held} of {claims} claims held")
+        print(f"{args.output / 'report.html'}: {counts['held']} of {counts['claims']} claims held")
     return 0
 
 

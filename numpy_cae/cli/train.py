@@ -7,19 +7,23 @@ example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
 
 import argparse
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli import train_options as options
-from numpy_cae.cli.one_run import one_run, state_of
 from numpy_cae.cli.output import note, print_json, require_place
 from numpy_cae.cli.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
+from numpy_cae.lock import lock
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
 from numpy_cae.motion.io.cache import default_cache, is_worthwhile
+from numpy_cae.training import Checkpoint
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -142,3 +146,40 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
         return reconstruction([study]), figure_3(study) if args.picture else None
 
     return manifold, f"clips of {how['frames']} frames of {count} motions", measure
+
+
+@contextmanager
+def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
+    """Yield the checkpoint of the run that writes `output`, under a lock.
+
+    Raises FileError if another process writes there, CheckpointError if a run was interrupted and
+    `resume` is False.
+    """
+    checkpoint = Checkpoint(state_of(output), seconds, resume)
+    with lock(output), _stopped_by_sigterm():
+        checkpoint.require_none_unless_resumed()
+        remove_leftovers(output)
+        try:
+            yield checkpoint
+        except KeyboardInterrupt:
+            advice = "; continue with --resume" if checkpoint.path.exists() else ""
+            raise KeyboardInterrupt(f"{checkpoint.status()}{advice}") from None
+
+
+def state_of(output: Path) -> Path:
+    """The file in which the state of a run is saved."""
+    return output.with_name(f"{output.stem}.checkpoint.npz")
+
+
+@contextmanager
+def _stopped_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end training as Ctrl-C does: with a message, without half-written files."""
+    try:
+        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    except ValueError:  # signals can only be handled in the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -15,6 +15,7 @@ from numpy_cae.course.catalogue import (
 from numpy_cae.course.copies import (
     PACKAGED,
     choose_lessons,
+    student_copy,
     write_copies,
     write_package_copy,
     write_release,
@@ -23,7 +24,6 @@ from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
 from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
-from numpy_cae.course.student_copy import student_copy
 
 __all__ = [
     "CATALOGUE",

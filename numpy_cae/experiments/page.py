@@ -1,13 +1,12 @@
 """A report as one self-contained HTML page with its pictures inside it, and as plain text."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
 
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.experiments.section import Section
 from numpy_cae.viz.viewer import head
 
 _PAGE = Template((files("numpy_cae.experiments") / "page.html").read_text(encoding="utf-8"))
@@ -21,72 +20,67 @@ INTRODUCTION = (
 
 
 def page(
-    sections: Sequence[Section],
+    results: Mapping[str, Result],
     provenance: Mapping[str, str],
     title: str = TITLE,
     introduction: str = INTRODUCTION,
 ) -> str:
-    """The page's HTML; `provenance`, what must be known to reproduce the figures, is at the top."""
-    claims = [claim for section in sections for claim in section.claims]
-    held = sum(bool(claim.held) for claim in claims)
-    pairs = [(section, claim) for section in sections for claim in section.claims]
-    ordered = sorted(pairs, key=lambda pair: not pair[1].held)
+    """The page's HTML, of results by name; `provenance`, what must be known to reproduce the
+    figures, is at the top."""
+    links = {name: _link(name, result.title) for name, result in results.items()}
+    claims = [(links[name], claim) for name, result in results.items() for claim in result.claims]
+    ordered = sorted(claims, key=lambda pair: not pair[1].held)
+    viewers = {name: result.viewer() for name, result in results.items()}
     return _PAGE.substitute(
         title=escape(title),
         introduction=escape(introduction),
-        count=f"{held} of {len(claims)} claims held on this data.",
-        provenance="\n".join(
-            f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in provenance.items()
+        count=f"{sum(each.held for each in results.values())} of {len(claims)} claims held on "
+        "this data.",
+        provenance=_definitions(provenance),
+        contents="\n".join(
+            f"<li>{link} {' '.join(_status(claim.held) for claim in results[name].claims)}</li>"
+            for name, link in links.items()
         ),
-        contents="\n".join(_entry(section) for section in sections),
-        claims="\n".join(_listed(section, claim) for section, claim in ordered),
-        legend="\n".join(
-            f"<dt>{escape(name)}</dt><dd>{escape(meaning)}</dd>"
-            for name, meaning in legend_of([s.result for s in sections if s.result]).items()
+        claims="\n".join(
+            f"<li>{_status(claim.held)} {escape(claim.sentence)} <small>{link}</small></li>"
+            for link, claim in ordered
         ),
-        sections="\n".join(_section(section) for section in sections),
-        viewer=head() if any(section.viewer for section in sections) else "",
+        legend=_definitions(legend_of(results.values())),
+        sections="\n".join(_section(name, each, viewers[name]) for name, each in results.items()),
+        viewer=head() if any(viewers.values()) else "",
     )
 
 
-def plain_text(sections: Sequence[Section], provenance: Mapping[str, str]) -> str:
+def plain_text(results: Iterable[Result], provenance: Mapping[str, str]) -> str:
     """The same for a terminal: provenance, tables and claims."""
     lines = [f"{name}: {value}" for name, value in provenance.items()]
-    for section in sections:
-        lines += ["", "", section.title, "=" * len(section.title), ""]
-        failure = f"Could not be run: {section.failure}"
-        lines += [section.result.text() if section.result else failure, ""]
-        lines += [claim.text() for claim in section.claims]
+    for result in results:
+        lines += ["", "", result.title, "=" * len(result.title), "", result.text(), ""]
+        lines += [claim.text() for claim in result.claims]
     return "\n".join(lines) + "\n"
 
 
-def _entry(section: Section) -> str:
-    status = " ".join(_status(claim.held) for claim in section.claims)
-    if section.failure:
-        status = '<span class="verdict none">not run</span>'
-    return f'<li><a href="#{section.name}">{escape(section.title)}</a> {status}</li>'
+def _link(name: str, title: str) -> str:
+    return f'<a href="#{name}">{escape(title)}</a>'
 
 
-def _listed(section: Section, claim: Claim) -> str:
-    where = f'<a href="#{section.name}">{escape(section.title)}</a>'
-    return f"<li>{_status(claim.held)} {escape(claim.sentence)} <small>{where}</small></li>"
+def _definitions(meanings: Mapping[str, str]) -> str:
+    return "\n".join(
+        f"<dt>{escape(name)}</dt><dd>{escape(meaning)}</dd>" for name, meaning in meanings.items()
+    )
 
 
-def _section(section: Section) -> str:
-    parts = [f'<section id="{section.name}">', f"<h2>{escape(section.title)}</h2>"]
-    if section.failure:
-        parts.append(f"<p>Could not be run: {escape(section.failure)}.</p>")
-    parts += [_claim(claim) for claim in section.claims]
-    if section.picture:
-        source = f"data:image/png;base64,{base64.b64encode(section.picture).decode()}"
-        label = escape(f"{section.title}: picture")
+def _section(name: str, result: Result, viewer: str) -> str:
+    parts = [f'<section id="{name}">', f"<h2>{escape(result.title)}</h2>"]
+    parts += [_claim(claim) for claim in result.claims]
+    if picture := result.png():
+        source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+        label = escape(f"{result.title}: picture")
         parts.append(f'<figure><img alt="{label}" src="{source}"></figure>')
-    parts += [f"<figure>{section.viewer}</figure>"] * bool(section.viewer)
-    if section.result:
-        parts += [_table(table) for table in section.result.tables]
-        parts.append(_paragraph(section.result.note))
-    parts += [f"<p><small>{section.seconds:.0f} s</small></p>", "</section>"]
-    return "\n".join(parts)
+    if viewer:
+        parts.append(f"<figure>{viewer}</figure>")
+    parts += [_table(table) for table in result.tables]
+    return "\n".join([*parts, _paragraph(result.note), "</section>"])
 
 
 def _status(held: bool) -> str:
@@ -141,7 +135,7 @@ MEANINGS = {
 """Part of a method's name to its meaning."""
 
 
-def legend_of(results: Sequence[Result]) -> dict[str, str]:
+def legend_of(results: Iterable[Result]) -> dict[str, str]:
     """The meanings of those names that the first columns of the results' tables contain."""
     rows = [row for result in results for table in result.tables for row in table.rows]
     names = {str(row[0]) for row in rows}

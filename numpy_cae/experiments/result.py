@@ -109,6 +109,11 @@ class Result:
     animation: Animation | None = None
     note: str = ""
 
+    @property
+    def held(self) -> int:
+        """How many of the claims held."""
+        return sum(bool(claim.held) for claim in self.claims)
+
     def text(self) -> str:
         """The tables in Markdown's form, then the note."""
         parts = [table.text() for table in self.tables]

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from numpy_cae import course, ops
-from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.exercises import EASY, EXERCISES, HARD, LESSONS
 from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn, require_same
-from numpy_cae.course.exercises.difficulty import EASY, HARD
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.hints import read_hints, with_hint
 from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS

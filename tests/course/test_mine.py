@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from numpy_cae import course
+from numpy_cae.course.copies import BEGIN
 from numpy_cae.course.mine import EMPTY, mine_before, run
-from numpy_cae.course.student_copy import BEGIN
 
 CELL = """
 %time

@@ -8,8 +8,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
+from numpy_cae.experiments.registry import EXPERIMENTS
 from numpy_cae.experiments.repair import repair_baselines
-from numpy_cae.experiments.section import EXPERIMENTS
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from numpy_cae.experiments import interpolation
 from numpy_cae.experiments.comparison import comparison, shift
 from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
@@ -11,7 +12,6 @@ from numpy_cae.experiments.comparison.distances import (
     equation_4,
 )
 from numpy_cae.experiments.comparison.shift import SHIFTS
-from numpy_cae.experiments.interpolation import interpolation
 from numpy_cae.experiments.material import Material
 from numpy_cae.manifold import G, hidden_units
 

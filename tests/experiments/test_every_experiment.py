@@ -6,7 +6,7 @@ import pytest
 
 from numpy_cae.cli.output import plain
 from numpy_cae.experiments.page import page, plain_text
-from numpy_cae.experiments.section import EXPERIMENTS, drawn
+from numpy_cae.experiments.registry import EXPERIMENTS
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
@@ -22,11 +22,10 @@ def test_the_result_is_well_formed(result_of, name):
         assert "nan" not in claim.figures
     data = json.loads(json.dumps(plain(result.data()), allow_nan=False))
     assert [claim["held"] for claim in data["claims"]] == [bool(c.held) for c in result.claims]
-    section = drawn(name, result)
-    assert section.picture.startswith(b"\x89PNG") and len(section.picture) > 5000
-    assert ("viewer-data" in section.viewer) == bool(result.animation)
-    text, html = plain_text([section], {}), page([section], {})
+    picture = result.png()
+    assert picture.startswith(b"\x89PNG") and len(picture) > 5000
+    text, html = plain_text([result], {}), page({name: result}, {})
     assert result.title in text and result.tables[0].header[-1] in text
     assert html.count("<img ") == 1
-    assert html.count('class="viewer-data') == bool(section.viewer)
+    assert html.count('class="viewer-data') == bool(result.animation)
     assert html.count("<table>") == len(result.tables)

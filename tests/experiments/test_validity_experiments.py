@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR, interpolation
+from numpy_cae.experiments import interpolation
+from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM
 from numpy_cae.measures import Validity
 

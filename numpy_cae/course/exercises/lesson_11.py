@@ -13,7 +13,7 @@ from numpy_cae.course.exercises.exercise import (
     operation_exercise,
 )
 from numpy_cae.course.exercises.lesson_05 import uniform
-from numpy_cae.course.exercises.sequence_network import (
+from numpy_cae.course.exercises.lesson_10 import (
     DECODER,
     ENCODER,
     LOSS_AND_GRADIENTS,

@@ -1,0 +1,39 @@
+"""The experiments of `numpy-cae report`, by name."""
+
+from importlib import import_module
+
+from numpy_cae.experiments.result import Result
+
+EXPERIMENTS = {
+    "repair_sweep": "repair.repair_sweep",
+    "kinect": "repair.kinect",
+    "damage": "repair.damage",
+    "filling_in": "repair.filling_in",
+    "interpolation": "interpolation",
+    "nearest": "comparison.nearest",
+    "comparison": "comparison.comparison",
+    "shift": "comparison.shift",
+    "sampling": "sampling",
+    "filters": "filters",
+    "two_unpoolings": "repair.two_unpoolings",
+    "lengths": "repair.lengths",
+    "constrained_projection": "repair.constrained_projection",
+}
+"""Name of each experiment to its module here, in the order of the report. A module has a function
+`run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
+experiment needs."""
+
+
+PUBLISHED = {"cmu35": "published.cmu35"}
+"""Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
+they are named."""
+
+
+def run_experiment(name: str, *given: object, seed: int = 0) -> Result:
+    """Run one of `EXPERIMENTS` (`given` a manifold and material) or of `PUBLISHED` (given folders);
+    where it cannot be run, the result has no tables and its note says why."""
+    run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | PUBLISHED)[name]}").run
+    try:
+        return run(*given, seed)
+    except (ValueError, ArithmeticError) as error:
+        return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
