@@ -17,9 +17,11 @@ import argparse
 import time
 from pathlib import Path
 
-from numpy_cae import course
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import working
+from numpy_cae.course import copies
+from numpy_cae.course.mine import mine_before
+from numpy_cae.course.notebook import read_notebook, set_points, write_notebook
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,11 +43,11 @@ def run(args: argparse.Namespace) -> int:
     if tasks.count(True) != 1:
         raise ValueError("give a folder for students, --release, --execute or --gallery")
     in_clone = args.execute or args.gallery
-    source = args.source or (Path("lessons") if in_clone else course.PACKAGED)
+    source = args.source or (Path("lessons") if in_clone else copies.PACKAGED)
     file, *numbers = args.release or [None]
-    lessons = course.choose_lessons(source, [*numbers, *([args.only] if args.only else [])])
+    lessons = copies.choose_lessons(source, [*numbers, *([args.only] if args.only else [])])
     if file:
-        course.write_release(lessons, Path(file))
+        copies.write_release(lessons, Path(file))
         print(file)
     elif in_clone:
         for path in lessons:
@@ -54,19 +56,23 @@ def run(args: argparse.Namespace) -> int:
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from None
     else:
-        for path, new in course.write_copies(lessons, args.folder):
+        for path, new in copies.write_copies(lessons, args.folder):
             print(path if new else f"{path} exists and is kept")
     return 0
 
 
 def _store(path: Path, executed: bool) -> None:
     """Make a lesson's picture and the package's copy and, if requested, execute it before that."""
-    notebook = course.with_points(course.read_notebook(path))
+    from numpy_cae.course.executed import execute
+    from numpy_cae.course.gallery import write_picture
+
+    notebook = read_notebook(path)
+    set_points(notebook)
     if executed:
         began = time.monotonic()
         with working(str(path)):
-            notebook = course.execute(notebook, course.mine_before(path))
+            notebook = execute(notebook, mine_before(path))
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
-    course.write_notebook(notebook, path)
-    course.write_package_copy(path)
-    print(course.write_picture(notebook, path))
+    write_notebook(notebook, path)
+    copies.write_package_copy(path)
+    print(write_picture(notebook, path))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import redirect_stderr
-from copy import deepcopy
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,6 @@ from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.hints import with_hint
 from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
 from numpy_cae.verify.catalogue import find_task
-from numpy_cae.verify.property import Property
 from numpy_cae.verify.trial import example_of
 
 if TYPE_CHECKING:
@@ -23,28 +21,14 @@ ASSIGNMENTS = {number: tuple(each.name for each in made) for number, made in LES
 """The exercises of each lesson, by its number."""
 
 
-def properties(name: str) -> tuple[Property, ...]:
-    """The properties of an operation or of an exercise; ValueError if there is none."""
-    return find_task(CATALOGUE, name).properties
-
-
 def report(name: str, function: Callable, hint: int = 0) -> Report | int:
     """Test a student's function for every property of an operation or an exercise.
 
     While nbgrader runs the notebook, the report is printed and its points are returned: nbgrader
     takes a number that a cell returns for its points. They are those of `numpy-cae verify`.
 
-    Parameters
-    ----------
-    name : str
-    function : callable
-    hint : int
-        1 for a hint, 2 for a second one, after a first attempt.
-
-    Raises
-    ------
-    ValueError
-        If there is no such operation or exercise, or no such hint.
+    `hint` is 1 for a hint, 2 for a second one, after a first attempt. Raises ValueError if there is
+    no such operation or exercise, or no such hint.
     """
     from numpy_cae.verify.reporting import report_on
 
@@ -85,23 +69,10 @@ def solved(name: str, function: Callable) -> Callable:
     return function
 
 
-def with_points(notebook: dict) -> dict:
-    """A copy of the notebook whose check cells have the points of their exercises."""
-    copy = deepcopy(notebook)
-    for cell in copy["cells"]:
-        marks = cell["metadata"].get("nbgrader", {})
-        if marks.get("grade"):
-            marks["points"] = EXERCISES[marks["grade_id"].removesuffix("_check")].points
-    return copy
-
-
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
     """The arguments by name of a counterexample; a report prints the call, with all sizes.
 
-    Raises
-    ------
-    ValueError
-        If there is no such operation or exercise, or a size is missing.
+    Raises ValueError if there is no such operation or exercise, or a size is missing.
     """
     return example_of(find_task(CATALOGUE, name).properties, seed, sizes).arguments
 

@@ -20,10 +20,7 @@ STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
 def student_copy(notebook: dict) -> dict:
     """A copy of the notebook with a stub in place of every solution, and without outputs.
 
-    Raises
-    ------
-    ValueError
-        If a solution region is not closed, or is in a cell that is no exercise.
+    Raises ValueError if a solution region is not closed, or is in a cell that is no exercise.
     """
     copy = deepcopy(notebook)
     copy["metadata"].pop("numpy_cae", None)

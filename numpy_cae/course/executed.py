@@ -22,12 +22,8 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
 
     The kernel runs with `data` as NUMPY_CAE_DATA, by default without, so that every machine stores
     results of synthetic motion, and in a folder that holds nothing but a mine.py with the text
-    given.
-
-    Raises
-    ------
-    ValueError
-        If a cell raises, with the cell and its error, or if nbclient is not installed.
+    given. Raises ValueError if a cell raises, with the cell and its error, or if nbclient is not
+    installed.
     """
     try:
         import nbformat

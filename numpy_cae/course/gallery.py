@@ -20,13 +20,7 @@ COLOURS = 64
 
 
 def picture_of(notebook: dict) -> bytes:
-    """The PNG of an executed lesson.
-
-    Raises
-    ------
-    ValueError
-        If the lesson shows no picture, or none in the tagged cell.
-    """
+    """The PNG of an executed lesson; ValueError if it shows none, or none in the tagged cell."""
     cells = notebook["cells"]
     tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
     pictures = list(_pictures(tagged or cells))

@@ -58,12 +58,8 @@ def stand_in(name: str) -> Callable:
 def save(name: str, function: Callable) -> bool:
     """Write a function, with all that its cell defines, to the mine.py of the current folder.
 
-    Returns False where there is no mine.py, or nbgrader runs the notebook.
-
-    Raises
-    ------
-    NotSavedError
-        If mine.py cannot be run, or the function does not work with what its cell defines.
+    Returns False where there is no mine.py, or nbgrader runs the notebook. Raises NotSavedError if
+    mine.py cannot be run, or the function does not work with what its cell defines.
     """
     if not Path(FILE).is_file() or os.environ.get("NBGRADER_EXECUTION"):
         return False

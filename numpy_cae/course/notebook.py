@@ -4,16 +4,12 @@ import json
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.exercises import EXERCISES
 
 
 def find_lessons(folder: str | Path) -> list[Path]:
-    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there are none.
-    """
+    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order;
+    FileNotFoundError if there are none."""
     found = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
     if not found:
         raise FileNotFoundError(
@@ -23,13 +19,7 @@ def find_lessons(folder: str | Path) -> list[Path]:
 
 
 def read_notebook(path: str | Path) -> dict:
-    """A notebook in nbformat 4.5, each source as a single string.
-
-    Raises
-    ------
-    ValueError
-        If the file is no notebook.
-    """
+    """A notebook in nbformat 4.5, each source as a single string; ValueError if it is none."""
     try:
         notebook = json.loads(Path(path).read_text(encoding="utf-8"))
         for cell in notebook["cells"]:
@@ -37,6 +27,14 @@ def read_notebook(path: str | Path) -> dict:
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{path}: not a Jupyter notebook: {error}") from None
     return notebook
+
+
+def set_points(notebook: dict) -> None:
+    """Give the check cells of a notebook the points of their exercises."""
+    for cell in notebook["cells"]:
+        marks = cell["metadata"].get("nbgrader", {})
+        if marks.get("grade"):
+            marks["points"] = EXERCISES[marks["grade_id"].removesuffix("_check")].points
 
 
 def as_text(notebook: dict) -> str:

@@ -23,24 +23,12 @@ ALL_SHIFTS = "the network, ends held, all shifts"
 
 @dataclass(frozen=True)
 class Clips:
-    """True windows, which repaired windows are compared with.
+    """True windows, which repaired windows are compared with."""
 
-    Parameters
-    ----------
-    manifold : MotionManifold
-        Gives the mean skeleton and the scale.
-    x : (N, T, 63) array of float32
-        X: normalised windows; zero is the mean pose.
-    real : (N, T) array of bool
-        Frames that count; False where a short take is padded with its last pose.
-    take : (N,) array of int
-        Number of the take of each window.
-    """
-
-    manifold: MotionManifold
-    x: np.ndarray
-    real: np.ndarray
-    take: np.ndarray
+    manifold: MotionManifold  # gives the mean skeleton and the scale
+    x: np.ndarray  # X: normalised windows (N, T, 63); zero is the mean pose
+    real: np.ndarray  # (N, T) bool: frames that count, not those that pad a short take
+    take: np.ndarray  # (N,) number of the take of each window
 
     def __len__(self) -> int:
         return len(self.x)
@@ -97,19 +85,10 @@ class Clips:
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
-    """Takes cut into windows of the manifold's length that overlap by half, whatever the overlap
-    in training, so that tables of two networks are measured on the same windows.
+    """World positions (F, 20, 3) of takes, cut into windows of the manifold's length.
 
-    Parameters
-    ----------
-    manifold : MotionManifold
-    takes : sequence of (F, 20, 3) arrays of float
-        World positions in metres at the manifold's rate.
-
-    Raises
-    ------
-    ValueError
-        If there are no takes.
+    They overlap by half, whatever the overlap in training, so that tables of two networks are
+    measured on the same windows. ValueError if there are no takes.
     """
     if not takes:
         raise ValueError("there are no takes to cut into windows")
@@ -155,9 +134,11 @@ TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
 
 @dataclass(frozen=True)
 class Split:
-    """`fitting` and `choosing` are parts of `training`, by take; `testing` has other takes.
+    """Windows to fit baselines to, to choose their settings on, and to measure on.
 
-    `sample` describes the testing windows in a sentence; `takes` is the number of training takes.
+    `fitting` and `choosing` are parts of `training`, by take; `testing` has other takes, which
+    `sample` describes in a sentence. A baseline is fitted to `fitting`, its setting (number of
+    axes, length of a filter) chosen on `choosing`; then it is fitted to `training`.
     """
 
     fitting: Clips
@@ -165,37 +146,28 @@ class Split:
     training: Clips
     testing: Clips
     sample: str
-    takes: int
 
     @cached_property
     def moments(self) -> Moments:
         """Of the training windows, for linear denoisers."""
         return Moments.of(self.training.x, self.training.real)
 
-    def text(self) -> str:
-        """What was measured on which windows, to stand below a table."""
-        return f"{self.sample} {self.fitted()}"
-
     def fitted(self) -> str:
         """What the baselines were fitted to, and the network if that differs."""
-        learned = self.training.manifold.settings.get("takes", self.takes)
+        takes = 1 + int(self.training.take.max())
+        learned = self.training.manifold.settings.get("takes", takes)
         text = (
-            f"Baselines are fitted to {len(self.training)} windows of {self.takes} training "
-            f"takes; their settings are chosen on every fifth of these takes, held back."
+            f"Baselines are fitted to {len(self.training)} windows of {takes} training takes; "
+            "their settings are chosen on every fifth of these takes, held back."
         )
-        if learned != self.takes:
+        if learned != takes:
             text += f" The network learned from {learned} takes, not the same ones."
         return text
 
 
 def split_of(manifold: MotionManifold, material: Material) -> Split:
-    """Cut the takes of a material into windows.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two takes to train on or none to test on.
-    """
+    """Cut the takes of a material into windows; ValueError if there are fewer than two to train on
+    or none to test on."""
     fitting, choosing = split_takes(material.training)
     testing, sample = testing_of(manifold, material)
     return Split(
@@ -204,7 +176,6 @@ def split_of(manifold: MotionManifold, material: Material) -> Split:
         _cut(manifold, material.training, TRAINING_WINDOWS),
         testing,
         sample,
-        len(material.training),
     )
 
 

@@ -41,22 +41,11 @@ _SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
 
 @dataclass(frozen=True)
 class LabelledTake:
-    """One take and its labels.
-
-    Parameters
-    ----------
-    path : Path
-    positions : (F, 20, 3) array of float64
-        World positions in metres at 30 frames a second.
-    source : "synthetic", "bandai" or "other"
-        Origin of the labels: labels.csv of data_synth, a file name of Bandai Namco, none.
-    content, style : str
-        Such as "walk" and "tired"; empty where unknown.
-    """
+    """One take and its labels, such as "walk" and "tired", which are empty where unknown."""
 
     path: Path
-    positions: np.ndarray
-    source: str = _UNLABELLED
+    positions: np.ndarray  # (F, 20, 3), world positions in metres at 30 frames a second
+    source: str = _UNLABELLED  # of the labels: labels.csv of data_synth, a name of Bandai Namco
     content: str = ""
     style: str = ""
 

@@ -90,16 +90,8 @@ def moving(
 class Result:
     """What an experiment measured.
 
-    Parameters
-    ----------
-    title : str
-    tables : sequence of Table
-    claims : sequence of Claim
-    figure : function without arguments that returns a Matplotlib figure, optional
-        Called when a picture is requested, so that text needs no Matplotlib.
-    animation : Animation, optional
-    note : str
-        What was measured on which data; printed after the tables.
+    `figure` is called when a picture is requested, so that text needs no Matplotlib. The note says
+    what was measured on which data.
     """
 
     title: str

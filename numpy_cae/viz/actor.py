@@ -15,30 +15,16 @@ from numpy_cae.viz.colours import PLAIN
 
 @dataclass(frozen=True)
 class Actor:
-    """A motion to be drawn.
+    """A motion to be drawn; the viewer shows names, colours `moved` and has `damaged` in its
+    timeline."""
 
-    Parameters
-    ----------
-    positions : (F, J, 3) array of float
-        World positions in metres.
-    parents : tuple of J int
-    label : str
-    colour : str
-    names : sequence of J str
-        Of the joints, for the viewer.
-    moved : (F, J) array of float, optional
-        How far each joint is from the first motion's, metres; the viewer colours it.
-    damaged : (F, J) array of bool, optional
-        Which joints were damaged in which frames; the viewer's timeline shows it.
-    """
-
-    positions: np.ndarray
+    positions: np.ndarray  # (F, J, 3), world positions in metres
     parents: tuple[int, ...]
     label: str = ""
     colour: str = PLAIN
-    names: tuple[str, ...] = ()
-    moved: np.ndarray | None = None
-    damaged: np.ndarray | None = None
+    names: tuple[str, ...] = ()  # of the joints
+    moved: np.ndarray | None = None  # (F, J) metres of each joint from the first motion's
+    damaged: np.ndarray | None = None  # (F, J) bool
 
     def at_frames(self, frames: np.ndarray) -> Actor:
         """The same motion with other frames, given by their indices."""

@@ -8,15 +8,8 @@ import pytest
 from PIL import Image
 
 from numpy_cae.cli import main
-from numpy_cae.course import (
-    find_lessons,
-    is_current,
-    picture_of,
-    picture_path,
-    read_notebook,
-    write_notebook,
-    write_picture,
-)
+from numpy_cae.course.gallery import is_current, picture_of, picture_path, write_picture
+from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LARGEST = 70_000

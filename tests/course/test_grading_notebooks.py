@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course import find_lessons, read_notebook
 from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading import grade
 
 COURSE = "numpy_cae.course.catalogue"

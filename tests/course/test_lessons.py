@@ -6,15 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course import (
-    execute,
-    find_lessons,
-    mine_before,
-    read_notebook,
-    source_hash,
-    student_copy,
-)
+from numpy_cae.course.copies import student_copy
+from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.exercises import EXERCISES, Exercise
+from numpy_cae.course.mine import mine_before
+from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading import grade
 from numpy_cae.verify.submission import is_exercise
 

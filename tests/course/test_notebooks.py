@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.course import find_lessons, read_notebook, student_copy, write_notebook
+from numpy_cae.course.copies import student_copy
+from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 

@@ -72,22 +72,13 @@ def size(name: str) -> Callable:
 class Differentiated:
     """A function that returns a value and its derivatives, and the claims about it.
 
-    Parameters
-    ----------
-    arguments : callable
-        As in `exercise`.
-    definition : callable
-        The value by definition, from the same arguments.
-    inputs : tuple of str
-        The arguments that get a gradient, in the order of the gradients.
-    returns : tuple of str
-        Names of the things that it returns, the value first. The second is `PULLBACK`, or the
-        others are the gradients of a scalar value.
+    `returns` names the things that it returns, the value first. The second is `PULLBACK`, or the
+    others are the gradients of a scalar value.
     """
 
     arguments: Arguments
-    definition: Callable
-    inputs: tuple[str, ...]
+    definition: Callable  # the value, from the same arguments
+    inputs: tuple[str, ...]  # the arguments that get a gradient, in the order of the gradients
     returns: tuple[str, ...]
 
     def value(self, statement: str) -> Claim:
@@ -162,22 +153,12 @@ class Differentiated:
 
 
 def same_as(definition: Callable, arguments: Arguments, *names: str) -> Check:
-    """A check that a function returns what a definition returns.
-
-    Parameters
-    ----------
-    definition : callable
-        With the function's arguments; returns an array, a number, or a tuple of these.
-    arguments : callable
-        As in `exercise`.
-    *names : str
-        Names of the parts of a tuple, or one name for a single result.
-    """
+    """A check that a function returns what a definition returns: an array or a number, which has
+    one name, or a tuple of these."""
 
     def check(function: Callable, case: Case) -> None:
         expected = definition(*copies(arguments(case)))
-        found = function(*copies(arguments(case)))
-        require_same(found, expected, names)
+        require_same(function(*copies(arguments(case))), expected, names)
 
     return check
 
@@ -215,13 +196,7 @@ def require_same(found, expected, names: tuple[str, ...] = ()) -> None:
 
 
 def require_parts(returned, names) -> tuple | list:
-    """What a function returned, which must be one thing for each name.
-
-    Raises
-    ------
-    AssertionError
-        If it is no tuple or list, or of another length.
-    """
+    """What a function returned; AssertionError unless it is one thing for each name."""
     if not isinstance(returned, tuple | list) or len(returned) != len(names):
         raise AssertionError(f"it does not return {len(names)} things: {', '.join(names)}")
     return returned
@@ -263,13 +238,8 @@ def _narrowed(name: str, argument: object) -> object:
 
 
 def _gradients_in(argument: object, gradients) -> list[np.ndarray]:
-    """The gradients of an argument's arrays, in their order.
-
-    Raises
-    ------
-    AssertionError
-        If they are not in the structure of the argument.
-    """
+    """The gradients of an argument's arrays, in their order; AssertionError if they are not in its
+    structure."""
     if isinstance(argument, dict):
         if not isinstance(gradients, dict):
             found = type(gradients).__name__

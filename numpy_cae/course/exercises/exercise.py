@@ -52,22 +52,10 @@ def exercise(
 ) -> Exercise:
     """An exercise that is no operation, with properties of its own.
 
-    Parameters
-    ----------
-    solution : callable
-        The package's own, with the name of the exercise.
-    arguments : callable
-        Makes the arguments from a case, by name, in the order of the call.
-    sizes : mapping of str to tuple of int
-        The sizes from which a case is drawn, the simplest first.
-    value : str
-        The claim that the function returns what the definition returns, if there is one.
-    definition : callable, optional
-        By default the solution.
-    points : int
-        Those of the value.
-    pure : bool
-        Whether to claim that no argument is changed.
+    `solution` is the package's own function, with the name of the exercise; `arguments` makes its
+    arguments from a case, by name, in the order of the call. `value` is the claim, worth `points`,
+    that a function returns what the definition (by default the solution) returns; if it is `pure`,
+    a claim is added that no argument is changed.
     """
     if value:
         check = same_as(definition or solution, arguments)

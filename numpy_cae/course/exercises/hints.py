@@ -28,13 +28,8 @@ def read_hints() -> dict[str, Hints]:
 
 
 def with_hint(task: Task, stage: int) -> Task:
-    """The task with a hint, which a report shows: of stage 0, how to get one.
-
-    Raises
-    ------
-    ValueError
-        If there is no such stage, or hints.md names a property that the task does not have.
-    """
+    """The task with a hint, which a report shows: of stage 0, how to get one. Raises ValueError if
+    there is no such stage, or hints.md names a property that the task does not have."""
     hints = read_hints().get(task.name, Hints())
     if stage not in range(STAGES + 1):
         raise ValueError(f"hint is 1 or {STAGES}, got {stage!r}")

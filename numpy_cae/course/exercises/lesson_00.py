@@ -1,7 +1,7 @@
 """The exercise of lesson 00, two papers in pictures: one operation with its pullback."""
 
+from numpy_cae.course.exercises.checks import drawn
 from numpy_cae.course.exercises.exercise import Exercise, operation_exercise
-from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.operation import WINDOW, Operation
 
 
@@ -14,13 +14,6 @@ def square(x):
     return x * x, pullback
 
 
-def _arguments(case: Case) -> dict[str, object]:
-    return {"x": spread(case.rng(), (case["batch"], case["frames"], case["channels"]))}
+SQUARE = Operation("square", WINDOW, drawn(x="batch frames channels"), ("x",), lambda x: x * x)
 
-
-EXERCISES: tuple[Exercise, ...] = (
-    operation_exercise(
-        Operation("square", WINDOW, _arguments, ("x",), lambda x: x * x),
-        square,
-    ),
-)
+EXERCISES: tuple[Exercise, ...] = (operation_exercise(SQUARE, square),)

@@ -59,18 +59,17 @@ def random_tree(case: Case) -> tuple[int, ...]:
     return (-1, *(int(rng.integers(0, joint)) for joint in range(1, case["joints"])))
 
 
-def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Rotation matrices, (count, 3, 3)."""
+def random_rotations(rng: np.random.Generator, *counts: int) -> np.ndarray:
+    """Rotation matrices, (*counts, 3, 3)."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix()
+    turns = spread(rng, (int(np.prod(counts)), 3))
+    return Rotation.from_rotvec(turns).as_matrix().reshape(*counts, 3, 3)
 
 
-def _random_rate(case: Case, rng: np.random.Generator) -> float:
-    return (30.0, 120.0)[case.seed % 2]
-
-
-_speed_arguments = drawn(positions="frames joints 3", rate=_random_rate)
+_speed_arguments = drawn(
+    positions="frames joints 3", rate=lambda case, rng: (30.0, 120.0)[case.seed % 2]
+)
 _tree_arguments = drawn(
     parents=lambda case, rng: random_tree(case), joint=lambda case, rng: case.seed % case["joints"]
 )
@@ -83,14 +82,11 @@ def _channel_arguments(case: Case) -> dict[str, object]:
     return {"axes": axes, "angles": angles}
 
 
-def _motion_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    frames, joints = case["frames"], case["joints"]
-    return {
-        "parents": random_tree(case),
-        "rotations": random_rotations(rng, frames * joints).reshape(frames, joints, 3, 3),
-        "translations": spread(rng, (frames, joints, 3)),
-    }
+_motion_arguments = drawn(
+    parents=lambda case, rng: random_tree(case),
+    rotations=lambda case, rng: random_rotations(rng, case["frames"], case["joints"]),
+    translations="frames joints 3",
+)
 
 
 @claim("chain", "the joint, its parent, and so on, the root last", 2)

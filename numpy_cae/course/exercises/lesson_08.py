@@ -91,9 +91,6 @@ def _damaged_arguments(case: Case) -> dict[str, object]:
     return {"x": x}
 
 
-_whole_arguments = drawn(x="batch frames channels")
-
-
 def _random_samples(case: Case) -> tuple[np.ndarray, np.ndarray]:
     rng = case.rng()
     inputs = case["inputs"]
@@ -159,10 +156,8 @@ def _known_values_stay(fill_unknown, case: Case) -> None:
 def _order_of_time(function, case: Case) -> None:
     y_0, y_1 = _unit_arguments(case).values()
     order = case.rng().permutation(len(y_0))
-    before = function(y_0.copy(), y_1.copy())
-    require_same(
-        function(y_0[order], y_1.copy()), before, ("G of the same units in another order",)
-    )
+    before, found = (function(y.copy(), y_1.copy()) for y in (y_0, y_0[order]))
+    require_same(found, before, ("G of the same units in another order",))
 
 
 @claim("best", "it is 1 if all motions that are alike come first")
@@ -188,7 +183,7 @@ EXERCISES: tuple[Exercise, ...] = (
         Claim(
             "nothing lost",
             "a window without zeros is not changed",
-            same_as(lambda x: x, _whole_arguments),
+            same_as(lambda x: x, drawn(x="batch frames channels")),
         ),
         value="each window is divided by its share of values that are not zero",
         definition=_rescale_by_loops,

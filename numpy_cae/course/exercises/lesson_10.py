@@ -127,17 +127,10 @@ def _write_arguments(case: Case) -> dict[str, object]:
     }
 
 
-_loss_arguments = drawn(weights=random_weights, x=random_clips)
-
-
-READ = Differentiated(_read_arguments, read_by_loops, ("weights",), ("z", PULLBACK))
-WRITE = Differentiated(_write_arguments, write_by_loops, ("z", "weights"), ("the clips", PULLBACK))
-LOSS = Differentiated(_loss_arguments, reconstruction_by_loops, ("weights",), LOSS_AND_GRADIENTS)
-
 EXERCISES: tuple[Exercise, ...] = (
     differentiated_exercise(
         read_clips,
-        READ,
+        Differentiated(_read_arguments, read_by_loops, ("weights",), ("z", PULLBACK)),
         WITH_LATENT,
         value="z is that of the definition, computed by loops",
         gradients={"gradients": (4,)},
@@ -157,7 +150,7 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     differentiated_exercise(
         write_clips,
-        WRITE,
+        Differentiated(_write_arguments, write_by_loops, ("z", "weights"), ("the clips", PULLBACK)),
         WITH_LATENT,
         value="the clips are those of the definition, computed by loops",
         gradients={"gradient for z": (2, ("z",)), "gradients for the weights": (2, DECODER)},
@@ -166,7 +159,12 @@ EXERCISES: tuple[Exercise, ...] = (
     ),
     differentiated_exercise(
         reconstruction_loss,
-        LOSS,
+        Differentiated(
+            drawn(weights=random_weights, x=random_clips),
+            reconstruction_by_loops,
+            ("weights",),
+            LOSS_AND_GRADIENTS,
+        ),
         WHOLE_NETWORK,
         value="the loss is that of the definition, computed by loops",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (3, ENCODER)},

@@ -5,7 +5,7 @@ the planted bugs of `verify`.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,13 +24,9 @@ from numpy_cae.verify.trial import try_property
 SUSPECTS: tuple[Patch, ...] = tuple(
     bug_named(name)
     for name in (
-        "conv_without_flip",
-        "arctanh_gradient_beyond_bound",
-        "conv_bias_not_over_windows",
-        "step_biases_alike",
-        "gru_first_state_dropped",
-        "conv_accumulates",
-    )
+        "conv_without_flip arctanh_gradient_beyond_bound conv_bias_not_over_windows "
+        "step_biases_alike gru_first_state_dropped conv_accumulates"
+    ).split()
 )
 """The bugs to be found by reading, the first one being suspect 1."""
 
@@ -175,8 +171,7 @@ def _function_and_inputs(operation: str, implementation: Callable, seed: int, sc
 
 @claim("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
 def _right_ones_pass(check_gradients, case: Case) -> None:
-    for operations in GROUPS.values():
-        _require_acceptance(check_gradients, operations, case.seed)
+    _require_acceptance(check_gradients, sum(GROUPS.values(), ()), case.seed)
 
 
 def _require_acceptance(check_gradients, operations: tuple[str, ...], seed: int) -> None:
@@ -190,16 +185,11 @@ def _require_acceptance(check_gradients, operations: tuple[str, ...], seed: int)
 def _refuses_group(group: str) -> Callable:
     def check(check_gradients, case: Case) -> None:
         _require_acceptance(check_gradients, GROUPS[group], case.seed)
-        for bug in _bugs_in_gradients(GROUPS[group]):
-            _require_refusal(check_gradients, bug, case.seed)
+        for bug in BUGS:
+            if bug.operation in GROUPS[group] and bug.caught_by.startswith("gradient for"):
+                _require_refusal(check_gradients, bug, case.seed)
 
     return check
-
-
-def _bugs_in_gradients(operations: tuple[str, ...]) -> Iterator[Patch]:
-    for bug in BUGS:
-        if bug.operation in operations and bug.caught_by.startswith("gradient for"):
-            yield bug
 
 
 def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0) -> None:
@@ -243,7 +233,6 @@ def _inputs_stay(check_gradients, case: Case) -> None:
 
 
 ONE_CASE = {"tried": (1,)}
-X_UNCHANGED = Claim("x restored", "x is not changed", unchanged(_difference_arguments).check)
 
 EXERCISES: tuple[Exercise, ...] = (
     exercise(
@@ -251,7 +240,7 @@ EXERCISES: tuple[Exercise, ...] = (
         _difference_arguments,
         {"rows": (1, 2), "columns": (1, 2, 3)},
         _slopes_of_cubic,
-        X_UNCHANGED,
+        Claim("x restored", "x is not changed", unchanged(_difference_arguments).check),
         pure=False,
     ),
     exercise(

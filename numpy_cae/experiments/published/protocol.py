@@ -43,20 +43,11 @@ Learn = Callable[[Sequence[np.ndarray], list[int]], list[Fill]]
 
 @dataclass(frozen=True)
 class Protocol:
-    """The takes as the protocol's rows, in radians and the file's unit of length.
+    """The takes as the protocol's rows (F, 59), in radians and the file's unit of length."""
 
-    Parameters
-    ----------
-    takes : list of (F, 59) arrays
-        For training.
-    test : (F, 59) array
-    scale : (50,) array
-        Weight of each angle in the error SC: one over its deviation in the training files, degrees.
-    """
-
-    takes: list[np.ndarray]
+    takes: list[np.ndarray]  # for training
     test: np.ndarray
-    scale: np.ndarray
+    scale: np.ndarray  # (50,) weights of the angles in SC: 1 / deviation in training, degrees
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -139,12 +130,8 @@ def rows_of(frames: np.ndarray) -> np.ndarray:
 def read_protocol(folders: Sequence[str | Path]) -> Protocol:
     """Read `walk_jog_30hz.npz` below one of the folders, or the Acclaim files of subject 35.
 
-    Raises
-    ------
-    ValueError
-        If neither is there, takes are missing, or the table is damaged.
-    MotionFileError
-        If an Acclaim file is damaged.
+    Raises ValueError if neither is there, takes are missing, or the table is damaged;
+    MotionFileError if an Acclaim file is damaged.
     """
     tables = _find(folders, "walk_jog_30hz.npz")
     if tables:

@@ -89,7 +89,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         tables,
         _claims(errors, floor, RESCALED if manifold.rescales else ""),
         lambda: _figure(errors, known_holes),
-        note=split.text(),
+        note=f"{split.sample} {split.fitted()}",
     )
 
 

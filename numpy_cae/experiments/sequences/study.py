@@ -36,15 +36,7 @@ PERIODIC = ("walking", "walking_extra")
 
 @dataclass(frozen=True)
 class Action:
-    """Motions of one action, split by take.
-
-    Parameters
-    ----------
-    name : str
-    training, testing : lists of AngleSequence
-    periodic : bool
-        Whether the motion repeats itself, as walking does.
-    """
+    """Motions of one action, split by take, and whether it repeats itself, as walking does."""
 
     name: str
     training: list[AngleSequence]
