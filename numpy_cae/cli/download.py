@@ -11,7 +11,7 @@ import time
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.cli.output import note
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
-from numpy_cae.download.cmu import SITE, TERMS
+from numpy_cae.download.cmu import SITE, TERMS, Progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     """Print the terms, download, print the result."""
     site = CmuSite(args.site)
     print(TERMS)
-    tally = download_cmu(args.output, args.subjects, site, None if args.quiet else _Progress().show)
+    tally = download_cmu(args.output, args.subjects, site, None if args.quiet else _progress())
     print(f"{args.output}: {tally.new} new files, {tally.known} downloaded before")
     if tally.refused:
         for refused in tally.refused:
@@ -49,15 +49,15 @@ def _subjects(text: str) -> list[int]:
     return list(dict.fromkeys(map(int, words)))
 
 
-class _Progress:
-    """Prints a line for every file, and for a large one a line every five seconds."""
+def _progress() -> Progress:
+    """A function that prints a line for every file, and for a large one every five seconds."""
+    last = "", 0.0
 
-    def __init__(self):
-        self.name, self.time = "", 0.0
-
-    def show(self, name: str, done: int, total: int | None) -> None:
-        now = time.monotonic()
-        if name != self.name or now - self.time > 5:
-            self.name, self.time = name, now
+    def show(name: str, done: int, total: int | None) -> None:
+        nonlocal last
+        if name != last[0] or time.monotonic() - last[1] > 5:
+            last = name, time.monotonic()
             share = f"{done / 1e6:.1f} of {total / 1e6:.1f} MB" if total else f"{done / 1e6:.1f} MB"
             note(f"{name}: {share}" if done else name)
+
+    return show

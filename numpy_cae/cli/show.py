@@ -14,8 +14,7 @@ import numpy as np
 
 from numpy_cae.cli import arguments as kinds
 from numpy_cae.motion import Coordinates
-from numpy_cae.viz.actor import Actor, motion_actor
-from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
 
 COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
 

@@ -39,19 +39,10 @@ def write_picture(notebook: dict, lesson: str | Path) -> Path:
         small.paste(picture, mask=picture.getchannel("A") if picture.mode == "RGBA" else None)
     small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
     information = PngImagePlugin.PngInfo()
-    information.add_text(MADE_OF, _hash(drawn))
+    information.add_text(MADE_OF, hashlib.sha256(drawn).hexdigest())
     with atomic_write(path) as beside:
         small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=information)
     return path
-
-
-def is_current(notebook: dict, lesson: str | Path) -> bool:
-    """Whether the lesson's small picture exists and was made from its present outputs."""
-    path = picture_path(lesson)
-    if not path.exists():
-        return False
-    with Image.open(path) as picture:
-        return picture.info.get(MADE_OF) == _hash(picture_of(notebook))
 
 
 def picture_path(lesson: str | Path) -> Path:
@@ -66,7 +57,3 @@ def _pictures(cells: list[dict]) -> Iterator[str]:
             data = output.get("data", {})
             if "image/png" in data:
                 yield "".join(data["image/png"])
-
-
-def _hash(picture: bytes) -> str:
-    return hashlib.sha256(picture).hexdigest()

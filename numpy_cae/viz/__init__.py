@@ -1,13 +1,21 @@
 """Pictures of motions and of numbers. Matplotlib is imported when something is drawn."""
 
-from numpy_cae.viz.actor import Actor, Motions, local_actors, motion_actor, world_actors
+from numpy_cae.viz.actor import (
+    CORRUPTED,
+    PLAIN,
+    PROJECTED,
+    TRUTH,
+    Actor,
+    Motions,
+    local_actors,
+    motion_actor,
+    world_actors,
+)
 from numpy_cae.viz.animation import save_gif
-from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, dots_figure, feature_figure
 from numpy_cae.viz.live_curve import LiveCurve
-from numpy_cae.viz.notebook import in_notebook
 from numpy_cae.viz.strip import save_figure, strip_figure
-from numpy_cae.viz.viewer import save_viewer
+from numpy_cae.viz.viewer import in_notebook, save_viewer
 
 __all__ = [
     "CORRUPTED",

@@ -1,4 +1,4 @@
-"""Motions to be drawn."""
+"""Motions to be drawn, and the colours of holden2015, figure 1."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ import numpy as np
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.viz.colours import PLAIN
+
+CORRUPTED = "#e8833a"
+PROJECTED = "#2f6db5"
+TRUTH = "#3f9a4b"
+PLAIN = "#444444"
 
 
 @dataclass(frozen=True)

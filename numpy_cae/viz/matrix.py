@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from scipy.cluster.hierarchy import dendrogram, leaves_list, linkage
 from scipy.spatial.distance import squareform
 
-from numpy_cae.viz.colours import PLAIN
+from numpy_cae.viz.actor import PLAIN
 
 # Inches: a cell, the tree, the colour bar with its numbers, the margin.
 _CELL, _TREE, _BAR, _MARGIN = 0.2, 1.6, 0.95, 0.15

@@ -9,7 +9,7 @@ import pytest
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.registry import EXPERIMENTS
-from numpy_cae.experiments.repair import repair_baselines
+from numpy_cae.experiments.repair import repair_sweep
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
@@ -66,7 +66,7 @@ def result_of(small_manifold, labelled):
             for constant, value in SMALL.get(name, {}).items():
                 patch.setattr(module, constant, value)
             for constant, value in FEW_SETTINGS.items():
-                patch.setattr(repair_baselines, constant, value)
+                patch.setattr(repair_sweep, constant, value)
             result = module.run(small_manifold, labelled, 0)
             figure = result.figure()
             short = result.animation and replace(result.animation, seconds=0.2)

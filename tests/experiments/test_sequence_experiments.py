@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.experiments.sequences.figure_2 import figure_2
 from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
@@ -23,7 +22,13 @@ from numpy_cae.experiments.sequences.samples import (
     fitted_latents,
     samples,
 )
-from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action, train_study
+from numpy_cae.experiments.sequences.study import (
+    Action,
+    figure_2,
+    read_action,
+    synthetic_action,
+    train_study,
+)
 from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of

@@ -57,14 +57,13 @@ class Row:
 
     def mean(self, measure: str) -> float:
         """The mean over the seeds that did not diverge; nan if there is none."""
-        values = self.values(measure)
-        return float(np.mean(values[np.isfinite(values)])) if np.isfinite(values).any() else np.nan
+        values = [each[measure] for each in self.measured if each]
+        return float(np.mean(values)) if values else np.nan
 
     def cell(self, measure: str) -> str:
         """Mean ± standard deviation over the seeds that did not diverge."""
         values = self.values(measure)
-        values = values[np.isfinite(values)]
-        diverged = self.measured.count(None)
+        values, diverged = values[np.isfinite(values)], self.measured.count(None)
         if not len(values):
             return "diverged" if diverged else "–"
         _, digits = MEASURES[measure]

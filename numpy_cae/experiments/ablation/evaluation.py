@@ -8,7 +8,7 @@ import numpy as np
 
 from numpy_cae.experiments.clips import Split, split_of
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.repair.repair_baselines import pca_on_windows
+from numpy_cae.experiments.repair.repair_sweep import pca_on_windows
 from numpy_cae.manifold import MotionManifold, learn_manifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder

@@ -22,7 +22,7 @@ from numpy_cae.experiments.clips import (
     split_takes,
 )
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
-from numpy_cae.experiments.repair.repair_baselines import repair_baselines
+from numpy_cae.experiments.repair.repair_sweep import repair_baselines
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from numpy_cae.experiments.result import Result
-from numpy_cae.experiments.sequences.figure_2 import figure_2
 from numpy_cae.experiments.sequences.reconstruction import reconstruction
 from numpy_cae.experiments.sequences.samples import COLOURS, figure_3, samples
-from numpy_cae.experiments.sequences.study import Action, train_study
+from numpy_cae.experiments.sequences.study import Action, figure_2, train_study
 from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
