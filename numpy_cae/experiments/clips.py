@@ -102,11 +102,6 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     return Clips(manifold, np.concatenate(windows), np.concatenate(reals), numbers)
 
 
-def project(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
-    """Φ†(Φ(X)) of normalised windows (N, T, 63), zero padded."""
-    return project_shifted(manifold.network, x)
-
-
 def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) -> np.ndarray:
     """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project`
     pads a clip; the mean over a number of shifts of the pooling grid."""

@@ -9,6 +9,7 @@ well". PCA on windows is linear: it projects the linear interpolation.
 from collections.abc import Callable
 from dataclasses import astuple
 from functools import partial
+from itertools import combinations, product
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     PCA, joint limits and nearest poses are of the training takes. Raises ValueError where the test
     takes have neither press-ups and walking nor walks of two styles.
     """
-    kinds = {kind: found for kind, find in PAIRS_OF.items() if (found := find(material.testing))}
+    kinds = pairs_of(material.testing)
     if not kinds:
         raise ValueError("the test takes have neither press-ups and walks nor walks of two styles")
     training = features_of(manifold, material.training)
@@ -156,23 +157,14 @@ def _name(take: LabelledTake) -> str:
     return f"{content}, {take.style}" if take.style else content
 
 
-def _walks(takes: list[LabelledTake]) -> list[LabelledTake]:
-    return [take for take in takes if take.content in ("walk", "confident_walk")]
-
-
-def _press_ups_and_walks(takes: list[LabelledTake]) -> list[Pair]:
+def pairs_of(takes: list[LabelledTake]) -> dict[str, list[Pair]]:
+    """The pairs of each kind that there is, at most `PAIRS`."""
+    walks = [take for take in takes if take.content in ("walk", "confident_walk")]
     press_ups = [take for take in takes if "press_up" in take.content]
-    return _spread([(one, other) for one in press_ups for other in _walks(takes)])
-
-
-def _walks_of_two_styles(takes: list[LabelledTake]) -> list[Pair]:
-    walks = [take for take in _walks(takes) if take.style]
-    pairs = [(one, other) for n, one in enumerate(walks) for other in walks[n + 1 :]]
-    return _spread([(a, b) for a, b in pairs if a.source == b.source and a.style != b.style])
-
-
-def _spread(pairs: list[Pair]) -> list[Pair]:
-    return [pairs[k * len(pairs) // PAIRS] for k in range(PAIRS)] if len(pairs) > PAIRS else pairs
-
-
-PAIRS_OF = {PRESS_UPS: _press_ups_and_walks, STYLES: _walks_of_two_styles}
+    styled = [(one, other) for one, other in combinations(walks, 2) if one.style and other.style]
+    styles = [(a, b) for a, b in styled if a.source == b.source and a.style != b.style]
+    kinds = {}
+    for kind, pairs in ((PRESS_UPS, list(product(press_ups, walks))), (STYLES, styles)):
+        if count := min(PAIRS, len(pairs)):
+            kinds[kind] = [pairs[k * len(pairs) // count] for k in range(count)]
+    return kinds

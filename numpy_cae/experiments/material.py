@@ -150,21 +150,16 @@ def labels_of(path: Path) -> tuple[str, str, str]:
     if named:
         return _BANDAI_NAMCO, named["content"], named["style"]
     for folder in list(path.parents)[:2]:
-        row = _label_rows(folder).get(path.relative_to(folder).as_posix())
-        if row:
-            return _SYNTHETIC, row["kind"], row["style"]
+        table, name = folder / _LABELS, path.relative_to(folder).as_posix()
+        rows = _read_labels(table, table.stat().st_mtime_ns) if table.is_file() else {}
+        if name in rows:
+            return _SYNTHETIC, rows[name]["kind"], rows[name]["style"]
     return _UNLABELLED, "", ""
-
-
-def _label_rows(folder: Path) -> dict[str, dict[str, str]]:
-    """The rows of a folder's labels.csv by file; none where there is no such table."""
-    table = folder / _LABELS
-    return _read_labels(table, table.stat().st_mtime_ns) if table.is_file() else {}
 
 
 @lru_cache(maxsize=16)
 def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
-    # Read once for a table; `changed` is in the cache's key, so that a changed table is read again.
+    """The rows of a labels.csv by file, read once; `changed` makes a changed table another one."""
     try:
         with open(table, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file, strict=True)

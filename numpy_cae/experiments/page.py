@@ -27,7 +27,9 @@ def page(
 ) -> str:
     """The page's HTML, of results by name; `provenance`, what must be known to reproduce the
     figures, is at the top."""
-    links = {name: _link(name, result.title) for name, result in results.items()}
+    links = {
+        name: f'<a href="#{name}">{escape(result.title)}</a>' for name, result in results.items()
+    }
     claims = [(links[name], claim) for name, result in results.items() for claim in result.claims]
     ordered = sorted(claims, key=lambda pair: not pair[1].held)
     viewers = {name: result.viewer() for name, result in results.items()}
@@ -58,10 +60,6 @@ def plain_text(results: Iterable[Result], provenance: Mapping[str, str]) -> str:
         lines += ["", "", result.title, "=" * len(result.title), "", result.text(), ""]
         lines += [claim.text() for claim in result.claims]
     return "\n".join(lines) + "\n"
-
-
-def _link(name: str, title: str) -> str:
-    return f'<a href="#{name}">{escape(title)}</a>'
 
 
 def _definitions(meanings: Mapping[str, str]) -> str:

@@ -67,7 +67,10 @@ def head() -> str:
 def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style: str = "") -> str:
     """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`."""
     longest = max(len(actor.positions) for actor in actors)
-    actors = [_held(actor, longest) for actor in actors]
+    actors = [
+        actor.at_frames(np.minimum(np.arange(longest), len(actor.positions) - 1))
+        for actor in actors
+    ]
     furthest = max((float(a.moved.max()) for a in actors if a.moved is not None), default=0.0)
     height = max(float(np.median(np.ptp(actor.positions[..., 1], axis=1))) for actor in actors)
     reach = max(float(np.ptp(actor.positions[:, :, 0], axis=1).max()) for actor in actors)
@@ -87,11 +90,6 @@ def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style
 
 def _text(name: str) -> str:
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
-
-
-def _held(actor: Actor, frames: int) -> Actor:
-    """The motion with its last pose held up to a number of frames."""
-    return actor.at_frames(np.minimum(np.arange(frames), len(actor.positions) - 1))
 
 
 def _packed(actor: Actor, furthest: float, radius: float) -> dict:

@@ -61,7 +61,8 @@ def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
     exp(-d² / (width · number of values)) of their distance d: the mean of a Gaussian process."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        seen, hidden = _examples(takes, columns, taps)
+        seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
+        hidden = np.concatenate([take[:, columns] for take in takes])
         mean = hidden.mean(axis=0)
 
         def kernel(rows: np.ndarray) -> np.ndarray:
@@ -118,11 +119,3 @@ def around(take: np.ndarray, taps: int) -> np.ndarray:
 def others(columns: list[int]) -> list[int]:
     """The visible columns."""
     return [column for column in range(59) if column not in columns]
-
-
-def _examples(
-    takes: Sequence[np.ndarray], columns: list[int], taps: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """The visible columns around each row of the takes, and the row's hidden columns."""
-    seen = [around(take[:, others(columns)], taps) for take in takes]
-    return np.concatenate(seen), np.concatenate([take[:, columns] for take in takes])

@@ -36,9 +36,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         for lost, state in ((0.0, "as they are"), (P, "half zeroed")):
             rng = np.random.default_rng(seed)
             each = [_measured(manifold, take, lost, rng) for take in takes]
-            measured = _mean([values for values, _ in each])
+            measured = {
+                method: np.mean([values[method] for values, _ in each], axis=0)
+                for method in (TRUE, PLAIN_ROW, KEPT_ROW)
+            }
             name = f"{source}, {len(takes)} takes {state}"
-            rows = [[method, *measured[method]] for method in (TRUE, PLAIN_ROW, KEPT_ROW)]
+            rows = [[method, *values] for method, values in measured.items()]
             tables.append(Table(f"{name}:", HEADER, rows, FORMATS))
             claims.append(_constraint_claim(name, measured))
             motions = motions or each[0][1]
@@ -50,10 +53,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         claims,
         *moving(drawn, manifold.rate, azimuth=75.0, seconds=5.0),
     )
-
-
-def _mean(takes: list[Measured]) -> Measured:
-    return {name: np.mean([values[name] for values in takes], axis=0) for name in takes[0]}
 
 
 def _measured(

@@ -16,7 +16,6 @@ from numpy_cae.experiments.clips import (
     NETWORK,
     Clips,
     clips_of,
-    project,
     project_ends_held,
     split_of,
     split_takes,
@@ -25,6 +24,7 @@ from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.repair.repair_sweep import repair_baselines
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
@@ -54,7 +54,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             SEEN: seen,
             **{each.name: each.repair(seen, best[each.name]) for each in baselines},
             LINEAR: linear.repair(seen),
-            NETWORK: project(manifold, seen),
+            NETWORK: project_shifted(manifold.network, seen),
             ALL_SHIFTS: project_ends_held(manifold, seen, manifold.shifts),
             TRUE: truth.x,
         }

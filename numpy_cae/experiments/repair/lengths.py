@@ -31,7 +31,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     truth = np.concatenate(takes)
     rows = []
     for length in PIECES:
-        cut = [_in_pieces(manifold, take, length) for take in takes]
+        pieces = [np.split(take, _starts(len(take), length)[1:]) for take in takes]
+        cut = [np.concatenate([manifold.project(piece) for piece in each]) for each in pieces]
         jumps = [_jumps(x, take, length) for x, take in zip(cut, takes, strict=True)]
         jump = np.concatenate(jumps)
         error = position_error(np.concatenate(cut), truth)
@@ -68,11 +69,6 @@ def _starts(frames: int, length: int) -> list[int]:
     """First frames of the pieces; a rest that is too short stays with the piece before."""
     starts = range(0, frames, length)
     return [start for start in starts if start == 0 or frames - start >= _SHORTEST]
-
-
-def _in_pieces(manifold: MotionManifold, take: np.ndarray, length: int) -> np.ndarray:
-    pieces = np.split(take, _starts(len(take), length)[1:])
-    return np.concatenate([manifold.project(piece) for piece in pieces])
 
 
 def _jumps(projected: np.ndarray, truth: np.ndarray, length: int) -> np.ndarray:

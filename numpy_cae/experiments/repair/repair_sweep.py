@@ -17,13 +17,13 @@ from numpy_cae.experiments.clips import (
     NETWORK,
     Clips,
     Split,
-    project,
     project_ends_held,
     split_of,
 )
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, Curve, curves_figure
 
@@ -106,7 +106,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     split = split_of(manifold, material)
     choosing, testing = split.choosing, split.testing
     baselines = repair_baselines(split)
-    floor = testing.error(project(manifold, testing.x))
+    floor = testing.error(project_shifted(manifold.network, testing.x))
     errors: Errors = {}
     known_holes: list[float] = []
 
@@ -124,7 +124,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                     continue  # a median is a value that was there, or zero: it is not scaled
                 setting = baseline.best(practice * factor, choosing)
                 note(baseline.name + suffix, baseline.repair(lost * factor, setting))
-            note(NETWORK + suffix, project(manifold, lost * factor))
+            note(NETWORK + suffix, project_shifted(manifold.network, lost * factor))
             note(ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
             if bool(suffix) == manifold.rescales:
                 shifted = project_ends_held(manifold, lost * factor, manifold.shifts)
