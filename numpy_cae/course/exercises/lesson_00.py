@@ -1,7 +1,7 @@
 """The exercise of lesson 00, two papers in pictures: one operation with its pullback."""
 
 from numpy_cae.course.exercises.checks import drawn
-from numpy_cae.course.exercises.exercise import Exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import operation_exercise
 from numpy_cae.verify.operation import WINDOW, Operation
 
 
@@ -16,4 +16,4 @@ def square(x):
 
 SQUARE = Operation("square", WINDOW, drawn(x="batch frames channels"), ("x",), lambda x: x * x)
 
-EXERCISES: tuple[Exercise, ...] = (operation_exercise(SQUARE, square),)
+EXERCISES = (operation_exercise(SQUARE, square),)

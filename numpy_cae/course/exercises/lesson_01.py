@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
-from numpy_cae.course.exercises.exercise import Exercise, exercise
+from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
 
@@ -159,7 +159,7 @@ def _constant_speed(function: Callable, case: Case) -> None:
 
 _channels_as_matrix = same_as(rotation_from_channels, _channel_arguments, "the matrix's entry")
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(chain_to_root, _tree_arguments, TREE_SIZES, _chain_as_array, pure=False),
     exercise(
         rotation_from_channels,

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, array, claim, copies, drawn, require_same
-from numpy_cae.course.exercises.exercise import Exercise, exercise
+from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
@@ -138,7 +138,7 @@ def _last_velocity(function: Callable, case: Case) -> None:
     require_equal("with another last velocity, a position", function(*copies(given)), before)
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(heading_angle, _across_arguments, FRAMES, _known_directions, _changes_of_heading),
     exercise(
         turn_about_y,

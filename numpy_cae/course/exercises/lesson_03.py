@@ -6,7 +6,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import claim
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import OPERATIONS, definitions
 from numpy_cae.verify.property import require_equal
@@ -47,7 +47,7 @@ def _keeps_float32(function: Callable, case: Case) -> None:
         raise AssertionError(f"given float32, the rows are {found}")
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         conv1d_by_loops,
         CONV1D.arguments,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.verify.operation import OPERATIONS
 
 UNPOOL = OPERATIONS["unpool_random"]
@@ -16,7 +16,7 @@ def pooled_again(y: np.ndarray, first: np.ndarray) -> np.ndarray:
     return pooled
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     operation_exercise("max_pool", given=("conv1d",)),
     operation_exercise("unpool_even"),
     operation_exercise("unpool_random"),

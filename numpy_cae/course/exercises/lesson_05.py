@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import Exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import operation_exercise
 from numpy_cae.models import ConvLayer
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.operation import FILTERS, WINDOW, Operation, definitions
@@ -73,7 +73,7 @@ def _unit_arguments(case: Case) -> dict[str, object]:
     return {"y": y, **random_weights(case, rng), "bound": BOUND}
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     operation_exercise("tanh"),
     operation_exercise("arctanh"),
     operation_exercise(

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from numpy_cae.course.exercises import lesson_05
 from numpy_cae.course.exercises.checks import (
     Differentiated,
     claim,
@@ -13,18 +14,9 @@ from numpy_cae.course.exercises.checks import (
     size,
 )
 from numpy_cae.course.exercises.exercise import (
-    Exercise,
     differentiated_exercise,
     exercise,
     operation_exercise,
-)
-from numpy_cae.course.exercises.lesson_05 import (
-    BOUND,
-    SIZES,
-    decode_by_loops,
-    encode_by_loops,
-    random_weights,
-    uniform,
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training import decayed_rate
@@ -87,8 +79,8 @@ class RecordedLoss:
 
 
 def _layer_loss_by_loops(x, corrupted, w, b, first, alpha, bound):
-    y = encode_by_loops(corrupted, w, b)
-    x_hat = decode_by_loops(y, w, b, bound, first)
+    y = lesson_05.encode_by_loops(corrupted, w, b)
+    x_hat = lesson_05.decode_by_loops(y, w, b, bound, first)
     return definitions.mean_squared_error(x_hat, x) + alpha * definitions.mean_absolute(y)
 
 
@@ -107,11 +99,11 @@ _step_arguments = drawn(
 
 def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
-    corrupted = x + uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
-    weights = random_weights(case, rng)
+    x = lesson_05.uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
+    corrupted = x + lesson_05.uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    weights = lesson_05.random_weights(case, rng)
     first = rng.random((case["batch"], case["frames"], case["filters"])) < 0.5
-    numbers = {"alpha": ALPHA, "bound": BOUND}
+    numbers = {"alpha": ALPHA, "bound": lesson_05.BOUND}
     if case.seed == 0 and x.size == 2 and weights["w"].size == 1:  # the example of the lesson
         x[0, :, 0], corrupted[0, :, 0] = (1.0, 0.6), (1.0, 0.0)
         weights["w"][:], weights["b"][:], first[:], numbers["alpha"] = 0.5, 0.2, True, 0.0
@@ -206,7 +198,7 @@ def _loss_falls(train_layer, case: Case) -> None:
         raise AssertionError(f"the losses of the epochs are {np.round(losses, 4).tolist()}")
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     operation_exercise("mean_squared_error"),
     operation_exercise("mean_absolute"),
     exercise(
@@ -226,7 +218,7 @@ EXERCISES: tuple[Exercise, ...] = (
     differentiated_exercise(
         layer_loss,
         Differentiated(_loss_arguments, _layer_loss_by_loops, ("w", "b"), ("the loss", "dw", "db")),
-        SIZES,
+        lesson_05.SIZES,
         value="the loss is that of equation 3, computed by loops",
         gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
         given=(

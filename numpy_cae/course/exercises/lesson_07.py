@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
-from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise, exercise
+from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.lesson_05 import BOUND, decode_by_loops, encode_by_loops, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.verify.case import Case
@@ -104,7 +104,7 @@ def _names_in_layers(of: str) -> tuple[str, ...]:
     return tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         frames_seen,
         _size_arguments,

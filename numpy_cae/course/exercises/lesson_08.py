@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
-from numpy_cae.course.exercises.exercise import Exercise, exercise
+from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.manifold.compare import G
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.measures import retrieval
@@ -168,7 +168,7 @@ def _perfect_ranking(function, case: Case) -> None:
     require_same(found, 1.0, ("if all motions that are alike come first, it",))
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         rescale,
         _damaged_arguments,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.course.exercises.checks import claim, drawn, require_parts, require_same, size
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.training import clip_norm
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.property import require_equal
@@ -89,7 +89,7 @@ def _zero_gradients(function, case: Case) -> None:
         _require_clipped(function, gradients, 1.0, 1.0)
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         norms_through_time,
         _pullback_arguments,

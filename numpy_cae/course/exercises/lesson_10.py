@@ -4,11 +4,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn
-from numpy_cae.course.exercises.exercise import (
-    Exercise,
-    differentiated_exercise,
-    operation_exercise,
-)
+from numpy_cae.course.exercises.exercise import differentiated_exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.sequential_autoencoder import Weights, gru_weights, weight_shapes
@@ -127,7 +123,7 @@ def _write_arguments(case: Case) -> dict[str, object]:
     }
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     differentiated_exercise(
         read_clips,
         Differentiated(_read_arguments, read_by_loops, ("weights",), ("z", PULLBACK)),

@@ -5,24 +5,14 @@ from itertools import permutations
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.course.exercises import lesson_10
 from numpy_cae.course.exercises.checks import Differentiated, array, drawn
 from numpy_cae.course.exercises.exercise import (
-    Exercise,
     differentiated_exercise,
     exercise,
     operation_exercise,
 )
 from numpy_cae.course.exercises.lesson_05 import uniform
-from numpy_cae.course.exercises.lesson_10 import (
-    DECODER,
-    ENCODER,
-    LOSS_AND_GRADIENTS,
-    WHOLE_NETWORK,
-    random_clips,
-    random_weights,
-    read_by_loops,
-    reconstruction_by_loops,
-)
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.verify.case import Case
 from numpy_cae.verify.operation import Operation, definitions
@@ -55,24 +45,28 @@ def _cheapest_assignment(p, q):
 
 
 def _regularised_by_loops(weights, x, prior, directions, weight):
-    discrepancy = definitions.sliced_wasserstein(read_by_loops(weights, x), prior, directions)
-    return reconstruction_by_loops(weights, x) + weight * discrepancy
+    discrepancy = definitions.sliced_wasserstein(
+        lesson_10.read_by_loops(weights, x), prior, directions
+    )
+    return lesson_10.reconstruction_by_loops(weights, x) + weight * discrepancy
 
 
 def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     return {
-        "weights": random_weights(case, rng),
-        "x": random_clips(case, rng),
+        "weights": lesson_10.random_weights(case, rng),
+        "x": lesson_10.random_clips(case, rng),
         "prior": uniform(rng, (case["batch"], case["latent"]), 1.0),
         "directions": unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0)),
         "weight": WEIGHT,
     }
 
 
-LOSS = Differentiated(_loss_arguments, _regularised_by_loops, ("weights",), LOSS_AND_GRADIENTS)
+LOSS = Differentiated(
+    _loss_arguments, _regularised_by_loops, ("weights",), lesson_10.LOSS_AND_GRADIENTS
+)
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     operation_exercise(
         Operation(
             "wasserstein_1d",
@@ -93,9 +87,12 @@ EXERCISES: tuple[Exercise, ...] = (
     differentiated_exercise(
         regularised_loss,
         LOSS,
-        {**WHOLE_NETWORK, "directions": (1, 2)},
+        {**lesson_10.WHOLE_NETWORK, "directions": (1, 2)},
         value="the loss is reconstruction + λ · discrepancy, computed by loops",
-        gradients={"gradients of writing": (2, DECODER), "gradients of reading": (4, ENCODER)},
+        gradients={
+            "gradients of writing": (2, lesson_10.DECODER),
+            "gradients of reading": (4, lesson_10.ENCODER),
+        },
         float32=True,
         given=("clip_gradients", "mean_squared_error", "read_clips", "write_clips"),
     ),

@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae import ops, verify
 from numpy_cae.course.exercises.checks import Claim, claim, drawn, unchanged
-from numpy_cae.course.exercises.exercise import Exercise, exercise
+from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.case import Case, spread
 from numpy_cae.verify.catalogue import properties_of
 from numpy_cae.verify.operation import OPERATIONS
@@ -234,7 +234,7 @@ def _inputs_stay(check_gradients, case: Case) -> None:
 
 ONE_CASE = {"tried": (1,)}
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         central_differences,
         _difference_arguments,

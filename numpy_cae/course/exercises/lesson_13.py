@@ -6,7 +6,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import claim, drawn, require_parts, size
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
@@ -133,7 +133,7 @@ VALUE_OF_CONVOLUTION = {
     "points": 3,
 }
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     exercise(
         conv1d_unfolded, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION, given=("unfold",)
     ),

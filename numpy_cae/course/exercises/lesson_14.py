@@ -161,7 +161,7 @@ def _loss_exercise(solution, loss: Differentiated, sizes, *claims: Claim) -> Exe
     )
 
 
-EXERCISES: tuple[Exercise, ...] = (
+EXERCISES = (
     _loss_exercise(bones_off, BONES, {"frames": (1, 2), "joints": (2, 3, 4)}, _right_lengths),
     _loss_exercise(
         path_energy, ENERGY, {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)}, _straight_path
