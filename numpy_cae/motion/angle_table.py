@@ -47,22 +47,14 @@ class AngleTable:
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """A name for each of the 54 numbers: "translation x", …, "hips x", …"""
-        translation = [f"translation {axis}" for axis in "xyz"]
-        return (
-            *translation,
-            *(f"{joint} {axis}" for joint, axes in self.rotating for axis in axes),
-        )
+        named = (("translation", "xyz"), *self.rotating)
+        return tuple(f"{joint} {axis}" for joint, axes in named for axis in axes)
 
     @cached_property
     def indices(self) -> np.ndarray:
         """The indices of the 51 angles among the 3J numbers of all joints."""
-        return np.array(
-            [
-                3 * self.joints.index(joint) + "xyz".index(axis)
-                for joint, axes in self.rotating
-                for axis in axes
-            ]
-        )
+        starts = [(3 * self.joints.index(joint), axes) for joint, axes in self.rotating]
+        return np.array([start + "xyz".index(axis) for start, axes in starts for axis in axes])
 
     @cached_property
     def rotating_parents(self) -> tuple[int, ...]:
@@ -89,50 +81,34 @@ class AngleTable:
         return [found[joint] for joint in self.joints]
 
 
-_TRUNK = ("hips", "spine", "chest", "neck", "head")
+def _table(name: str, above: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
+    """The table of joints, each with the one above it, of which some rotate about some axes."""
+    joints = tuple(above)
+    parents = tuple(-1 if joint is None else joints.index(joint) for joint in above.values())
+    return AngleTable(name, joints, parents, tuple(rotating.items()))
+
+
 _LIMBS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
-_NAMES = (*JOINTS[: JOINTS.index("head")], "neck", *JOINTS[JOINTS.index("head") :])
-
-
-def _parent(joint: str) -> int:
-    if joint in ("neck", "head"):
-        return _NAMES.index("chest" if joint == "neck" else "neck")
-    parent = PARENTS[JOINTS.index(joint)]
-    return -1 if parent < 0 else _NAMES.index(JOINTS[parent])
-
-
-SEVENTEEN = AngleTable(
+_ABOVE: dict[str, str | None] = {}
+for _joint, _above in zip(JOINTS, (None, *(JOINTS[place] for place in PARENTS[1:])), strict=True):
+    if _joint == "head":
+        _ABOVE["neck"], _above = _above, "neck"
+    _ABOVE[_joint] = _above
+SEVENTEEN = _table(
     "seventeen joints",
-    _NAMES,
-    tuple(_parent(joint) for joint in _NAMES),
-    tuple(
-        (joint, "xyz")
-        for joint in (*_TRUNK, *(f"{side}_{limb}" for side in ("left", "right") for limb in _LIMBS))
-    ),
+    _ABOVE,
+    dict.fromkeys(["hips", "spine", "chest", "neck", "head"], "xyz")
+    | {f"{side}_{limb}": "xyz" for side in ("left", "right") for limb in _LIMBS},
 )
 
 _ABOUT_X = ("RightLeg", "RightToeBase", "LeftLeg", "LeftToeBase", "LeftForeArm", "RightForeArm")
-_VARYING = (
-    "Hips",
-    *("RightUpLeg", "RightLeg", "RightFoot", "RightToeBase"),
-    *("LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToeBase"),
-    *("Spine", "Spine1", "Neck", "Head"),
-    *("LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"),
-    *("RightShoulder", "RightArm", "RightForeArm", "RightHand"),
-)
-
-
-def _varying_parent(joint: str) -> int:
-    skeleton = HUMAN36M.skeleton
-    parent = skeleton.parents[skeleton.index(joint)]
-    return -1 if parent < 0 else _VARYING.index(skeleton.names[parent])
-
-
-HUMAN36M_TABLE = AngleTable(
+_VARYING = {
+    joint: above for joint, above, *_ in HUMAN36M.rows if not joint.endswith(("Thumb", "WristEnd"))
+}
+HUMAN36M_TABLE = _table(
     "the columns of Human3.6M that vary",
     _VARYING,
-    tuple(_varying_parent(joint) for joint in _VARYING),
-    tuple((joint, "x" if joint in _ABOUT_X else "xyz") for joint in _VARYING),
+    {joint: "x" if joint in _ABOUT_X else "xyz" for joint in _VARYING},
 )
 
 TABLES = {table.name: table for table in (SEVENTEEN, HUMAN36M_TABLE)}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import (
@@ -21,7 +22,7 @@ from numpy_cae.motion import (
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.heading import heading
+from numpy_cae.motion.heading import heading, smoothed
 from numpy_cae.motion.retarget.fit import body_skeleton
 
 SIDES = ("left", "right")
@@ -90,6 +91,13 @@ def test_heading_follows_the_body_and_never_jumps():
     off -= 2 * np.pi * np.round(off[100] / (2 * np.pi))
     np.testing.assert_allclose(off[30:-30], 0, atol=0.05)
     assert np.abs(np.diff(found)).max() < 0.3
+
+
+@pytest.mark.parametrize("frames", [1, 5, 200])
+def test_the_smoothing_of_the_heading_holds_the_ends_as_scipys_does(frames):
+    values = np.random.default_rng(frames).normal(size=(frames, 3))
+    expected = gaussian_filter1d(values, 10.0, axis=0, mode="nearest")
+    np.testing.assert_allclose(smoothed(values, 10.0), expected, atol=1e-12)
 
 
 def test_lengths_are_changed_and_changed_back():

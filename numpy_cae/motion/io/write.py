@@ -1,12 +1,34 @@
-"""Write a motion to any supported file, chosen by its suffix."""
+"""Write a motion to any supported file, chosen by its suffix; here as a table of positions."""
 
 from pathlib import Path
 
+import numpy as np
+
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.io.bvh_writer import write_bvh
 from numpy_cae.motion.io.gltf_writer import write_glb
-from numpy_cae.motion.io.table_writers import write_csv, write_npz
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.completed import without_added
+
+
+def write_npz(motion: Motion, path: str | Path) -> None:
+    """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically."""
+    skeleton = motion.skeleton
+    arrays = {"names": np.array(skeleton.names), "parents": np.array(skeleton.parents)}
+    with atomic_write(path) as beside, beside.open("wb") as file:
+        np.savez_compressed(file, positions=motion.positions(), **arrays, rate=motion.rate)
+
+
+def write_csv(motion: Motion, path: str | Path) -> None:
+    """Write a row for each frame, atomically: its time in seconds, then x, y and z in metres of
+    each joint, with the joints' names in the first row."""
+    positions = motion.positions().reshape(len(motion), -1)
+    table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
+    names = [name.replace('"', '""') for name in motion.skeleton.names]
+    header = ",".join(["time", *(f'"{name} {axis}"' for name in names for axis in "xyz")])
+    with atomic_write(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as file:
+        np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")
+
 
 WRITERS = {".bvh": write_bvh, ".glb": write_glb, ".npz": write_npz, ".csv": write_csv}
 
