@@ -154,7 +154,10 @@ def with_margin(mask: np.ndarray) -> np.ndarray:
 def find_repeated(positions: np.ndarray) -> np.ndarray:
     """Frames of positions (F, 20, 3) that repeat the pose before, until the body catches up in one
     step: (F,) bool. Dropped frames and held keys look so, and no one who stands still."""
-    step = _distances(positions).mean(axis=1)
+    # One joint at a time: an hour at 120 Hz would take half a gigabyte more.
+    joints = range(positions.shape[1])
+    steps = [np.linalg.norm(_steps(positions[:, joint]), axis=-1) for joint in joints]
+    step = np.stack(steps, axis=1).mean(axis=1)
     return _until_a_jump(step < REPEATED, step, 0.0)
 
 
@@ -216,13 +219,6 @@ def _turns(body: Body) -> np.ndarray:
 def _steps(values: np.ndarray) -> np.ndarray:
     """The difference from the next frame, 0 for the last."""
     return np.diff(values, axis=0, append=values[-1:])
-
-
-def _distances(points: np.ndarray) -> np.ndarray:
-    """How far each joint of points (F, N, 3) moves until the next frame: (F, N)."""
-    # One joint at a time: an hour at 120 Hz would take half a gigabyte more.
-    joints = range(points.shape[1])
-    return np.stack([np.linalg.norm(_steps(points[:, n]), axis=-1) for n in joints], axis=1)
 
 
 def _local(features: np.ndarray) -> np.ndarray:

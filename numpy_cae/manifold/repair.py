@@ -14,7 +14,6 @@ from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints, distances
 from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS
@@ -73,14 +72,12 @@ def repair(
         return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
     target = fill_positions(manifold, body, missing)
     repaired = change_joints(body, motion, target, damaged, strength, middle)
-    return without_jitter(repaired, body) if smooth else repaired
-
-
-def without_jitter(repaired: Repaired, body: Body) -> Repaired:
-    """The same without jitter; every joint that moves counts as touched."""
-    motion = smooth_motion(repaired.motion)
-    moved = distances(body.motion, motion, body.mapping)
-    return replace(repaired, motion=motion, touched=moved > 0, moved=moved)
+    if smooth:
+        smoothed_motion = smooth_motion(repaired.motion)
+        moved = distances(motion, smoothed_motion, mapping)
+        # Every joint that moves counts as touched.
+        repaired = replace(repaired, motion=smoothed_motion, touched=moved > 0, moved=moved)
+    return repaired
 
 
 def project_motion(

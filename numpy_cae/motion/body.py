@@ -86,7 +86,10 @@ class Body:
         If they have fewer frames than the motion, it is truncated; they may not have more. Joints
         beyond the twenty keep their rotation relative to their parent.
         """
-        truncated = replace(self, motion=_truncated(self.motion, len(features)))
+        source, motion = self.motion.source_frames(RATE), self.motion
+        if len(features) != len(source):
+            motion = motion.at(slice(int(np.ceil(source[len(features)]))))
+        truncated = replace(self, motion=motion)
         # Below 30 frames a second the last pose can lie after the last frame.
         poses = len(truncated.motion.source_frames(RATE))
         positions = truncated.in_file_frames(self.positions_of(features, root)[:poses])
@@ -97,11 +100,3 @@ def hold_first_pose(motion: Motion, frames: int) -> Motion:
     """The first pose of a motion, held for at least `frames` frames at 30 a second."""
     held = np.zeros(int(np.ceil((frames + 1) * motion.rate / RATE)) + 1, dtype=int)
     return motion.at(held)
-
-
-def _truncated(motion: Motion, poses: int) -> Motion:
-    """The frames before pose number `poses` at 30 frames a second."""
-    source = motion.source_frames(RATE)
-    if poses == len(source):
-        return motion
-    return motion.at(slice(0, int(np.ceil(source[poses]))))

@@ -47,25 +47,19 @@ def read_c3d(path: str | Path, unit: float | None = None) -> Motion:
     if scale is None or rate <= 0:
         problem = f"unit {named_unit!r} at {rate:g} frames a second; give the unit in metres"
         raise MotionFileError(path, None, problem)
-    joints = _joints(path, labels)
-    positions = points[:3, joints].transpose(2, 1, 0) * scale
-    seen = np.isfinite(positions).all(axis=2) & (np.abs(positions).max(axis=2) > 0)
-    positions = _without_gaps(path, positions, seen)
-    if _up_axis(settings) == "Z":
-        positions = np.stack([positions[..., 1], positions[..., 2], positions[..., 0]], axis=-1)
-    return fit_motion(positions, bone_lengths(positions), rate, scale)
-
-
-def _joints(path: Path, labels: list[str]) -> list[int]:
-    """The indices of the twenty joints among the points."""
     # A subject's name may precede the label: "Ann:LeftKnee".
     parents = (-1,) + (0,) * (len(labels) - 1)
-    points = Skeleton(tuple(labels), parents, np.zeros((len(labels), 3)))
     try:
-        return find_joints(points)
+        joints = find_joints(Skeleton(tuple(labels), parents, np.zeros((len(labels), 3))))
     except UnknownRigError as error:
         problem = f"{error}. A C3D file must have the centres of the {len(JOINTS)} joints as points"
         raise MotionFileError(path, None, problem) from None
+    positions = points[:3, joints].transpose(2, 1, 0) * scale
+    seen = np.isfinite(positions).all(axis=2) & (np.abs(positions).max(axis=2) > 0)
+    positions = _without_gaps(path, positions, seen)
+    if "Y" not in str((settings.get("Y_SCREEN", {}).get("value") or ["+Z"])[0]).upper():  # Z is up
+        positions = np.stack([positions[..., 1], positions[..., 2], positions[..., 0]], axis=-1)
+    return fit_motion(positions, bone_lengths(positions), rate, scale)
 
 
 def _without_gaps(path: Path, positions: np.ndarray, seen: np.ndarray) -> np.ndarray:
@@ -84,9 +78,3 @@ def _without_gaps(path: Path, positions: np.ndarray, seen: np.ndarray) -> np.nda
         for axis in range(3):
             filled[:, joint, axis] = np.interp(frames, known, positions[known, joint, axis])
     return filled[first:last]
-
-
-def _up_axis(settings: dict) -> str:
-    """The vertical axis, "Y" or "Z": the Y_SCREEN of the file, Z where it has none."""
-    screen = settings.get("Y_SCREEN", {}).get("value") or ["+Z"]
-    return "Y" if "Y" in str(screen[0]).upper() else "Z"

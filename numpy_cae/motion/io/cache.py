@@ -88,7 +88,8 @@ def read_bodies(
     if processes == 1:
         yield from map(read, paths)
         return
-    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_end_at_sigterm)
+    ends_at_sigterm = partial(signal.signal, signal.SIGTERM, signal.SIG_DFL)
+    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=ends_at_sigterm)
     try:
         with _blocked_interrupts():
             bodies = pool.map(read, paths, chunksize=4)
@@ -112,10 +113,6 @@ def _blocked_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _end_at_sigterm() -> None:
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-
 def is_worthwhile(paths: Sequence[Path]) -> bool:
     """Whether the files are large enough in total for processes and a cache."""
     return sum(path.stat().st_size for path in paths if path.exists()) >= WORTHWHILE
@@ -132,7 +129,10 @@ def _read(path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path |
     except (MotionFileError, UnknownRigError) as problem:
         return Body(path, None, "", problem)
     if cached is not None:
-        _save(cached, positions, motion.unit_note)
+        note = np.array(motion.unit_note)
+        arrays = {"format": np.array(VERSION), "positions": positions, "note": note}
+        with suppress(OSError, FileError):  # the take has been read already
+            save_arrays(arrays, cached, compressed=False)
     return Body(path, positions, motion.unit_note)
 
 
@@ -180,10 +180,3 @@ def _load(path: Path, cached: Path) -> Body | None:
     except ModelFileError as error:
         log.warning("%s; this entry of the cache is not used", error)
         return None
-
-
-def _save(cached: Path, positions: np.ndarray, note: str) -> None:
-    """Write to the cache; failures are ignored, as the take has been read already."""
-    arrays = {"format": np.array(VERSION), "positions": positions, "note": np.array(note)}
-    with suppress(OSError, FileError):
-        save_arrays(arrays, cached, compressed=False)

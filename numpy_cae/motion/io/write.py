@@ -13,10 +13,10 @@ from numpy_cae.motion.retarget.completed import without_added
 
 def write_npz(motion: Motion, path: str | Path) -> None:
     """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically."""
-    skeleton = motion.skeleton
-    arrays = {"names": np.array(skeleton.names), "parents": np.array(skeleton.parents)}
+    positions, rate = motion.positions(), motion.rate
+    names, parents = np.array(motion.skeleton.names), np.array(motion.skeleton.parents)
     with atomic_write(path) as beside, beside.open("wb") as file:
-        np.savez_compressed(file, positions=motion.positions(), **arrays, rate=motion.rate)
+        np.savez_compressed(file, positions=positions, names=names, parents=parents, rate=rate)
 
 
 def write_csv(motion: Motion, path: str | Path) -> None:

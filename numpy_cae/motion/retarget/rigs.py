@@ -17,7 +17,7 @@ from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import problem_of
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rig_names import RIGS, Names
+from numpy_cae.motion.retarget.rig_names import RIGS
 from numpy_cae.motion.retarget.suggest import add_trunk, suggest_mapping
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -70,7 +70,11 @@ def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[s
         if len(present) == len(one) or isinstance(mapping, dict):
             mapped = present
             break
-    known = {rig: _places(table, plain) for rig, table in _PLAIN_RIGS.items()}
+    known = {
+        # Of several names of a joint that the skeleton has, the first: the last to be set.
+        rig: {joint: plain[n] for joint, names in table.items() for n in names[::-1] if n in plain}
+        for rig, table in _PLAIN_RIGS.items()
+    }
     # The fewest joints missing and, of equals, the most found.
     best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(known[rig]), -len(known[rig])))
     named = mapping if isinstance(mapping, dict) else {}
@@ -79,12 +83,6 @@ def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[s
     for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
         found[name.removesuffix(ADDED)] = exact[name]
     return best, found
-
-
-def _places(names: Names, plain: dict[str, int]) -> dict[str, int]:
-    """The joints that a skeleton has under one of their names."""
-    present = {joint: [form for form in forms if form in plain] for joint, forms in names.items()}
-    return {joint: plain[forms[0]] for joint, forms in present.items() if forms}
 
 
 def _plain(name: str) -> str:

@@ -257,12 +257,8 @@ def _carrier(motion: Motion, hips: int) -> int:
     """The joint that moves with the hips' targets: the one whose position channels move the whole
     body in this file, the hips or the nearest ancestor that leaves its offset. A root at rest
     stays at rest."""
-
-    def leaves_its_offset(joint: int) -> bool:
+    for joint in motion.skeleton.path(hips):
         distance = motion.translations[:, joint] - motion.skeleton.offsets[joint]
-        return bool(np.abs(distance).max() > _MOVED)
-
-    carrier = hips
-    while carrier > 0 and not leaves_its_offset(carrier):
-        carrier = motion.skeleton.parents[carrier]
-    return carrier
+        if np.abs(distance).max() > _MOVED:
+            return joint
+    return 0
