@@ -1,6 +1,7 @@
 """A report as one self-contained HTML page with its pictures inside it, and as plain text."""
 
 import base64
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
@@ -111,25 +112,7 @@ def _table(table: Table) -> str:
     return f'{_paragraph(table.caption)}<div class="wide">{html}</div>'
 
 
-MEANINGS = {
-    "damaged": "the damaged motion itself, with nothing done to it",
-    "the network": "projection onto the manifold: the motion is encoded and decoded once",
-    "ends held": "windows are padded with their first and last frames instead of the mean pose",
-    "all shifts": "the mean of the projections at all positions of the pooling grid",
-    "rescaled": "known values are divided by the share that is known, 1 - p, before the method",
-    "linear denoiser": "the best linear map from 15 damaged frames to the frame in their middle",
-    "PCA on frames": "principal components of single poses; their number is chosen",
-    "PCA on windows": "principal components of whole windows; their number is chosen",
-    "median filter": "each value becomes the median of its neighbours in time",
-    "Savitzky-Golay": "a polynomial fitted to the neighbours in time of each value",
-    "linear interpolation": "a straight line over each hole, which must be known",
-    "the mean pose": "the mean of all poses in training",
-    "along the manifold": "hidden units are interpolated and decoded",
-    "constrained projection": "projection, then bone lengths, standing feet and ground are kept",
-    "untrained": "the same network before training",
-    "fitted prior": "hidden units of a training window, mixed with those of its nearest neighbours",
-    "uniform prior": "hidden units drawn independently and uniformly",
-}
+_LEGEND = json.loads((files("numpy_cae.experiments") / "legend.json").read_text(encoding="utf-8"))
 """Part of a method's name to its meaning."""
 
 
@@ -138,5 +121,5 @@ def legend_of(results: Iterable[Result]) -> dict[str, str]:
     rows = [row for result in results for table in result.tables for row in table.rows]
     names = {str(row[0]) for row in rows}
     return {
-        part: meaning for part, meaning in MEANINGS.items() if any(part in name for name in names)
+        part: meaning for part, meaning in _LEGEND.items() if any(part in name for name in names)
     }

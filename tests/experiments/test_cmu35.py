@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
-from numpy_cae.experiments.published.protocol import GROUPS, read_columns, read_protocol
+from numpy_cae.experiments.published.protocol import GROUPS, read_protocol
 from numpy_cae.motion import MotionFileError
+from numpy_cae.motion.io.amc import amc_values
 
 PUBLISHED = {
     ("leg", "standardised"): (13.5, 4.44),
@@ -60,8 +61,8 @@ def test_an_acclaim_file_without_a_bone_is_refused(data_folder, tmp_path):
     lines = (folder / "35_17.amc").read_text().splitlines(keepends=True)
     cut = max(n for n, line in enumerate(lines) if line.startswith("ltibia"))
     (tmp_path / "35_17.amc").write_text("".join(lines[:cut] + lines[cut + 1 :]))
-    with pytest.raises(MotionFileError, match="frame 167 has no values of ltibia"):
-        read_columns(tmp_path / "35_17.amc")
+    with pytest.raises(MotionFileError, match="frame 167 has no values for ltibia"):
+        amc_values(tmp_path / "35_17.amc")
 
 
 def test_a_method_never_receives_hidden_values(read):

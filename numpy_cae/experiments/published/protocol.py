@@ -14,10 +14,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from numpy_cae.motion import MotionFileError, read_asf
-from numpy_cae.motion.io.amc import find_skeleton
-from numpy_cae.motion.io.asf import statements
-from numpy_cae.motion.io.text_file import TextFile
+from numpy_cae.motion.io.amc import amc_values
 
 GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
 """Columns of the 59 that are hidden, from 0: the right leg, the upper body."""
@@ -145,7 +142,7 @@ def read_protocol(folders: Sequence[str | Path]) -> Protocol:
                 "the data folders lack the takes " + ", ".join(missing) + " of CMU subject 35: get "
                 "them by `numpy-cae download cmu --subjects 35`"
             )
-        frames = {n: read_columns(files[name])[::STEP] for n, name in names.items()}
+        frames = {n: amc_values(files[name])[::STEP] for n, name in names.items()}
     angles = np.concatenate([frames[n][:, ANGLES] for n in TRAINING])
     takes = [rows_of(frames[n]) for n in TRAINING]
     return Protocol(takes, rows_of(frames[TEST]), 1 / angles.std(axis=0))
@@ -162,23 +159,3 @@ def _read_table(path: Path) -> dict[int, np.ndarray]:
 
 def _find(folders: Sequence[str | Path], pattern: str) -> list[Path]:
     return [path for folder in folders for path in sorted(Path(folder).rglob(pattern))]
-
-
-def read_columns(path: str | Path) -> np.ndarray:
-    """The values (F, 62) of an Acclaim motion as they are in the file, bones in the skeleton's
-    order."""
-    acclaim, file = read_asf(find_skeleton(path)), TextFile.read(path)
-    known = zip(acclaim.skeleton.names, acclaim.channels, strict=True)
-    channels = {name: len(own) for name, own in known if own}
-    frames: list[dict[str, list[float]]] = []
-    for line, (name, *values) in statements(file):
-        if name.isdigit():
-            frames.append({})
-        elif name in channels and frames:
-            frames[-1][name] = file.numbers(line, values)
-    for number, frame in enumerate(frames, start=1):
-        lacking = [name for name, count in channels.items() if len(frame.get(name, ())) != count]
-        if lacking:
-            problem = f"frame {number} has no values of {', '.join(lacking)}, or too few"
-            raise MotionFileError(Path(path), None, problem)
-    return np.array([[x for name in channels for x in frame[name]] for frame in frames])

@@ -67,6 +67,14 @@ def amc_channels(path: str | Path, unit: float) -> list[Channels]:
     return _read_header(file, read_asf(find_skeleton(path), unit))[0]
 
 
+def amc_values(path: str | Path) -> np.ndarray:
+    """The values of an Acclaim motion as they are in the file, (frames, channels), columns in the
+    order of the skeleton's joints."""
+    file, acclaim = TextFile.read(path), read_asf(find_skeleton(path))
+    _, rate, header = _read_header(file, acclaim)
+    return _frames(file, acclaim, header, 1, rate)
+
+
 def find_skeleton(path: str | Path) -> Path:
     """The .asf file in the folder of an .amc file: the one of the same name, else the one with the
     longest name that begins the motion's before a _ (`02.asf` for `02_01.amc`), else the only one.
