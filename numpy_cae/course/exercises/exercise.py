@@ -21,7 +21,7 @@ Exercise = Task
 def operation_exercise(
     operation: str | Operation,
     solution: Callable | None = None,
-    given: tuple[str, ...] = (),
+    given: str = "",
 ) -> Exercise:
     """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
 
@@ -36,7 +36,7 @@ def operation_exercise(
     else:
         properties = (*shared_properties(operation), *operation_properties(operation))
     solution = solution or getattr(ops, operation.name)
-    return Task(operation.name, solution, tuple(properties), given=given)
+    return Task(operation.name, solution, tuple(properties), given=tuple(given.split()))
 
 
 def exercise(
@@ -48,7 +48,7 @@ def exercise(
     definition: Callable | None = None,
     points: int = 2,
     pure: bool = True,
-    given: tuple[str, ...] = (),
+    given: str = "",
 ) -> Exercise:
     """An exercise that is no operation, with properties of its own.
 
@@ -64,7 +64,7 @@ def exercise(
         claims = (*claims, unchanged(arguments))
     name = solution.__name__
     properties = (_property(name, each, arguments, sizes) for each in claims)
-    return Task(name, solution, tuple(properties), given=given)
+    return Task(name, solution, tuple(properties), given=tuple(given.split()))
 
 
 def differentiated_exercise(
@@ -75,7 +75,7 @@ def differentiated_exercise(
     value: str,
     gradients: Mapping[str, tuple],
     float32: bool = False,
-    given: tuple[str, ...] = (),
+    given: str = "",
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
 

@@ -17,7 +17,7 @@ def pooled_again(y: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 EXERCISES = (
-    operation_exercise("max_pool", given=("conv1d",)),
+    operation_exercise("max_pool", given="conv1d"),
     operation_exercise("unpool_even"),
     operation_exercise("unpool_random"),
     exercise(

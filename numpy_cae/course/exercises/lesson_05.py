@@ -79,12 +79,12 @@ EXERCISES = (
     operation_exercise(
         Operation("encode_layer", SIZES, _window_arguments, ("x", "w", "b"), encode_by_loops),
         encode_layer,
-        given=("conv1d", "max_pool"),
+        given="conv1d max_pool",
     ),
     operation_exercise(
         Operation("decode_layer", SIZES, _unit_arguments, ("y", "w", "b"), decode_by_loops),
         decode_layer,
-        given=("conv1d", "transpose_filters", "unpool_even"),
+        given="conv1d transpose_filters unpool_even",
     ),
     operation_exercise(
         Operation(

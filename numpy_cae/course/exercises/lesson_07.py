@@ -112,9 +112,7 @@ EXERCISES = (
         _count_of_indices,
         pure=False,
     ),
-    exercise(
-        stage_inputs, _stage_arguments, SIZES, _each_stage, given=("encode_layer", "decode_layer")
-    ),
+    exercise(stage_inputs, _stage_arguments, SIZES, _each_stage, given="encode_layer decode_layer"),
     differentiated_exercise(
         stack_loss,
         Differentiated(
@@ -124,9 +122,8 @@ EXERCISES = (
         value="the loss is the mean squared error of the whole stack, computed by loops",
         gradients={f"gradients for {of}": (4, _names_in_layers(of)) for of in "wb"},
         given=(
-            *("conv1d", "transpose_filters", "max_pool", "unpool_even", "unpool_random", "tanh"),
-            *("arctanh", "mean_squared_error", "mean_absolute"),
-            *("layer_loss", "sgd_step", "train_layer", "zero_values"),
+            "conv1d transpose_filters max_pool unpool_even unpool_random tanh arctanh "
+            "mean_squared_error mean_absolute layer_loss sgd_step train_layer zero_values"
         ),
     ),
 )

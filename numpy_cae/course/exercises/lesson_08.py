@@ -220,7 +220,7 @@ EXERCISES = (
         ),
         value="an unknown value is that of the projection of the window with zeros there",
         points=3,
-        given=("zero_values",),
+        given="zero_values",
     ),
     exercise(
         G,

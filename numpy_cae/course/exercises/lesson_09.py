@@ -98,7 +98,7 @@ EXERCISES = (
         points=3,
     ),
     operation_exercise("sigmoid"),
-    operation_exercise("gru_step", given=("linear", "mean_squared_error", "tanh")),
+    operation_exercise("gru_step", given="linear mean_squared_error tanh"),
     operation_exercise("gru"),
     exercise(
         clip_gradients,

@@ -131,7 +131,7 @@ EXERCISES = (
         value="z is that of the definition, computed by loops",
         gradients={"gradients": (4,)},
         float32=True,
-        given=("gru", "linear"),
+        given="gru linear",
     ),
     operation_exercise(
         Operation(
@@ -142,7 +142,7 @@ EXERCISES = (
             self_fed_by_loops,
         ),
         self_fed,
-        given=("gru_step", "linear"),
+        given="gru_step linear",
     ),
     differentiated_exercise(
         write_clips,
@@ -151,7 +151,7 @@ EXERCISES = (
         value="the clips are those of the definition, computed by loops",
         gradients={"gradient for z": (2, ("z",)), "gradients for the weights": (2, DECODER)},
         float32=True,
-        given=("linear",),
+        given="linear",
     ),
     differentiated_exercise(
         reconstruction_loss,
@@ -165,6 +165,6 @@ EXERCISES = (
         value="the loss is that of the definition, computed by loops",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (3, ENCODER)},
         float32=True,
-        given=("clip_gradients", "mean_squared_error"),
+        given="clip_gradients mean_squared_error",
     ),
 )

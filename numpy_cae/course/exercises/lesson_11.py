@@ -94,6 +94,6 @@ EXERCISES = (
             "gradients of reading": (4, lesson_10.ENCODER),
         },
         float32=True,
-        given=("clip_gradients", "mean_squared_error", "read_clips", "write_clips"),
+        given="clip_gradients mean_squared_error read_clips write_clips",
     ),
 )

@@ -277,6 +277,6 @@ EXERCISES = (
         _names_the_input,
         _inputs_stay,
         pure=False,
-        given=("decode_layer", "encode_layer", "mean_squared_error", "sgd_step", "zero_values"),
+        given="decode_layer encode_layer mean_squared_error sgd_step zero_values",
     ),
 )

@@ -135,7 +135,7 @@ VALUE_OF_CONVOLUTION = {
 
 EXERCISES = (
     exercise(
-        conv1d_unfolded, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION, given=("unfold",)
+        conv1d_unfolded, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION, given="unfold"
     ),
     exercise(conv1d_shifted, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION),
     exercise(
@@ -160,8 +160,8 @@ EXERCISES = (
         ),
         conv1d_by_blocks,
         given=(
-            *("arctanh", "max_pool", "tanh", "transpose_filters", "unpool_even"),
-            *("decode_layer", "encode_layer", "mean_squared_error", "zero_values"),
+            "arctanh max_pool tanh transpose_filters unpool_even decode_layer encode_layer "
+            "mean_squared_error zero_values"
         ),
     ),
 )

@@ -157,7 +157,7 @@ def _loss_exercise(solution, loss: Differentiated, sizes, *claims: Claim) -> Exe
         *claims,
         value="the loss is that of the definition, computed by loops",
         gradients={f"gradient for {loss.inputs[0]}": (4,)},
-        given=("unit_rows", "zero_values"),
+        given="unit_rows zero_values",
     )
 
 
