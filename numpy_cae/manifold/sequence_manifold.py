@@ -31,10 +31,8 @@ class SequenceManifold:
         Bones for drawing, metres; see `AngleSequence`.
     settings : dict
         Provenance as JSON values; nothing is computed from it.
-    rate : float
-        Frames a second.
-    frames : int
-        Frames of the clips that the network was trained on.
+    rate, frames
+        Frames a second, and frames of the clips that the network was trained on.
     """
 
     network: SequentialAutoencoder

@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
-    """Read a BVH file.
+    """Read a BVH file: joints in the order, axes as in the file; `load_motion` turns Y up.
 
     Parameters
     ----------
@@ -34,17 +34,10 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         Frames a second that suffice. If omitting frames gives this rate, the others are counted
         but not parsed, and the motion has this rate.
 
-    Returns
-    -------
-    Motion
-        In metres, its joints in the order and its axes as in the file: `load_motion` turns Y up.
-
     Raises
     ------
     MotionFileError
         If the file is damaged anywhere; a motion is never truncated or padded.
-    ValueError
-        If `unit` is not above 0.
     """
     if unit is not None:
         unit = require_unit(unit)

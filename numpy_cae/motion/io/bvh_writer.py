@@ -31,28 +31,16 @@ ANGLE_FORMAT = "%.6f"
 
 
 def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:
-    """Write a motion to a BVH file atomically.
+    """Write a motion to a BVH file atomically, replacing one that exists.
 
-    The up axis and the floor are those of the file that the motion came from; reading it back
-    gives positions within 1e-5 m. Joints are depth first in the file, whatever
-    their order in the skeleton; the root has six channels, another joint three rotations, and
-    three positions before them if it leaves its offset.
+    `unit` is metres in one unit of length of the file, by default the motion's. The up axis and the
+    floor are those of the file that the motion came from; reading it back gives positions within
+    1e-5 m. Joints are depth first in the file, whatever their order in the skeleton; the root has
+    six channels, another joint three rotations, and three positions before them if it leaves its
+    offset.
 
-    Parameters
-    ----------
-    motion : Motion
-    path : path of the file
-        Replaced if it exists.
-    unit : float, optional
-        Metres in one unit of length of the file; `motion.unit` by default.
-
-    Raises
-    ------
-    ValueError
-        If the motion has no frames, values that are not finite or names that BVH cannot hold, or
-        `unit` is not above 0.
-    FileError
-        If the file cannot be written.
+    Raises ValueError if the motion has no frames, values that are not finite or names that BVH
+    cannot hold; FileError if the file cannot be written.
     """
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)
@@ -133,14 +121,10 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
         if joint in moving:
             columns.append(motion.translations[:, joint] / unit)
             formats += [_length_format(unit)] * 3
-        columns.append(_euler_angles(motion.rotations[:, joint]))
+        # Without avoidable jumps between frames.
+        angles = continuous_angles(nearest_angles(motion.rotations[:, joint], "ZXY"))
+        columns.append(np.degrees(angles))
         formats += [ANGLE_FORMAT] * 3
     line = " ".join(formats)
     for values in np.concatenate(columns, axis=1).tolist():
         yield line % tuple(values)
-
-
-def _euler_angles(rotations: np.ndarray) -> np.ndarray:
-    """(F, 3) degrees in the order of `ROTATIONS`, without avoidable jumps between frames."""
-    angles = nearest_angles(rotations, "ZXY")
-    return np.degrees(continuous_angles(angles))
