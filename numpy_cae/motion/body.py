@@ -3,7 +3,7 @@
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -89,11 +89,10 @@ class Body:
         source, motion = self.motion.source_frames(RATE), self.motion
         if len(features) != len(source):
             motion = motion.at(slice(int(np.ceil(source[len(features)]))))
-        truncated = replace(self, motion=motion)
         # Below 30 frames a second the last pose can lie after the last frame.
-        poses = len(truncated.motion.source_frames(RATE))
-        positions = truncated.in_file_frames(self.positions_of(features, root)[:poses])
-        return truncated.retarget(positions)
+        poses = self.positions_of(features, root)[: len(motion.source_frames(RATE))]
+        # Of an hour, the positions in every frame would take 0.2 GB.
+        return retarget(motion, lambda frames: at_rate_of(motion, poses, frames), self.mapping)
 
 
 def hold_first_pose(motion: Motion, frames: int) -> Motion:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy_cae.motion.io.coordinates import Coordinates
 from numpy_cae.motion.io.error import naming
 from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
 
 RATE = 30.0
@@ -19,13 +19,15 @@ def body_of(motion: Motion, mapping: Mappings = None) -> np.ndarray:
     return body_positions(motion.resampled(RATE), mapping)
 
 
-def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
+def at_rate_of(
+    motion: Motion, positions: np.ndarray, frames: np.ndarray | None = None
+) -> np.ndarray:
     """Positions at `RATE` resampled to the frames of a motion: the inverse of `body_of` in time.
 
     The interpolation is Akima's modified cubic, smooth and local: poses at rest stay at rest.
     Frames after the last pose, less than 1/30 s, are extrapolated linearly. Positions (F', N, 3)
-    give (F, N, 3), a pose for each frame of the motion; ValueError unless they are as many poses as
-    `body_of(motion)` has.
+    give (F, N, 3), a pose for each frame of the motion or of `frames`, which are ascending;
+    ValueError unless they are as many poses as `body_of(motion)` has.
     """
     from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
 
@@ -34,16 +36,20 @@ def at_rate_of(motion: Motion, positions: np.ndarray) -> np.ndarray:
         raise ValueError(
             f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
         )
-    frames = np.arange(len(motion))
-    if len(times) == 1:
-        return np.repeat(positions, len(motion), axis=0)
-    if np.array_equal(times, frames):
-        return np.array(positions, dtype=np.float64)
-    times = np.append(times, 2 * times[-1] - times[-2])
-    positions = np.concatenate([positions, 2 * positions[-1:] - positions[-2:-1]])
+    frames = np.arange(len(motion)) if frames is None else frames
     found = np.empty((len(frames), *positions.shape[1:]))
-    for joint in range(positions.shape[1]):
-        found[:, joint] = Akima1DInterpolator(times, positions[:, joint], method="makima")(frames)
+    if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
+        found[:] = positions[0 if len(times) == 1 else frames]
+        return found
+    step = times[1]
+    for part in blocks(np.arange(len(frames))):
+        # The curve of some frames depends on three poses before them and three after them.
+        first, end = (frames[part[[0, -1]]] / step).astype(int) + [-3, 5]
+        near = positions[max(first, 0) : end]
+        if end > len(times):
+            near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
+        own = step * (max(first, 0) + np.arange(len(near)))
+        found[part] = Akima1DInterpolator(own, near, method="makima")(frames[part])
     return found
 
 

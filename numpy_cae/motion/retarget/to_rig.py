@@ -18,6 +18,7 @@ they are. For a wrist or an ankle that has to be reached exactly, the target of 
 knee is moved to the nearest point from which it can be: on a circle about the limb's line.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -59,7 +60,7 @@ _Bones = dict[int, list[_Bone]]
 
 def retarget(
     motion: Motion,
-    positions: np.ndarray,
+    positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
     mapping: Mappings = None,
     touched: np.ndarray | None = None,
     exact: np.ndarray | None = None,
@@ -74,7 +75,8 @@ def retarget(
     ----------
     positions : (F, 20, 3) array of float
         Target world positions in metres, one pose for each frame of the motion at its own rate
-        (`at_rate_of` resamples positions at 30 frames a second).
+        (`at_rate_of` resamples positions at 30 frames a second); or a function that returns the
+        poses of some frames (N,).
     touched : (F, 20) array of bool, optional
         Joints that move to their targets; the others keep their positions as far as bones of
         constant length allow. All joints where None.
@@ -96,10 +98,8 @@ def retarget(
         ("positions", positions, (*shape, 3)),
         ("touched", touched, shape),
     ):
-        if np.shape(array) != expected:
+        if not callable(array) and np.shape(array) != expected:
             raise ValueError(f"{name} have shape {np.shape(array)}, expected {expected}")
-    if not np.all(np.isfinite(positions).all(axis=-1) | ~touched):
-        raise ValueError("positions hold values that are not finite")
     bones = _bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
     rotations, translations = motion.rotations.copy(), motion.translations
@@ -109,7 +109,9 @@ def retarget(
         damaged = np.any(touched[:, [joints.index(end) for *_, end in passing]], axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
-        targets = positions[frames]
+        targets = positions(frames) if callable(positions) else positions[frames]
+        if not np.all(np.isfinite(targets).all(axis=-1) | ~touched[frames]):
+            raise ValueError("positions hold values that are not finite")
         if not touched[frames].all():
             present = motion.at(frames).positions(joints)
             targets = np.where(touched[frames][..., None], targets, present)
