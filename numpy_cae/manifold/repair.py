@@ -5,6 +5,7 @@ changes only what is damaged.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.to_body import at_rate_of
+from numpy_cae.motion.retarget.to_rig import retarget
 
 UNKNOWN = 0.12
 """Metres of the largest typical residual of a motion like those that the manifold knows: more than
@@ -89,11 +92,14 @@ def project_motion(
     the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
     (fingers) and rotations of bones about their own axis stay as they were.
     """
-    body = manifold.body(motion, mapping)
+    # Of an hour, each array at 30 frames a second takes 50 MB: here only the poses are left.
+    poses = _projected_poses(manifold.body(motion, mapping), manifold)
+    return retarget(motion, partial(at_rate_of, motion, poses), mapping)
+
+
+def _projected_poses(body: Body, manifold: MotionManifold) -> np.ndarray:
     projected = manifold.project(body.features, manifold.shifts)
-    kept = keep_trajectory(body.features, projected, body.root, manifold.rate)
-    del projected  # in an hour, 50 MB
-    return body.to_rig(*kept)
+    return body.positions_of(*keep_trajectory(body.features, projected, body.root, manifold.rate))
 
 
 def keep_trajectory(

@@ -4,7 +4,7 @@ file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> f
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -91,8 +91,7 @@ class Body:
             motion = motion.at(slice(int(np.ceil(source[len(features)]))))
         # Below 30 frames a second the last pose can lie after the last frame.
         poses = self.positions_of(features, root)[: len(motion.source_frames(RATE))]
-        # Of an hour, the positions in every frame would take 0.2 GB.
-        return retarget(motion, lambda frames: at_rate_of(motion, poses, frames), self.mapping)
+        return retarget(motion, partial(at_rate_of, motion, poses), self.mapping)
 
 
 def hold_first_pose(motion: Motion, frames: int) -> Motion:
