@@ -27,25 +27,16 @@ MAX_BYTES, MAX_LINE, MAX_JOINTS = 1 << 30, 1_000_000, 5_000
 
 @dataclass(frozen=True)
 class TextFile:
-    """The lines of a file, without their line ends. Line numbers count from 1.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-    data : bytes
-        UTF-8, with newlines between the lines.
-    """
+    """The lines of a file, counted from 1; `data` is UTF-8 with newlines between them."""
 
     path: Path
     data: bytes
 
     @classmethod
     def read(cls, path: str | Path, most: int = MAX_BYTES, size: int = -1) -> TextFile:
-        """Read a file, or its first `size` bytes, with any line ends, with or without a byte order
-        mark.
+        """Read a file, or its first `size` bytes, with any line ends and any byte order mark.
 
-        Raises MotionFileError if the file is missing, a folder or a pipe, empty, larger than `most`
-        bytes or not text.
+        Raises MotionFileError if it is no regular file, empty, longer than `most` or not text.
         """
         path = Path(path)
         try:
@@ -135,26 +126,11 @@ class TextFile:
     def table(
         self, after: int, width: int, frames: int, expected: str, step: int
     ) -> tuple[np.ndarray, int]:
-        """The numbers in the lines below line `after`, the same count in each line.
+        """The numbers in the lines below line `after`, `width` in each: (rows, width) of float64,
+        and how many lines are not blank.
 
-        Parameters
-        ----------
-        after : int
-        width : int
-            Numbers in a line.
-        frames : int
-            Number of lines that are parsed at most.
-        expected : str
-            Description of a line, for the error.
-        step : int
-            Only every `step`-th line is parsed, and the last, which may be cut off; the others are
-            counted.
-
-        Returns
-        -------
-        (rows, width) array of float64
-        lines : int
-            Lines that are not blank, parsed or not.
+        Of the first `frames` lines every `step`-th is parsed, and the last, which may be cut off;
+        the others are counted. `expected` describes a line in an error.
         """
         rows, lines = array("d"), 0
         for first, texts in self._blocks(after):
@@ -189,10 +165,9 @@ class TextFile:
         return self.numbers(line, words)
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
-        """Reject more poses than a file of this size can describe; call it before they are parsed.
-
-        A joint without channels takes no space in the file, but a quaternion per frame in memory,
-        and frames of a low rate become many at `NETWORK_RATE`: a small file could fill the memory.
+        """Reject more poses than a file of this size can describe, before they are parsed: a joint
+        without channels takes memory but no space in the file, and so does a frame of a low rate,
+        which becomes many at `NETWORK_RATE`.
         """
         poses = frames * joints * max(1.0, NETWORK_RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
