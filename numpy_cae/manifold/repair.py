@@ -15,6 +15,7 @@ from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints, distances
 from numpy_cae.manifold.smooth import smooth_motion
+from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS

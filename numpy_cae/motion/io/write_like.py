@@ -116,13 +116,16 @@ def _replaced(
         for joint in np.flatnonzero(is_new)
         for column in found.channels[joint].columns(kind)
     ]
+    width = sum(len(channels.names) for channels in found.channels)
     read, numbers = array("d"), {}
     for frame in np.flatnonzero(needed).tolist():
         # They are split again below: the words of all frames at once do not fit into the cache.
         words = _words(texts[frame])[0]
         places = numbers[frame] = found.numbers(words)
+        if len(places) != width:
+            raise ValueError(f"a frame has {len(places)} numbers, when it was read it had {width}")
         read.extend([float(words[places[column]]) for column in used])
-    values = np.zeros((len(texts), len(places)))
+    values = np.zeros((len(texts), width))
     values[np.ix_(needed, np.array(used, int))] = np.reshape(read, (len(numbers), len(used)))
     values[-1] = [float(words[place]) for place in places]
     old = values.copy()
