@@ -26,51 +26,54 @@ class Recurrence:
 
     Attributes
     ----------
-    states : (T + 1, H + 1, B) array
-        h_0 to h_T, each with a row of ones below, so that U · h + c is one product.
+    states : (2, H + 1, B) array
+        h_k is `states[k % 2]`, with a row of ones below, so that U · h + c is one product.
+    recorded : (H + 1, T', B) array
+        Where a step of training copies h_k to, T' >= T.
     """
 
-    def __init__(self, hidden: int, batch: int, frames: int, dtype: np.dtype, training: bool):
-        self.hidden, self.frames, self.training = hidden, frames, training
-        self.states = aligned_empty((frames + 1, hidden + 1, batch), dtype)
-        self.states[0] = 0
+    def __init__(self, hidden: int, frames: int, recorded: np.ndarray, training: bool):
+        self.training, self.recorded = training, recorded
+        batch, dtype = recorded.shape[2], recorded.dtype
+        self.states = aligned_empty((2, hidden + 1, batch), dtype)
         self.states[:, hidden] = 1
-        factors = aligned_empty((frames if training else 1, 5, hidden, batch), dtype)
-        self._factors = [factors[k if training else 0] for k in range(frames)]
-        self._h = [state[:hidden] for state in self.states]
+        factors = list(aligned_empty((frames if training else 1, 5, hidden, batch), dtype))
+        factors *= 1 if training else frames
         self._half, self._one = np.array(0.5, dtype), np.array(1, dtype)
-        self._n, self._d = aligned_empty((2, hidden, batch), dtype)
-        self._slope = aligned_empty((2, hidden, batch), dtype)
-        self._views = [(each[3:], *each[3:], *each[:3]) for each in self._factors]
-        self._pairs = [(each[:2], each[2:4], each[4]) for each in self._factors]
+        self._n = aligned_empty((hidden, batch), dtype)
+        self._rest = aligned_empty((2, hidden, batch), dtype)
+        self._views = [(each[3:], each[2:0:-1], *each) for each in factors]
+        self._pairs = [(each[:2], each[2:4], each[4]) for each in factors]
+
+    def start(self, h0: np.ndarray | float) -> None:
+        """Set h_0, (H, B)."""
+        self.states[0, :-1] = h0
 
     def step(
         self, k: int, a: tuple[np.ndarray, np.ndarray], s: tuple[np.ndarray, np.ndarray]
     ) -> None:
         """h_(k+1) from h_k; `a` and `s` are ((2, H, B) for reset and update, (H, B) for new)."""
         (a_rz, a_n), (s_rz, s_n) = a, s
-        rz, r, z, p_n, p_z, p_r = self._views[k]
-        h, h_next, n, d = self._h[k], self._h[k + 1], self._n, self._d
+        rz, p_rz, p_n, p_z, p_r, r, z = self._views[k]
+        h, h_next, n = self.states[k % 2, :-1], self.states[1 - k % 2, :-1], self._n
         np.add(a_rz, s_rz, rz)
         np.tanh(rz, rz)
         np.multiply(rz, self._half, rz)
         np.add(rz, self._half, rz)
-        np.multiply(r, s_n, n)
-        np.add(n, a_n, n)
+        np.multiply(r, s_n, p_r)
+        np.add(p_r, a_n, n)
         np.tanh(n, n)
-        np.subtract(h, n, d)
-        np.multiply(z, d, h_next)
-        np.add(h_next, n, h_next)  # n + z ∘ (h - n) = (1 - z) ∘ n + z ∘ h
+        np.subtract(h, n, p_z)
+        np.multiply(p_z, z, p_z)
+        np.add(p_z, n, h_next)  # n + z ∘ (h - n) = (1 - z) ∘ n + z ∘ h
         if self.training:
-            slope = self._slope
-            np.multiply(rz, rz, slope)
-            np.subtract(rz, slope, slope)
-            np.multiply(slope[1], d, p_z)
-            np.multiply(slope[0], s_n, p_r)
+            self.recorded[:-1, k] = h
+            rest = self._rest
+            np.subtract(self._one, rz, rest)
+            np.multiply(p_rz, rest, p_rz)
             np.multiply(n, n, n)
             np.subtract(self._one, n, n)
-            np.multiply(z, n, d)
-            np.subtract(n, d, p_n)
+            np.multiply(n, rest[1], p_n)
 
     def step_pullback(self, k: int, dh: np.ndarray, gradients: np.ndarray) -> None:
         """Compute the parts of `gradients`, (4, H, B), from dh_(k+1); dh becomes z ∘ dh_(k+1)."""

@@ -12,12 +12,16 @@ from numpy_cae.models.sequential_autoencoder import Weights
 class SequenceWorker:
     """Buffers for its `clips` of a batch, T frames each, which follow S frames of a burn-in.
 
+    What a product over all steps and clips needs has the layout (rows, steps, B): as a matrix, its
+    columns are the steps' clips. One step's numbers are computed in a small contiguous array, which
+    the cache holds, and copied there.
+
     Attributes
     ----------
-    clip : (T, F + 1, B) array
-        The source, in the order of time, with a row of ones below.
-    fed : (S + T + 1, F + 1, B) array
-        The frames y_0 = 0, y_1, …, y_(S+T) in the order of writing, each with a one below.
+    clip : (F + 1, T, B) array
+        The source, in the order of time, with ones below.
+    fed : (F + 1, S + T + 1, B) array
+        The frames y_0 = 0, y_1, …, y_(S+T) in the order of writing, with ones below.
     """
 
     def __init__(
@@ -31,33 +35,35 @@ class SequenceWorker:
     ):
         self.encoder, self.decoder = encoder, decoder
         self.clips, self.frames, self.burn_in = clips, frames, burn_in
-        steps = burn_in + frames
+        self.steps = burn_in + frames
         hidden, features = encoder.hidden, len(encoder.inputs_back)
         self.hidden, self.features = hidden, features
         batch, dtype = clips.stop - clips.start, encoder.inputs.dtype
-        self.reader = Recurrence(hidden, batch, frames, dtype, training)
-        self.writer = Recurrence(hidden, batch, steps, dtype, training)
-        self.clip = aligned_empty((frames, features + 1, batch), dtype)
-        self.fed = aligned_empty((steps + 1, features + 1, batch), dtype)
-        self.fed[0] = 0
-        self.clip[:, features] = self.fed[:, features] = 1
+        self._h_and_x = aligned_empty((hidden + features + 2, frames, batch), dtype)
+        self._h_and_y = aligned_empty((hidden + features + 2, self.steps + 1, batch), dtype)
+        self._h_and_x[[hidden, -1]] = self._h_and_y[[hidden, -1]] = 1
+        self.clip, self.fed = self._h_and_x[hidden + 1 :], self._h_and_y[hidden + 1 :]
+        self.reader = Recurrence(hidden, frames, self._h_and_x[: hidden + 1], training)
+        self.writer = Recurrence(hidden, self.steps, self._h_and_y[: hidden + 1], training)
         self.loss, self.gradients = 0.0, dict[str, np.ndarray]()
         a = aligned_empty((3 * hidden, batch), dtype)
-        s_and_y = aligned_empty((3 * hidden + features, batch), dtype)
-        s, self._y = s_and_y[: 3 * hidden], s_and_y[3 * hidden :]
+        s_and_frame = aligned_empty((3 * hidden + features + 1, batch), dtype)
+        s, self._frame = s_and_frame[: 3 * hidden], s_and_frame[3 * hidden :]
+        self._frame[features] = 1
         gates_of_a, gates_of_s = a.reshape(3, hidden, batch), s.reshape(3, hidden, batch)
         self._gates = (gates_of_a[1:], gates_of_a[0]), (gates_of_s[:2], gates_of_s[2])
         self._read_state = RowGroups(encoder.states, s)
         self._read_frame = RowGroups(encoder.inputs, a)
-        self._write_frame = RowGroups(decoder.states, s_and_y)
+        self._write_frame = RowGroups(decoder.states, s_and_frame[:-1])
         self._feed_frame = RowGroups(decoder.inputs, a)
         if training:
             # Of step k: da_n, da_r, da_z, ds_n, and dy_k, the gradient of the frame it is fed.
             # Index S + T holds the dy of the last frame alone.
-            self._gradients = aligned_empty((steps + 1, 4 * hidden + features, batch), dtype)
-            self._gradients[-1] = 0
-            self._parts = [each[: 4 * hidden].reshape(4, hidden, batch) for each in self._gradients]
-            self._rows = aligned_empty((5 * hidden + 2 * features + 2, (steps + 1) * batch), dtype)
+            rows = 4 * hidden + features
+            self._gradients = aligned_empty((rows, self.steps + 1, batch), dtype)
+            self._gradients[:, -1] = 0
+            self._step = aligned_empty((rows, batch), dtype)
+            self._parts = self._step[: 4 * hidden].reshape(4, hidden, batch)
             self._dh, self._product = aligned_empty((2, hidden, batch), dtype)
             self._dx = aligned_empty((features, batch), dtype)
             self._read_back = RowGroups(encoder.states_back, self._product)
@@ -66,29 +72,33 @@ class SequenceWorker:
 
     def read(self, x: np.ndarray) -> np.ndarray:
         """h_T of the encoder, (H, B), for its part of (B, T, F) clips."""
-        self.clip[:, : self.features] = x[self.clips].transpose(1, 2, 0)
+        self.clip[:-1] = x[self.clips].transpose(2, 1, 0)
+        self.reader.start(0)
         for k in range(self.frames):
-            self._read_frame(self.clip[k])
-            self._read_state(self.reader.states[k])
+            self._frame[:-1] = self.clip[:-1, k]
+            self._read_frame(self._frame)
+            self._read_state(self.reader.states[k % 2])
             self.reader.step(k, *self._gates)
-        return self.reader.states[-1, : self.hidden]
+        return self.reader.states[self.frames % 2, :-1]
 
     def write(self, h0: np.ndarray) -> None:
         """Put the frames y_1 to y_(S+T) into `fed`, from the decoder's first state (H, B)."""
-        hidden, features = self.hidden, self.features
-        self.writer.states[0, :hidden] = h0
-        for k in range(len(self.fed) - 1):
-            self._write_frame(self.writer.states[k])
-            if k > 0:  # the first input is zero, not a frame of h_0
-                self.fed[k, :features] = self._y
-            self._feed_frame(self.fed[k])
+        y = self._frame[:-1]
+        self.writer.start(h0)
+        for k in range(self.steps):
+            self._write_frame(self.writer.states[k % 2])
+            if k == 0:  # the first input is zero, not a frame of h_0
+                y[...] = 0
+            self.fed[:-1, k] = y
+            self._feed_frame(self._frame)
             self.writer.step(k, *self._gates)
-        np.matmul(self.decoder.states[3 * hidden :], self.writer.states[-1], out=self._y)
-        self.fed[-1, :features] = self._y
+        last = self.writer.states[self.steps % 2]
+        np.matmul(self.decoder.states[3 * self.hidden :], last, out=self.fed[:-1, -1])
+        self._h_and_y[: len(last), -1] = last
 
     def copy_clips(self, out: np.ndarray) -> None:
         """Put the written clips, in the order of time, into its part of (B, T, F)."""
-        out[self.clips] = self.fed[: self.burn_in : -1, : self.features].transpose(2, 0, 1)
+        out[self.clips] = self.fed[:-1, : self.burn_in : -1].transpose(2, 1, 0)
 
     def compare(self, elements: int) -> float:
         """Its part of the mean squared error; stores dy = 2 (y - x) / N for `write_pullback`.
@@ -96,9 +106,9 @@ class SequenceWorker:
         The frame that is written last is the clip's first; those of the burn-in are not compared.
         """
         first = 1 + self.burn_in
-        self._gradients[:first, 4 * self.hidden :] = 0
-        dy = self._gradients[first:, 4 * self.hidden :]
-        np.subtract(self.fed[first:, : self.features], self.clip[::-1, : self.features], out=dy)
+        self._gradients[4 * self.hidden :, :first] = 0
+        dy = self._gradients[4 * self.hidden :, first:]
+        np.subtract(self.fed[:-1, first:], self.clip[:-1, ::-1], out=dy)
         loss = float(np.vdot(dy, dy)) / elements
         dy *= 2 / elements
         return loss
@@ -106,52 +116,43 @@ class SequenceWorker:
     def write_pullback(self) -> tuple[np.ndarray, Weights]:
         """dh_0 of the decoder, (H, B), and the gradients of its weights."""
         hidden, states_back = self.hidden, self.decoder.states_back
-        gradients, dh, dx, product = self._gradients, self._dh, self._dx, self._product
-        np.matmul(states_back[:, 3 * hidden :], gradients[-1, 4 * hidden :], out=dh)
-        for k in reversed(range(len(self.fed) - 1)):
-            self.writer.step_pullback(k, dh, self._parts[k])
-            step = gradients[k]
-            if k > 0:  # y_0 is constant
-                self._feed_back(step[: 3 * hidden])
-                dy = step[4 * hidden :]
-                np.add(dy, dx, dy)
-                self._write_back(step[hidden:])
-            else:
-                np.matmul(states_back[:, : 3 * hidden], step[hidden : 4 * hidden], out=product)
+        gradients, step, dh, product = self._gradients, self._step, self._dh, self._product
+        dys, dy = gradients[4 * hidden :], step[4 * hidden :]
+        np.matmul(states_back[:, 3 * hidden :], dys[:, -1], out=dh)
+        for k in reversed(range(self.steps)):
+            self.writer.step_pullback(k, dh, self._parts)
+            self._feed_back(step[: 3 * hidden])
+            np.add(dys[:, k], self._dx, dy)
+            if k == 0:  # y_0 is constant
+                dy[...] = 0
+            self._write_back(step[hidden:])
             np.add(dh, product, dh)
+            gradients[:, k] = step
 
-        d, h_and_y = self._in_rows(gradients, self.writer.states, self.fed)
+        d, h_and_y = _as_matrix(gradients), _as_matrix(self._h_and_y)
         dframe = h_and_y[: hidden + 1] @ d[4 * hidden :].T
         of_gru = _named("decoder", gru_gradients(d[: 4 * hidden], h_and_y))
         return dh, {**of_gru, "frame_w": dframe[:-1], "frame_b": dframe[-1]}
 
     def read_pullback(self, dh_last: np.ndarray) -> Weights:
         """The gradients of the encoder's weights from dh_T, (H, B)."""
-        hidden, frames = self.hidden, self.frames
-        dh, product = self._dh, self._product
+        hidden, dh, product = self.hidden, self._dh, self._product
+        step, gradients = self._step[: 4 * hidden], self._gradients[: 4 * hidden, : self.frames]
         dh[...] = dh_last
-        for k in reversed(range(frames)):
-            self.reader.step_pullback(k, dh, self._parts[k])
+        for k in reversed(range(self.frames)):
+            self.reader.step_pullback(k, dh, self._parts)
+            gradients[:, k] = step
             if k > 0:  # h_0 is no parameter
-                self._read_back(self._gradients[k, hidden : 4 * hidden])
+                self._read_back(step[hidden:])
                 np.add(dh, product, dh)
 
-        gradients = self._gradients[:frames, : 4 * hidden]
-        d, h_and_x = self._in_rows(gradients, self.reader.states[:frames], self.clip)
+        d, h_and_x = _as_matrix(gradients), _as_matrix(self._h_and_x)
         return _named("encoder", gru_gradients(d, h_and_x))
 
-    def _in_rows(self, gradients: np.ndarray, *factors: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The gradients, and the factors one below the other; each (T, rows, B) as (rows, T·B).
 
-        So a sum over steps and clips is one product.
-        """
-        frames, stop, batch = gradients.shape
-        start = 0
-        for each in (gradients, *factors):
-            rows = self._rows[start : start + each.shape[1], : frames * batch]
-            rows.reshape(-1, frames, batch)[...] = each.transpose(1, 0, 2)
-            start += each.shape[1]
-        return self._rows[:stop, : frames * batch], self._rows[stop:start, : frames * batch]
+def _as_matrix(array: np.ndarray) -> np.ndarray:
+    """(rows, steps, B) as (rows, steps · B): a sum over steps and clips is one product."""
+    return array.reshape(len(array), -1)
 
 
 def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
