@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_bvh import PlainJoint, bvh_text, plain_positions
 
-from numpy_cae.motion import read_bvh
+from numpy_cae.motion import MotionFileError, read_bvh
+from numpy_cae.motion.io import text_file
 
 numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))
 CHANNELS = [axis + kind for kind in ("position", "rotation") for axis in "XYZ"]
@@ -166,3 +167,21 @@ def test_guesses_are_logged_and_unlikely_ones_are_warnings(data_folder, read_tex
     with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.io.bvh"):
         motion = read_text(TIDY)  # one leg alone has no two limbs to measure
     assert "assumed" in motion.unit_note and motion.unit_note in caplog.text
+
+
+@pytest.mark.parametrize("step", [1, 2, 3, 7])
+def test_a_table_read_in_blocks_holds_the_numbers_of_each_line(tmp_path, monkeypatch, step):
+    monkeypatch.setattr(text_file, "MAX_LINE", 200)
+    rng = np.random.default_rng(step)
+    forms = ["{:.6f}", "{:+.3e}", "{:.17g}", " {:.0f}.", "{:.1f}\t", "{:.2f}\xa0"]
+    numbers = rng.normal(size=(99, 4)) * 10.0 ** rng.integers(-9, 9, (99, 4))
+    rows = [" ".join(rng.choice(forms).format(value) for value in row) for row in numbers]
+    (tmp_path / "numbers").write_text("a head\n\n" + "\n \n".join(rows), encoding="utf-8")
+    file = text_file.TextFile.read(tmp_path / "numbers")
+    values, lines = file.table(1, 4, 60, "four numbers", step)
+    assert lines == 99
+    np.testing.assert_array_equal(values, [[float(w) for w in r.split()] for r in rows[:60:step]])
+    rows[57] = rows[57].replace(rows[57].split()[2], "1_0")
+    (tmp_path / "numbers").write_text("\n".join(rows), encoding="utf-8")
+    with pytest.raises(MotionFileError, match=r"numbers:58: '1_0' is not a number"):
+        text_file.TextFile.read(tmp_path / "numbers").table(0, 4, 99, "four numbers", 1)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import Akima1DInterpolator
 from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
@@ -275,3 +276,15 @@ def test_clips_of_a_few_frames_come_back(frames):
     np.testing.assert_allclose(back[::4], body_positions(motion)[::4], atol=1e-9)
     with pytest.raises(ValueError, match="poses at 30 a second"):
         at_rate_of(motion, np.zeros((9, 20, 3)))
+
+
+@pytest.mark.parametrize("rate", [120.0, 50.0, 24.0])
+def test_poses_in_blocks_of_frames_are_on_the_curve_through_all(rate):
+    rest = make_take("walk", 1, seconds=0.1, rate=rate).motion.at(np.zeros(5000, dtype=int))
+    times = rest.source_frames(30.0)
+    poses = np.random.default_rng(1).normal(size=(len(times), 2, 3)).cumsum(axis=0)
+    curve = Akima1DInterpolator(times, poses, method="makima")
+    inside = np.arange(int(times[-4]))
+    np.testing.assert_allclose(at_rate_of(rest, poses)[inside], curve(inside), atol=1e-9)
+    some = np.array([3, 700, 701, 2900])
+    np.testing.assert_allclose(at_rate_of(rest, poses, some), curve(some), atol=1e-9)

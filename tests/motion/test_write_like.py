@@ -138,7 +138,7 @@ def test_another_suffix_gives_bvh_and_a_source_that_changed_is_refused(tmp_path)
 
 
 def test_numbers_are_formatted_as_by_python():
-    values = np.random.default_rng(1).normal(size=500) * np.logspace(-8, 9, 500)
+    values = np.random.default_rng(1).normal(size=9000) * np.logspace(-8, 9, 9000)
     values = np.concatenate([values, [0.0, -0.0, -1e-9, 0.5, -0.99999999, 10.0, -99.5]])
     for decimals in (0, 1, 6, 9):
         assert list(fixed(values, decimals)) == [f"{value:.{decimals}f}" for value in values]
