@@ -43,14 +43,12 @@ class MotionManifold:
         paper: without it turn and velocity would hardly be learned (learning.py).
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
-    rate : float
-        Frames a second: 30, as in `Body`.
+    rate, window
+        Frames a second, 30 as in `Body`, and frames of the windows that it was trained on.
     settings : dict
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.corruption`.
-    window : int
-        Frames of the windows that the network was trained on.
     """
 
     network: ConvAutoencoder

@@ -44,8 +44,6 @@ def repair(
     ----------
     motion : Motion
         Of any rig in which the twenty joints can be found, at any rate.
-    manifold : MotionManifold
-    mapping : dict of joint name to the rig's joint name, optional
     damaged : (frames, 20) array of bool, optional
         In the frames of the file; found by `find_damage` where None.
     strength : float
@@ -53,12 +51,8 @@ def repair(
     smooth : bool
         Whether to remove jitter from the whole motion, by `smooth_motion`.
     force : bool
-        Whether to repair a motion that is unlike what the manifold knows.
-
-    Returns
-    -------
-    Repaired
-        Unchanged, with `known` False, if the motion is unlike what the manifold knows.
+        Whether to repair a motion that is unlike what the manifold knows; otherwise it is returned
+        unchanged, with `known` False.
     """
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")

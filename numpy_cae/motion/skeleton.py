@@ -60,6 +60,13 @@ class Skeleton:
         """The joints whose parent is `joint`."""
         return [child for child, parent in enumerate(self.parents) if parent == joint]
 
+    def rest_positions(self) -> np.ndarray:
+        """Positions (J, 3) in metres where nothing is rotated and the root is at its offset."""
+        positions = np.array(self.offsets, dtype=np.float64)
+        for joint, parent in enumerate(self.parents[1:], start=1):
+            positions[joint] += positions[parent]
+        return positions
+
     def path(self, joint: int) -> list[int]:
         """The joint, its parent and so on up to the root."""
         path = [joint]

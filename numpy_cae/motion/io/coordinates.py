@@ -129,8 +129,7 @@ def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) 
     if len(found) == len(JOINTS) and (up is None or floor is None):
         joints = [found[joint] for joint in JOINTS]
         body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)
-        offsets = motion.skeleton.offsets
-        rest = np.array([offsets[motion.skeleton.path(joint)].sum(axis=0) for joint in joints])
+        rest = motion.skeleton.rest_positions()[joints]
         up = detect_up(body, rest) if up is None else up
         floor = detect_floor(body @ np.transpose(TO_Y_UP[up])) if floor is None else floor
     up, floor = up or "y", floor or 0.0

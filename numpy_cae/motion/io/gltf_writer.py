@@ -43,7 +43,7 @@ def write_glb(motion: Motion, path: str | Path) -> None:
             nodes[joint]["children"] = children
     nodes.append({"name": "bones", "mesh": 0, "skin": 0})
     inverse = np.tile(np.eye(4, dtype="<f4"), (joints, 1, 1))
-    inverse[:, 3, :3] = -_rest_positions(skeleton)  # rows, since glTF stores columns
+    inverse[:, 3, :3] = -skeleton.rest_positions()  # rows, since glTF stores columns
     binds = document.add(inverse.reshape(joints, 16))
     document.parts |= {
         "scene": 0,
@@ -90,18 +90,9 @@ class _Document:
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def _rest_positions(skeleton: Skeleton) -> np.ndarray:
-    """Positions (J, 3) of the joints where nothing is rotated and the root is at its offset."""
-    positions = np.array(skeleton.offsets, dtype=float)
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            positions[joint] += positions[parent]
-    return positions
-
-
 def _bones(document: _Document, skeleton: Skeleton) -> dict:
     """An octahedron from each joint to each of its children, moved by the joint."""
-    rest = _rest_positions(skeleton)
+    rest = skeleton.rest_positions()
     ends = [(parent, rest[j]) for j, parent in enumerate(skeleton.parents) if parent >= 0]
     ends += [(joint, rest[joint] + site) for joint, site in skeleton.end_sites.items()]
     around = np.array([[0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 2]])

@@ -111,10 +111,8 @@ class TextFile:
         # Python reads 1_000 as a number; a motion file that holds it is damaged.
         if len(values) < len(words) or not _all_usable(values) or "_" in "".join(words):
             wrong = next(word for word in words if not _is_number(word))
-            raise self.error(
-                line,
-                f"{quoted(wrong)} is not a number, expected a finite number below {MAX_VALUE:g}",
-            )
+            problem = "is not a number, expected a finite number below"
+            raise self.error(line, f"{quoted(wrong)} {problem} {MAX_VALUE:g}")
         return values
 
     def three_numbers(self, line: int, words: list[str], name: str) -> list[float]:
@@ -172,12 +170,9 @@ class TextFile:
         poses = frames * joints * max(1.0, NETWORK_RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
         if poses > most:
-            raise self.error(
-                None,
-                f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f} poses "
-                f"at {NETWORK_RATE:g} a second or more, expected at most {most} in a file of this "
-                "size",
-            )
+            found = f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f}"
+            expected = f"at {NETWORK_RATE:g} a second or more, expected at most {most}"
+            raise self.error(None, f"{found} poses {expected} in a file of this size")
 
 
 def whole_number(text: str) -> int | None:

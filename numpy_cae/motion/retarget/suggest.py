@@ -46,9 +46,7 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     if not found:
         return {}
     limbs = {start: _limb(skeleton, chains[start]) for start in (*legs[1:], *arms[1:])}
-    places = np.array(
-        [skeleton.offsets[skeleton.path(joint)].sum(axis=0) for joint in range(len(chains))]
-    )
+    places = skeleton.rest_positions()
     feet = [limbs[start][3:] for start in legs[1:] if None not in limbs[start][3:]]
     forward = sum((places[toe] - places[ankle] for ankle, toe in feet), np.zeros(3))
     left = np.cross(places[found["chest"]] - places[found["hips"]], forward)
