@@ -1,9 +1,16 @@
-"""`load_motion` and `find_motion_files`: supported files, and errors for all others."""
+"""Supported files, found and read, errors for all others; the windows of a folder."""
 
 import pytest
 from plain_bvh import HIERARCHY
 
-from numpy_cae.motion import MotionFileError, find_motion_files, load_motion
+from data_synth import make_take
+from numpy_cae.motion import (
+    MotionFileError,
+    find_motion_files,
+    load_motion,
+    load_windows,
+    write_bvh,
+)
 
 BVH = f"{HIERARCHY}MOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0 0 0 0 0 0 0\n"
 
@@ -52,3 +59,18 @@ def test_missing_files_and_folders_are_refused(tmp_path, read, name, message):
     (tmp_path / "file").touch()
     with pytest.raises(MotionFileError, match=message):
         read(tmp_path / name)
+
+
+def test_windows_of_all_files_of_a_pattern_and_of_some_minutes(tmp_path):
+    for seed, kind in enumerate(["walk", "walk", "run"]):
+        take = make_take(kind, seed, seconds=3.0, rate=30.0)
+        write_bvh(take.motion, tmp_path / f"{kind}_{seed}.bvh", unit=0.01)
+    windows = load_windows(tmp_path, length=32, overlap=16)
+    assert windows.features.shape[1:] == (32, 63)
+    assert len(windows.features) == len(windows.real) == len(windows.takes)
+    assert sorted(set(windows.takes)) == [0, 1, 2]
+    assert windows.real.all()
+    assert set(load_windows(tmp_path, "walk*", length=32, overlap=16).takes) == {0, 1}
+    assert set(load_windows(tmp_path, minutes=0.01, length=32, overlap=16).takes) == {0}
+    with pytest.raises(MotionFileError, match="no motion file matches"):
+        load_windows(tmp_path, "swim*")

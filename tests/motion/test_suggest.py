@@ -57,7 +57,7 @@ def test_nothing_is_suggested_where_nothing_is_like_a_person():
 def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_path):
     body = body_positions(WALK)
     whole = fit_motion(body, bone_lengths(body), 30.0).skeleton
-    places = [whole.offsets[whole.path(joint)].sum(axis=0) for joint in range(len(JOINTS))]
+    places = whole.rest_positions()
     lacking = ("spine", "left_collar", "right_collar", "left_toe", "right_toe")
     names = [joint for joint in JOINTS if joint not in lacking]
     above = {joint: [JOINTS[each] for each in whole.path(JOINTS.index(joint))] for joint in JOINTS}
