@@ -22,6 +22,12 @@ their work is done, which would slow down the next function."""
 
 MIN_SECONDS = 0.03
 """Seconds of one measurement; a faster function is called several times."""
+BATCHES = (1, 4, 16, 64)
+SEQUENCE_BATCHES = (16, 64)
+HIDDEN = (128, 512, 1024)
+"""Hidden units of the timed sequential networks."""
+CHECKED_WINDOWS, CHECKED_HIDDEN = 4, 24
+"""Sizes with which PyTorch's results are compared, in float64; larger ones would take longer."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +71,6 @@ def _repeats(function: Callable[[], object]) -> int:
     start = time.perf_counter()
     function()
     return max(1, round(MIN_SECONDS / max(time.perf_counter() - start, 1e-9)))
-
-
-BATCHES = (1, 4, 16, 64)
-SEQUENCE_BATCHES = (16, 64)
-HIDDEN = (128, 512, 1024)
-"""Hidden units of the timed sequential networks."""
-
-CHECKED_WINDOWS, CHECKED_HIDDEN = 4, 24
-"""Sizes with which PyTorch's results are compared, in float64; larger ones would take longer."""
 
 
 @dataclass(frozen=True)

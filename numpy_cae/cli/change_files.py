@@ -33,6 +33,8 @@ from numpy_cae.viz import CORRUPTED, PROJECTED, Actor
 Change = Callable[[Motion, Mappings], Repaired]
 LIKE = (".bvh", ".amc")
 """Suffixes of files whose text is kept where nothing changed."""
+MOST_STRETCHES = 5
+HEADER = ("file", "joints", "touched, %", "moved, cm", "at most, cm", "result")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -158,9 +160,6 @@ def _actors(motion: Motion, repaired: Repaired, mapping: Mappings) -> list[Actor
     ]
 
 
-MOST_STRETCHES = 5
-
-
 def changes(repaired: Repaired) -> list[str]:
     """A line for joints that were changed in the same frames: names, frames and centimetres."""
     if not repaired.known:
@@ -177,9 +176,6 @@ def changes(repaired: Repaired) -> list[str]:
         names = "all joints" if len(joints) == len(JOINTS) else ", ".join(JOINTS[j] for j in joints)
         lines.append(f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}")
     return lines or ["nothing to repair was found"]
-
-
-HEADER = ("file", "joints", "touched, %", "moved, cm", "at most, cm", "result")
 
 
 def row(name: str, repaired: Repaired) -> list[str]:

@@ -15,6 +15,11 @@ from numpy_cae.verify.submission import is_exercise
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
+PACKAGED = Path(str(files(__package__) / "notebooks"))
+"""The folder of the students' copies that are part of the package."""
+STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
+IN_REGION = rf"\1{BEGIN}\n\1\2\n\1{END}"
+"""As `nbgrader generate_assignment` wants a stub."""
 
 
 def student_copy(notebook: dict) -> dict:
@@ -53,13 +58,6 @@ def _without_solutions(cell: dict) -> str:
     if inside:
         raise ValueError(f"cell {cell['id']}: {BEGIN} without {END}")
     return "\n".join(kept)
-
-
-PACKAGED = Path(str(files(__package__) / "notebooks"))
-"""The folder of the students' copies that are part of the package."""
-STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
-IN_REGION = rf"\1{BEGIN}\n\1\2\n\1{END}"
-"""As `nbgrader generate_assignment` wants a stub."""
 
 
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:

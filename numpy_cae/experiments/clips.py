@@ -19,6 +19,10 @@ from numpy_cae.motion.windows import cut_windows
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
 ALL_SHIFTS = "the network, ends held, all shifts"
 """Names in tables: `project`, `project_ends_held` once, and its mean over all shifts."""
+CHOOSING_EVERY = 5
+"""One in so many training takes is used to choose settings."""
+TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
+"""At most, spread evenly over all: more windows change no figure by much and take minutes."""
 
 
 @dataclass(frozen=True)
@@ -119,12 +123,6 @@ def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
 def cut_ends(manifold: MotionManifold, x: np.ndarray, frames: int) -> np.ndarray:
     """Windows without the padding that `hold_ends` added to windows of so many frames."""
     return x[:, manifold.reach : manifold.reach + frames]
-
-
-CHOOSING_EVERY = 5
-"""One in so many training takes is used to choose settings."""
-TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
-"""At most, spread evenly over all: more windows change no figure by much and take minutes."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ INTRODUCTION = (
     "Saito, Komura and Joyce, 2015), and comparisons that the paper does not make, measured on "
     "takes that nothing was trained on or fitted to."
 )
+_LEGEND = json.loads((files("numpy_cae.experiments") / "legend.json").read_text(encoding="utf-8"))
+"""Part of a method's name to its meaning."""
 
 
 def page(
@@ -110,10 +112,6 @@ def _table(table: Table) -> str:
     lines = "\n".join(row(cells, "td") for cells in table.cells())
     html = f"<table>\n<thead>{head}</thead>\n<tbody>\n{lines}\n</tbody></table>"
     return f'{_paragraph(table.caption)}<div class="wide">{html}</div>'
-
-
-_LEGEND = json.loads((files("numpy_cae.experiments") / "legend.json").read_text(encoding="utf-8"))
-"""Part of a method's name to its meaning."""
 
 
 def legend_of(results: Iterable[Result]) -> dict[str, str]:

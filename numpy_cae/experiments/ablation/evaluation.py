@@ -29,6 +29,8 @@ value was lost with probability `P`."""
 
 Measured = dict[str, float]
 """The measures of one method for one seed; nan for one that does not apply."""
+NOTHING, LINEAR = "as damaged", "linear denoiser, 15 frames"
+PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
 
 
 class Evaluation:
@@ -67,10 +69,6 @@ class Evaluation:
             "reconstruction": truth.error(repair(truth.x)),
             "half_zeroed": truth.error(repair(lost)),
         }
-
-
-NOTHING, LINEAR = "as damaged", "linear denoiser, 15 frames"
-PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
 
 
 def baselines(split: Split) -> dict[str, Callable[[np.ndarray], np.ndarray]]:

@@ -35,6 +35,21 @@ POLYNOMIALS = tuple(
     (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
 )
 Repair = Callable[[np.ndarray, object], np.ndarray]
+PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+HALF = 0.5
+"""The p of the paper's figure 1."""
+CORRUPTED_ROW, LINEAR = "damaged, nothing done", "linear denoiser, 15 frames"
+RESCALED = ", rescaled"
+INTERPOLATED = "linear interpolation, holes known"
+CAPTION = (
+    "Blind repair, error in cm (root mean square of a coordinate). No method knows which values "
+    "were lost; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows "
+    "are padded with their end frames, not with the mean pose. All shifts: the mean of the "
+    "projections at all positions of the pooling grid, for the kind of input that the network was "
+    "trained on."
+)
+Errors = dict[str, list[float]]
+"""Method to errors in cm, one for each p."""
 
 
 @dataclass(frozen=True)
@@ -82,23 +97,6 @@ def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
     trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
     sizes = tuple(size for size in AXES if size < len(trial.axes))
     return RepairBaseline(name, (*sizes, len(trial.axes)), trial.project, final.project)
-
-
-PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
-HALF = 0.5
-"""The p of the paper's figure 1."""
-CORRUPTED_ROW, LINEAR = "damaged, nothing done", "linear denoiser, 15 frames"
-RESCALED = ", rescaled"
-INTERPOLATED = "linear interpolation, holes known"
-CAPTION = (
-    "Blind repair, error in cm (root mean square of a coordinate). No method knows which values "
-    "were lost; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows "
-    "are padded with their end frames, not with the mean pose. All shifts: the mean of the "
-    "projections at all positions of the pooling grid, for the kind of input that the network was "
-    "trained on."
-)
-Errors = dict[str, list[float]]
-"""Method to errors in cm, one for each p."""
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:

@@ -31,6 +31,11 @@ SHOWN_IN_PAPER = 16
 STRIP_ROWS, GIF_COLUMNS = 3, 4
 FITTED, PRIOR, REAL = "fitted", "prior", "real"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
+WALKING = ("walking", "walking_dog", "walking_extra")
+SAMPLES = 100
+"""Clips from each source that are measured."""
+MAX_STRIDE_ERROR, MAX_ACCURACY = 0.10, 0.75
+HEADER = ("samples from", "near", "told apart", "diversity", "stride / real", "1/s")
 
 
 def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
@@ -65,13 +70,6 @@ def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Result:
         figure=lambda: strip_figure(actors[:STRIP_ROWS], rate),
         animation=Animation(actors, rate) if source == FITTED else None,
     )
-
-
-WALKING = ("walking", "walking_dog", "walking_extra")
-SAMPLES = 100
-"""Clips from each source that are measured."""
-MAX_STRIDE_ERROR, MAX_ACCURACY = 0.10, 0.75
-HEADER = ("samples from", "near", "told apart", "diversity", "stride / real", "1/s")
 
 
 def samples(studies: Sequence[Study], seed: int = 0) -> Result:

@@ -40,6 +40,14 @@ if TYPE_CHECKING:
 
 PERIODIC = ("walking", "walking_extra")
 """Actions of which jang2018 says that all samples look alike."""
+CLIPS, DIRECTIONS = 1000, 128
+"""Latent vectors, and directions, of one measurement of the discrepancy."""
+REPEATS = 10
+"""Measurements in a mean: a single discrepancy varies by a seventh."""
+CURVE_POINTS = 40
+Curve = dict[str, np.ndarray]
+""""error" and "discrepancy" against the number of "steps", (P,) arrays."""
+MEASURES = {"error": "reconstruction error, rad", "discrepancy": "discrepancy to the prior"}
 
 
 @dataclass(frozen=True)
@@ -86,16 +94,6 @@ def read_action(
     for path, sequence in angles:
         halves[is_test(path, patterns)].append(sequence)
     return Action(name, *halves, periodic=name in PERIODIC)
-
-
-CLIPS, DIRECTIONS = 1000, 128
-"""Latent vectors, and directions, of one measurement of the discrepancy."""
-REPEATS = 10
-"""Measurements in a mean: a single discrepancy varies by a seventh."""
-CURVE_POINTS = 40
-
-Curve = dict[str, np.ndarray]
-""""error" and "discrepancy" against the number of "steps", (P,) arrays."""
 
 
 @dataclass(frozen=True)
@@ -163,9 +161,6 @@ def prior_discrepancy(latent: int, seed: int = 0) -> float:
     rng = np.random.default_rng(seed)
     draws = (rng.standard_normal((CLIPS, latent)) for _ in range(REPEATS))
     return float(np.mean([discrepancy(z, rng) for z in draws]))
-
-
-MEASURES = {"error": "reconstruction error, rad", "discrepancy": "discrepancy to the prior"}
 
 
 def figure_2(studies: Sequence[Study]) -> Result:
