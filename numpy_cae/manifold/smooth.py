@@ -10,6 +10,7 @@ the true curve x follows from the residual alone (Stein's unbiased risk estimate
 cut-offs, the one with the least estimate is used; without noise that is the highest.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -27,14 +28,18 @@ LEAST_FRAMES = 30
 def smooth_motion(motion: Motion) -> Motion:
     """The motion with the jitter of its rotations and translations removed; each joint has its own
     cut-off."""
+    return filter_motion(motion, lambda curves: smooth_curves(curves, motion.rate))
+
+
+def filter_motion(motion: Motion, smooth: Callable[[np.ndarray], np.ndarray]) -> Motion:
+    """The motion with its curves (F, joints, C) of rotations and of translations filtered."""
     rotations = motion.rotations.copy()
     # q and -q are the same rotation: no jumps between them.
     dot = np.sum(rotations[1:] * rotations[:-1], axis=-1, keepdims=True)
     rotations[1:] *= np.cumprod(np.where(dot < 0, -1.0, 1.0), axis=0)
-    rotations = smooth_curves(rotations, motion.rate)
+    rotations = smooth(rotations)
     rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
-    translations = smooth_curves(motion.translations, motion.rate)
-    return replace(motion, rotations=rotations, translations=translations)
+    return replace(motion, rotations=rotations, translations=smooth(motion.translations))
 
 
 def smooth_curves(values: np.ndarray, rate: float) -> np.ndarray:

@@ -2,7 +2,6 @@
 damaged."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
@@ -14,6 +13,7 @@ from numpy_cae.manifold import MotionManifold, fill
 from numpy_cae.manifold.fill import whole_features
 from numpy_cae.manifold.holes import at_thirty
 from numpy_cae.manifold.repaired import change_joints
+from numpy_cae.manifold.smooth import filter_motion
 from numpy_cae.motion import POSITIONS, Motion
 from numpy_cae.motion.body import Body
 
@@ -42,15 +42,11 @@ def _butterworth(x: np.ndarray, cut_off: float, rate: float) -> np.ndarray:
 
 def filtered(motion: Motion, name: str) -> Motion:
     """The motion with its curves of translations and rotations (quaternions) filtered."""
-    same = np.sum(motion.rotations[1:] * motion.rotations[:-1], axis=-1, keepdims=True) >= 0
-    rotations = motion.rotations.copy()
-    rotations[1:] *= np.cumprod(np.where(same, 1.0, -1.0), axis=0)  # q and -q are one rotation
-    rotations, translations = (
-        FILTERS[name](curves.reshape(len(motion), -1), motion.rate).reshape(curves.shape)
-        for curves in (rotations, motion.translations)
-    )
-    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
-    return replace(motion, rotations=rotations, translations=translations)
+
+    def smooth(curves: np.ndarray) -> np.ndarray:
+        return FILTERS[name](curves.reshape(len(curves), -1), motion.rate).reshape(curves.shape)
+
+    return filter_motion(motion, smooth)
 
 
 Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
