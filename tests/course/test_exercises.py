@@ -194,7 +194,7 @@ def test_every_exercise_has_two_hints_and_every_hint_an_exercise():
     assert list(hints) == list(EXERCISES)
     for name, made in EXERCISES.items():
         assert len(hints[name].stages) == 2
-        hinted = with_hint(made, 2)  # an error if it names a property that is not there
+        hinted = with_hint(made, 2)
         of_properties = {prop.name: prop.hint for prop in hinted.properties if prop.hint}
         assert of_properties == hints[name].of_properties
 
