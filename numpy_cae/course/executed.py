@@ -1,6 +1,7 @@
 """Execute a lesson in a fresh kernel; the hash of the source that its outputs belong to."""
 
 import hashlib
+import json
 import os
 import subprocess
 import tempfile
@@ -55,7 +56,7 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
             raise ValueError(f"a cell takes longer than {SECONDS_A_CELL} s") from None
         except DeadKernelError:
             raise ValueError("the kernel died") from None
-    executed = _as_dict(node)
+    executed = json.loads(json.dumps(node))  # plain dicts and lists
     executed["metadata"]["numpy_cae"] = {"source_hash": source_hash(notebook)}
     executed["metadata"].pop("widgets", None)
     return executed
@@ -67,12 +68,3 @@ def _failing(notebook: dict) -> str:
         if any(output["output_type"] == "error" for output in cell.get("outputs", ())):
             return f"cell {cell['id']} ({cell['source'].splitlines()[0]} ...)"
     return "a cell"
-
-
-def _as_dict(node):
-    """Plain dicts and lists of nbformat's nodes."""
-    if isinstance(node, dict):
-        return {key: _as_dict(value) for key, value in node.items()}
-    if isinstance(node, list):
-        return [_as_dict(value) for value in node]
-    return node

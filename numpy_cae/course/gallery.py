@@ -7,7 +7,6 @@ hash of the original, by which a test finds out whether it is current.
 import base64
 import hashlib
 import io
-from collections.abc import Iterator
 from pathlib import Path
 
 from PIL import Image, PngImagePlugin
@@ -23,11 +22,13 @@ def picture_of(notebook: dict) -> bytes:
     """The PNG of an executed lesson; ValueError if it shows none, or none in the tagged cell."""
     cells = notebook["cells"]
     tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
-    pictures = list(_pictures(tagged or cells))
+    outputs = [output for cell in tagged or cells for output in cell.get("outputs", ())]
+    shown = [output.get("data", {}) for output in outputs]
+    pictures = [data["image/png"] for data in shown if "image/png" in data]
     if not pictures:
         where = f"the cell tagged {TAG!r}" if tagged else "the lesson"
         raise ValueError(f"{where} shows no picture: was it executed?")
-    return base64.b64decode(pictures[-1])
+    return base64.b64decode("".join(pictures[-1]))
 
 
 def write_picture(notebook: dict, lesson: str | Path) -> Path:
@@ -49,11 +50,3 @@ def picture_path(lesson: str | Path) -> Path:
     """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
     lesson = Path(lesson)
     return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
-
-
-def _pictures(cells: list[dict]) -> Iterator[str]:
-    for cell in cells:
-        for output in cell.get("outputs", ()):
-            data = output.get("data", {})
-            if "image/png" in data:
-                yield "".join(data["image/png"])
