@@ -15,6 +15,7 @@ from numpy_cae.verify.submission import is_exercise
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
+SOLUTION = re.compile(rf"^( *){BEGIN}\n(?:(?! *{BEGIN}).*\n)*? *{END}$", re.MULTILINE)
 PACKAGED = Path(str(files(__package__) / "notebooks"))
 """The folder of the students' copies that are part of the package."""
 STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
@@ -40,24 +41,12 @@ def student_copy(notebook: dict) -> dict:
 
 
 def _without_solutions(cell: dict) -> str:
-    kept: list[str] = []
-    inside = False
-    for line in cell["source"].splitlines():
-        marker = line.strip()
-        if marker in (BEGIN, END):
-            if inside == (marker == BEGIN):
-                raise ValueError(f"cell {cell['id']}: {marker} is in the wrong place")
-            if not is_exercise(cell):
-                raise ValueError(f"cell {cell['id']}: a solution in a cell that is no exercise")
-            inside = not inside
-            if inside:
-                indent = line[: len(line) - len(line.lstrip())]
-                kept += [indent + stub for stub in STUB]
-        elif not inside:
-            kept.append(line)
-    if inside:
-        raise ValueError(f"cell {cell['id']}: {BEGIN} without {END}")
-    return "\n".join(kept)
+    source, count = SOLUTION.subn("\n".join(rf"\1{line}" for line in STUB), cell["source"])
+    if BEGIN in source or END in source:
+        raise ValueError(f"cell {cell['id']}: {BEGIN} without {END}, or the other way round")
+    if count and not is_exercise(cell):
+        raise ValueError(f"cell {cell['id']}: a solution in a cell that is no exercise")
+    return source
 
 
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:

@@ -44,7 +44,8 @@ def test_the_student_copy_has_a_stub_and_no_outputs():
     ("lesson", "said"),
     [
         (a_lesson("### BEGIN SOLUTION\n    return 2"), "without ### END"),
-        (a_lesson("return 2\n    ### END SOLUTION"), "is in the wrong place"),
+        (a_lesson("return 2\n    ### END SOLUTION"), "or the other way round"),
+        (a_lesson("### BEGIN SOLUTION\n    ### BEGIN SOLUTION\n    ### END SOLUTION"), "without"),
         (a_lesson(marked=False), "in a cell that is no exercise"),
     ],
 )
