@@ -132,22 +132,21 @@ def read_pose(
 def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
     """The same rotations by angles (F, 1 to 3) in radians without avoidable jumps from frame to
     frame, beginning near the angles `before` (N,)."""
+    before = angles[0] if before is None else before
     if angles.shape[1] == 3:
-        before = angles[0] if before is None else before
         other = angles * [1, -1, 1] + np.pi
         from_one = _distance(np.vstack([before, angles[:-1]]), angles)
         from_other = _distance(np.vstack([before, angles[:-1]]), other)
         use_other = np.cumsum(from_other < from_one) % 2 == 1
         angles = np.where(use_other[:, None], other, angles)
-    if before is None:
-        return np.unwrap(angles, axis=0)
-    return np.unwrap(np.vstack([before, angles]), axis=0)[1:]
+    steps = np.diff(np.vstack([before, angles]), axis=0)
+    return angles - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0)
 
 
 def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """The largest difference of angles (F, 3), without regard to whole turns."""
-    difference = (one - other + np.pi) % (2 * np.pi) - np.pi
-    return np.abs(difference).max(axis=-1)
+    turns = (one - other) / (2 * np.pi)
+    return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
 
 
 def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Numbers as text with a fixed number of decimals, many at a time."""
 
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -11,8 +12,8 @@ _CHARACTERS = np.frombuffer(b" -0123456789", np.uint8)
 
 def fixed(values: np.ndarray, decimals: int) -> Iterator[str]:
     """The numbers (N,) as `f"{value:.{decimals}f}"`, in a third of the time: digit by digit."""
-    for start in range(0, len(values), _PIECE):
-        yield from _fixed(values[start : start + _PIECE], decimals)
+    pieces = (values[start : start + _PIECE] for start in range(0, len(values), _PIECE))
+    return chain.from_iterable(_fixed(piece, decimals) for piece in pieces)
 
 
 def _fixed(values: np.ndarray, decimals: int) -> list[str]:

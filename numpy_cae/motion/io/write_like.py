@@ -214,7 +214,7 @@ def _bvh_format(source: Path, motion: Motion) -> _Format:
             yield line, not header and not line.isspace()
             header = header and not re.match(r"\s*frame\s*time", line, re.IGNORECASE)
 
-    return _Format(bvh_channels(source, motion.unit), frames, lambda words: range(len(words)))
+    return _Format(bvh_channels(source, motion.unit), frames, lambda words: list(range(len(words))))
 
 
 def _amc_format(source: Path, motion: Motion) -> _Format:
