@@ -37,13 +37,11 @@ def gradients_of(pulled: object, count: int) -> tuple:
     return tuple(gradients)
 
 
-def require_array(name: str, gradient: object) -> None:
-    """Raise an AssertionError unless the gradient for an argument is an array."""
-    if gradient is None:
-        raise AssertionError(f"the gradient for {name} is None, expected shape that of {name}")
-    if not isinstance(gradient, np.ndarray | np.generic):
-        found = type(gradient).__name__
-        raise AssertionError(f"the gradient for {name} is a {found}, not an array")
+def require_array(what: str, result: object) -> None:
+    """Raise an AssertionError unless a result is an array; one of a subclass, a matrix, is not."""
+    if type(result) is not np.ndarray and not isinstance(result, np.generic):
+        found = "None, expected shape of an array" if result is None else type(result).__name__
+        raise AssertionError(f"{what} is {found}: not an array")
 
 
 def parts(value: object) -> Sequence:

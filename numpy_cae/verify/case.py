@@ -21,6 +21,8 @@ SEEDS_TRIED = 3
 MANY = 160
 LARGE = 16
 """A size above this comes in one case of a property, with small sizes beside it."""
+VERY_LARGE, SIMPLEST = 200, 3
+"""Beside a size above the first, each other size is one of its so many simplest."""
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
 
@@ -51,7 +53,7 @@ class Case:
 
 def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0) -> np.ndarray:
     """Distinct entries, none of them 0, evenly spaced between -reach and reach, shuffled."""
-    count = int(np.prod(shape))
+    count = math.prod(shape)
     even = count + count % 2
     grid = (2 * np.arange(even) + 1 - even) * (reach / max(even, 1))
     return rng.permutation(grid)[:count].reshape(shape)
@@ -141,23 +143,34 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
     return arrays
 
 
-def random_cases(name: str, sizes: Sizes, count: int, combined: Sequence[str] = ()) -> list[Case]:
+def random_cases(
+    name: str, sizes: Sizes, count: int, combined: Sequence[str] = (), together: bool = False
+) -> list[Case]:
     """At least so many cases, seeded by a name, those of the smallest arrays first.
 
-    Each small size and each class is drawn as often, a large size once, beside small ones, and
-    every combination of those that are named once, or twice where these are few.
+    Each small size and each class is drawn as often, a large size once, beside the smallest ones,
+    and every combination of those that are named once, or twice where these are few. If `together`,
+    the last of each size comes with the last of the others.
     """
     combined = [size for size in combined if size in sizes]
     every = list(product(*(sizes[size] for size in combined)))
     count = max(count, len(every), min(2 * len(every), MANY))
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     columns = {size: _column(rng, options, count) for size, options in sizes.items()}
-    together = zip(*islice(cycle(every), count), strict=True)
-    columns.update(zip(combined, map(list, together), strict=True))
+    combinations = zip(*islice(cycle(every), count), strict=True)
+    columns.update(zip(combined, map(list, combinations), strict=True))
+    numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
     large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
     for number, (size, option) in zip(rng.permutation(count), large, strict=False):
+        if option > VERY_LARGE:
+            for other, options in numbers.items():
+                columns[other][number] = options[number % min(SIMPLEST, len(options))]
         columns[size][number] = option
-    rows = (tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    rows = [tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    if together:
+        ordinary = {name: options[0] for name, options in sizes.items()}
+        last = {name: options[-1] for name, options in numbers.items()}
+        rows.append(tuple((ordinary | last).items()))
     cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
     return sorted(cases, key=_entries)
 

@@ -159,7 +159,7 @@ def _require_untouched(names: Sequence[str], arrays: Sequence, before: Sequence)
 
 def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:
     """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
-    require_array(name, gradient)
+    require_array(f"the gradient for {name}", gradient)
     if np.shape(gradient) != shape:
         raise AssertionError(
             f"the gradient for {name} is shape {np.shape(gradient)}, expected shape {shape}, "

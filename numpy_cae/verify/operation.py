@@ -23,13 +23,18 @@ class Operation:
     linear_in: tuple[str, ...] = ()
     reference: Callable | None = None  # its value and pullback
     saturates: bool = False  # a derivative may be far smaller than what it is computed from
-    selects: bool = False  # results are arguments' entries up to a factor: compared one by one
+    floor: float | None = None  # if entries are compared one by one, what rounding may be
     without_ties: Sizes = field(default_factory=dict)  # classes of values without a kink
+    longer: Sizes = field(default_factory=lambda: LONG)  # tried besides with special inputs
     alike: Callable = lambda arguments, gradient: gradient  # the same for all right gradients
 
     def value(self, *arguments: object) -> np.ndarray | float:
         """The right value."""
         return self.reference(*arguments)[0] if self.reference else self.definition(*arguments)
+
+    def floor_of(self, dy: np.ndarray | float) -> float | None:
+        """The floor of a gradient, which is proportional to the upstream one."""
+        return self.floor and self.floor * max(1.0, float(np.max(np.abs(dy))))
 
 
 CLASSES = {"values": tuple(VALUES)}
@@ -38,8 +43,8 @@ CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
-ANY_SHAPE = WINDOW | {"axes": (3, 1, 2, 4)}
-LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (0, 1, 2, 3)} | CLASSES
+ANY_SHAPE = WINDOW | {"axes": (3, 2, 1, 4)}
+LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 1, 0, 3)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
 BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
@@ -50,13 +55,16 @@ POINTS = {
     "directions": (1, 2, 3, 34),
 }
 LONG = {
-    **dict.fromkeys(("batch", "frames"), (256, 300)),
-    "taps": (33,),
-    "points": (256, 1030),
-    "directions": (3, 5, 7, 64, 300),
-    **dict.fromkeys(("channels", "filters", "features", "hidden", "dimensions"), (3, 64, 300)),
+    "batch": (128, 300, 1030, 18),
+    "frames": (128, 300, 530, 35),
+    "taps": (33, 131, 9),
+    "points": (128, 256, 1030, 70),
+    "directions": (3, 5, 7, 64, 300, 67),
+    **dict.fromkeys(("channels", "filters", "features", "hidden"), (3, 64, 300, 18)),
+    "dimensions": (3, 64, 300, 18),
 }
-"""Sizes that are tried besides, in the one property of special inputs."""
+"""Sizes that are tried besides, in the one property of special inputs; the last come together."""
+SHORTER = {"longer": LONG | {"frames": (128, 300, 35)}}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31
@@ -164,7 +172,8 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
 
 WITHOUT_TIES = {"values": (ORDINARY, "random", "near ties", "tiny", "large", "offset")}
 TIED = tuple(name for name in EXTREME["values"] if name not in WITHOUT_TIES["values"])
-SELECTS, SATURATES = {"selects": True}, {"saturates": True}
+SATURATES = {"saturates": True}
+SELECTS, ELEMENTWISE = {"floor": 0.0}, {"floor": 64 * float(np.finfo(float).eps)}
 POINTS_ALIKE = {"alike": _mean_of_equal_points}
 _WINDOW = "batch frames channels"
 _conv1d = _shaped(x=_WINDOW, w="taps channels filters", b="filters")
@@ -174,12 +183,12 @@ _TABLE = (
     ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
     ("unpool_even", WINDOW | EXTREME, _shaped(y=_WINDOW), "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
-    ("tanh", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES),
-    ("sigmoid", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES),
-    ("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y", "", {}),
+    ("tanh", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES | ELEMENTWISE),
+    ("sigmoid", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES | ELEMENTWISE),
+    ("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y", "", ELEMENTWISE),
     ("linear", LINEAR, _linear, "x w b", "x w", {}),
     ("gru_step", GRU, _gru, "x h w u b c", "", SATURATES),
-    ("gru", GRU | FRAMES, _gru, "x h0 w u b c", "", SATURATES),
+    ("gru", GRU | FRAMES, _gru, "x h0 w u b c", "", SATURATES | SHORTER),
     ("mean_squared_error", ANY_SHAPE | CLASSES, _mean_squared_error, "x_hat", "", {}),
     ("mean_absolute", ANY_SHAPE | EXTREME, _any_shape("y"), "y", "", SELECTS),
     ("tied_layer", FILTERED, _conv1d, "x w b", "", SATURATES),

@@ -62,11 +62,12 @@ class Property:
     hint: str = ""
     examples: int = EXAMPLES
     combined: tuple[str, ...] = ()  # sizes and classes of which every combination is drawn
+    together: bool = False  # whether the last of each size comes with those of the others too
 
     def cases(self) -> list[Case]:
         """Random cases, the same ones every time, those of the smallest arrays first."""
         name = f"{self.operation}: {self.name}"
-        return random_cases(name, self.sizes, self.examples, self.combined)
+        return random_cases(name, self.sizes, self.examples, self.combined, self.together)
 
     @property
     def definition(self) -> Operation | None:
@@ -117,17 +118,20 @@ def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int |
 
 
 def require_equal(
-    what: str, found, expected, tolerance: float = EXACT, entrywise: bool = False
+    what: str, found, expected, tolerance: float = EXACT, floor: float | None = None
 ) -> None:
     """Raise unless two arrays agree in shape and, to rounding, in every entry.
 
-    The tolerance is relative to the largest entry, or to each if `entrywise`.
+    The tolerance is relative to the largest entry; with a floor to each, and no less than that.
     """
     found, expected = np.asarray(found), np.asarray(expected)
     if found.shape != expected.shape:
         raise AssertionError(f"{what} has shape {found.shape}, expected {expected.shape}")
-    largest = max(1.0, float(np.max(np.abs(expected), initial=0.0)))
-    allowed = tolerance * (np.abs(expected) if entrywise else largest)
+    size = np.abs(expected)
+    if floor is None:
+        allowed = tolerance * max(1.0, float(np.max(size, initial=0.0)))
+    else:
+        allowed = tolerance * size + floor
     wrong = ~(np.abs(found - expected) <= allowed)
     if wrong.any():
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
@@ -151,9 +155,11 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     gradients = gradients_of(pulled, len(operation.differentiated))
     if len(gradients) == 1 and isinstance(pulled, tuple | list):
         raise AssertionError("the pullback returns a tuple, expected its one gradient itself")
+    if isinstance(pulled, list):
+        raise AssertionError("the pullback returns a list, expected a tuple of gradients")
     named = dict(zip(operation.differentiated, gradients, strict=True))
     for name, gradient in named.items():
-        require_array(name, gradient)
+        require_array(f"the gradient for {name}", gradient)
     return named
 
 
@@ -172,6 +178,8 @@ def right_results(operation: Operation, case: Case) -> tuple[np.ndarray | float,
 
 def _by_name(operation: Operation, value, pulled) -> dict:
     gradients = differentiated(operation, pulled)
+    if not isinstance(value, float):
+        require_array("the value", value)
     return {"the value": value, **{f"the gradient for {n}": g for n, g in gradients.items()}}
 
 
@@ -225,6 +233,6 @@ def compared(operation: Operation, implementation: Callable, case: Case) -> Find
     allowed = rounding(case, arguments)
     for what, found in results(operation, implementation, given, copied(dy)).items():
         both = (operation.alike(arguments, result) for result in (found, right[what]))
-        yield what, *both, allowed, operation.selects
+        yield what, *both, allowed, operation.floor_of(dy)
     for name, after in zip(arguments, given, strict=True):
         yield f"{name}, which must not be altered,", 1 * after, 1 * arguments[name], 0

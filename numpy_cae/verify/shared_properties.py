@@ -13,7 +13,7 @@ from numpy_cae.verify.adjoint import check_adjoint
 from numpy_cae.verify.call import call_of_array
 from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case
 from numpy_cae.verify.gradients import check_gradients
-from numpy_cae.verify.operation import LONG, Operation
+from numpy_cae.verify.operation import Operation
 from numpy_cae.verify.property import (
     EXACT,
     UPSTREAM,
@@ -55,15 +55,19 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     for name, statement, findings, classes, combined in SHARED:
         yield property_of(operation, name, statement, findings, classes, combined=combined)
     if operation.reference:
-        longer = {name: (*sizes, *LONG.get(name, ())) for name, sizes in operation.sizes.items()}
-        longer["upstream"], every = (ORDINARY, "random", "integers"), ("values", "of")
-        yield property_of(operation, "special inputs", SPECIAL, compared, longer, combined=every)
+        longer = {
+            name: (*sizes, *operation.longer.get(name, ()))
+            for name, sizes in operation.sizes.items()
+        }
+        longer["upstream"] = (ORDINARY, "random", "integers")
+        every = {"combined": ("values", "of"), "together": True}
+        yield property_of(operation, "special inputs", SPECIAL, compared, longer, **every)
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
-    yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.selects
+    yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.floor
     others = operation.arguments(Case(case.sizes, case.seed + 1))
     kept = list(arguments)[case.seed % len(arguments)]
     others[kept] = arguments[kept]
@@ -82,7 +86,7 @@ def _gradient_for(argument: str) -> Callable:
         if right and agrees(value, right["the value"]):
             found = differentiated(operation, pullback(copied(dy)))[argument]
             alike = (operation.alike(arguments, gradient) for gradient in (found, right[what]))
-            yield what, *alike, rounding(case, arguments), operation.selects
+            yield what, *alike, rounding(case, arguments), operation.floor_of(dy)
         elif case.get("values") == case.get("state") == ORDINARY:
 
             def f(*inputs):
@@ -116,13 +120,17 @@ def _adjoint_in(argument: str) -> Callable:
 
 
 def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Three upstream gradients, given in the same array; the value is no longer there."""
     value, pullback = implementation(*copies(operation.arguments(case)))
     one = drawn_upstream(case, value)
+    del value
     other = np.flip(one).copy() if np.ndim(one) else 1 / 3
-    of_one, of_other, of_both = (
-        {name: np.copy(g) for name, g in differentiated(operation, pullback(dy)).items()}
-        for dy in (copied(one), copied(other), 2 * one - 3 * other)
-    )
+    dy, pulled = np.copy(one), []
+    for upstream in (one, other, 2 * one - 3 * other):
+        dy[...] = upstream
+        gradients = differentiated(operation, pullback(dy if np.ndim(one) else upstream))
+        pulled.append({name: np.copy(gradient) for name, gradient in gradients.items()})
+    of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():
         expected = 2 * of_one[name] - 3 * of_other[name]
         yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
@@ -202,8 +210,11 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Two calls with pullbacks in turn, results overwritten, then arguments changed in place."""
     another = Case(case.sizes, case.seed + 1)
-    others = operation.arguments(another)
-    given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
+    arguments, others = operation.arguments(case), operation.arguments(another)
+    for name, array in others.items():
+        if np.shape(array)[:1] > (2,):  # the ends do not tell one from the other
+            array[[0, -1]] = arguments[name][[0, -1]]
+    given = copies(arguments, LAYOUTS[case.get("layout")])
     returned, pullback = implementation(*given)
     value, dy = np.copy(returned), drawn_upstream(case, returned)
 

@@ -12,6 +12,7 @@ from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.diagnosis import likely_mistake
 from numpy_cae.verify.messages import LONGEST_TEXT, described
 from numpy_cae.verify.property import Outcome, Property, agrees, case_of, right_results
+from numpy_cae.verify.state import call_keeping_state
 
 WORTH_A_RESULT = 12
 
@@ -28,15 +29,15 @@ class Recorder:
     def __call__(self, *arguments):
         given = deepcopy(list(arguments))
         self.arguments, self.upstream, self.found = given, (), []
-        returned = _called(self.implementation, arguments)
-        if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
+        returned = self.implementation(*arguments)
+        if not _is_pair(returned):
             return returned
         value, pullback = np.copy(returned[0]), returned[1]
         self.found = [value]
 
         def recorded_pullback(*upstream):
             self.arguments, self.upstream, self.found = given, deepcopy(upstream), [value]
-            pulled = _called(pullback, upstream)
+            pulled = pullback(*upstream)
             gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
             self.found = [value, *deepcopy(gradients)]
             return pulled
@@ -85,13 +86,13 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
     case = failing_case(tried, implementation)
     if case is None:
         return Outcome(tried, held=True)
-    error, last = _failure(tried, implementation, case)
+    guarded = _guarded(tried, implementation)
+    last = Recorder(guarded)
+    error = _failure(tried, last, case)
     kind = type(error)
-    if shrink and kind is not NotImplementedError:
-        case = smallest(
-            case, tried.sizes, lambda c: type(_failure(tried, implementation, c)[0]) is kind
-        )
-        error, last = _failure(tried, implementation, case)
+    if shrink and kind not in (NotImplementedError, type(None)):
+        case = smallest(case, tried.sizes, lambda c: type(_failure(tried, guarded, c)) is kind)
+        error = _failure(tried, last, case)
     if error is None:  # it fails in one call and not in the next
         problem = "called again with the same arguments, it returns something else"
         return Outcome(tried, False, problem, str(case))
@@ -105,8 +106,8 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
 
 def failing_case(tried: Property, implementation: Callable) -> Case | None:
     """The first of the drawn cases in which a property does not hold, if there is one."""
-    cases = tried.cases()
-    return next((c for c in cases if _failure(tried, implementation, c)[0] is not None), None)
+    guarded = _guarded(tried, implementation)
+    return next((c for c in tried.cases() if _failure(tried, guarded, c) is not None), None)
 
 
 def check_property(stated: Property, function: Callable) -> None:
@@ -120,25 +121,39 @@ def check_property(stated: Property, function: Callable) -> None:
         raise AssertionError("\n".join(filter(None, told)))
 
 
-def _failure(
-    tried: Property, implementation: Callable, case: Case
-) -> tuple[Exception | None, Recorder]:
-    """What a check raises in a case, if anything, and the calls before it."""
-    recorder = Recorder(implementation)
+def _failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
+    """What a check raises in a case, if anything."""
     try:
         with np.errstate(all="ignore"):
-            tried.check(recorder, case)
+            tried.check(implementation, case)
     except Exception as error:
-        return error, recorder
-    return None, recorder
+        return error
+    except SystemExit:
+        return RuntimeError("it calls sys.exit")
+    return None
+
+
+def _guarded(tried: Property, implementation: Callable) -> Callable:
+    """An implementation that cannot end the tests, nor change what follows by `np.seterr`."""
+    keeping = call_keeping_state if tried.name == "purity" else _called
+
+    def call(*arguments):
+        returned = keeping(implementation, arguments)
+        if not _is_pair(returned):
+            return returned
+        value, pullback = returned
+        return value, lambda *upstream: keeping(pullback, upstream)
+
+    return call
+
+
+def _is_pair(returned: object) -> bool:
+    return isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])
 
 
 def _called(function: Callable, arguments: tuple):
-    try:
-        with np.errstate():  # a student's np.seterr ends here
-            return function(*arguments)
-    except SystemExit:
-        raise RuntimeError("it calls sys.exit") from None
+    with np.errstate():  # a student's np.seterr ends here
+        return function(*arguments)
 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:

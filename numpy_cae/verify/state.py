@@ -1,0 +1,45 @@
+"""The state of the process that an operation must leave as it is."""
+
+import random
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+
+
+def call_keeping_state(function: Callable, arguments: tuple) -> object:
+    """Call a function; raise an AssertionError if it changes what the whole program shares.
+
+    It is called in an unusual state: to set once more what is set already would go unnoticed.
+    """
+    shared = np.random.get_bit_generator()
+    saved = shared.state, random.getstate()
+    shared.random_raw(), random.random()
+    settings = np.errstate(all="call", call=_ignored), np.printoptions(precision=17)
+    try:
+        with warnings.catch_warnings(), settings[0], settings[1]:
+            warnings.simplefilter("default", ImportWarning)
+            before = _state()
+            returned = function(*arguments)
+            changed = [what for what, now in _state().items() if now != before[what]]
+    finally:
+        shared.state = saved[0]
+        random.setstate(saved[1])
+    if changed:
+        raise AssertionError(f"it changes {', '.join(changed)}: the whole program shares that")
+    return returned
+
+
+def _state() -> dict[str, object]:
+    numbers = np.random.get_bit_generator().state["state"]
+    return {
+        "np.seterr": np.geterr(),
+        "np.set_printoptions": np.get_printoptions(),
+        "the state of np.random": (numbers["key"].tobytes(), numbers["pos"]),
+        "the state of random": random.getstate(),
+        "the filters of warnings": list(warnings.filters),
+    }
+
+
+def _ignored(*error: object) -> None:
+    """Takes the place of a warning of NumPy."""
