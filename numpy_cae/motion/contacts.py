@@ -6,7 +6,6 @@ The height was chosen on 88 takes of Bandai and 49 of CMU: within 2.5 cm of the 
 """
 
 import numpy as np
-from scipy.ndimage import binary_closing, binary_opening
 
 from numpy_cae.motion.joints import JOINTS
 
@@ -33,6 +32,8 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
     World positions (F, 20, 3) in metres give (F, 2) bool, left and right. `floor` is its height in
     metres, by default `floor_height`.
     """
+    from scipy.ndimage import binary_closing, binary_opening  # slow to import, and seldom used
+
     if len(positions) < 2:
         return np.zeros((len(positions), 2), bool)
     floor = floor_height(positions) if floor is None else floor

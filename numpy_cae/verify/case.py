@@ -21,8 +21,8 @@ SEEDS_TRIED = 3
 MANY = 160
 LARGE = 16
 """A size above this comes in one case of a property, with small sizes beside it."""
-VERY_LARGE, SIMPLEST = 200, 3
-"""Beside a size above the first, each other size is one of its so many simplest."""
+VERY_LARGE, SIMPLEST = 100, 2
+"""Beside a size above the first, all others are of their so many simplest, values ordinary."""
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
 
@@ -95,7 +95,7 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "ties": _chosen(-1.0, -0.5, 0.5, 1.0),
     "signed zeros": _chosen(0.0, -0.0, 0.5, -0.5),
     "near ties": _near_ties,
-    "tiny": lambda rng, shape, reach: spread(rng, shape) * rng.choice([1e-4, 1e-9], shape),
+    "tiny": lambda rng, shape, reach: spread(rng, shape) * rng.choice([1e-4, 1e-9, 1e-13]),
     "positive": lambda rng, shape, reach: np.abs(spread(rng, shape, reach)),
     "negative": lambda rng, shape, reach: -np.abs(spread(rng, shape, reach)),
     "large": lambda rng, shape, reach: spread(rng, shape, 5 * reach),
@@ -163,8 +163,9 @@ def random_cases(
     large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
     for number, (size, option) in zip(rng.permutation(count), large, strict=False):
         if option > VERY_LARGE:
-            for other, options in numbers.items():
-                columns[other][number] = options[number % min(SIMPLEST, len(options))]
+            for other, options in sizes.items():
+                simplest = options[:SIMPLEST] if other in numbers else options[:1]
+                columns[other][number] = simplest[number % len(simplest)]
         columns[size][number] = option
     rows = [tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     if together:

@@ -43,8 +43,8 @@ CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
-ANY_SHAPE = WINDOW | {"axes": (3, 2, 1, 4)}
-LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 1, 0, 3)} | CLASSES
+ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
+LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
 BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
@@ -62,6 +62,7 @@ LONG = {
     "directions": (3, 5, 7, 64, 300, 67),
     **dict.fromkeys(("channels", "filters", "features", "hidden"), (3, 64, 300, 18)),
     "dimensions": (3, 64, 300, 18),
+    "axes": (3,),
 }
 """Sizes that are tried besides, in the one property of special inputs; the last come together."""
 SHORTER = {"longer": LONG | {"frames": (128, 300, 35)}}

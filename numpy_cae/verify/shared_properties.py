@@ -140,8 +140,11 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     """float32 is compared with float64; rounding the arguments tells how far it may be off."""
     if case.get("state") == "huge":  # a gate that turns by rounding turns all that follows
         return
-    rng, arguments = np.random.default_rng(0), operation.arguments(case)
+    rng, layout = np.random.default_rng(0), LAYOUTS[case.get("layout")]
+    arguments = operation.arguments(case)
+    arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
+    dy = layout(dy) if np.ndim(dy) else dy
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
@@ -158,7 +161,9 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
 
     exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
-    for what, found in results(operation, implementation, copies(given), copied(dy)).items():
+    laid_out = layout(dy) if np.ndim(dy) else dy
+    found_by_name = results(operation, implementation, copies(given, layout), laid_out)
+    for what, found in found_by_name.items():
         _require_dtype(what, found, np.float32)
         expected = operation.alike(arguments, exact[what])
         if np.all(np.isfinite(expected)):
@@ -284,7 +289,7 @@ SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the def
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
 SHARED = (
     ("linearity", LINEARITY, _linearity, UPSTREAM, ()),
-    ("dtype", DTYPE, _dtype, UPSTREAM, ()),
+    ("dtype", DTYPE, _dtype, UPSTREAM | LAYOUT, ()),
     ("purity", PURITY, _purity, UPSTREAM | LAYOUT, ()),
     ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
     ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),

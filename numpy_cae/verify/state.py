@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 
-def call_keeping_state(function: Callable, arguments: tuple) -> object:
+def call_keeping_state(function: Callable, *arguments: object) -> object:
     """Call a function; raise an AssertionError if it changes what the whole program shares.
 
     It is called in an unusual state: to set once more what is set already would go unnoticed.
