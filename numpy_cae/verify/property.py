@@ -17,8 +17,10 @@ from numpy_cae.verify.operation import Operation
 EXACT = 1e-10
 EXAMPLES = 28
 """The number of cases drawn, unless a property states another."""
-KINDS = "zeros integers random sparse strided constant large tiny".split()
-UPSTREAM = {"upstream": (ORDINARY, *KINDS)}
+NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": np.array(1.7)}
+NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
+UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
+"""The classes of upstream gradients, each with one for a value that is a number."""
 
 Findings = Iterator[tuple]
 """Of each thing compared: what it is, as found, as expected, and the tolerance if not EXACT."""
@@ -187,20 +189,16 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     """An upstream gradient for a value, of the case's class; an ordinary one is never all ones."""
     rng, kind, shape = np.random.default_rng([case.seed, 1]), case.get("upstream"), np.shape(value)
     if not shape:
-        special = {"zeros": 0, "sparse": 0.0, "integers": -3, "constant": 1, "random": 0.7}
-        special |= {"strided": np.array(1.7), "large": 1e3, "tiny": 1e-5}
-        return special.get(kind, np.float64(rng.uniform(1.5, 2.5)))
+        return NUMBERS.get(kind, np.float64(rng.uniform(1.5, 2.5)))
     dy = spread(rng, shape)
-    if kind == "zeros":
-        return np.zeros(shape)
     if kind == "integers":
         return rng.choice([-3.0, 1.0, 2.0], shape)
     if kind == "random":
         return rng.uniform(-8, 8, shape)
     if kind == "sparse":
         return np.where(np.arange(dy.size).reshape(shape) == rng.integers(dy.size), dy, 0.0)
-    if kind in ("large", "tiny"):
-        return dy * (1e3 if kind == "large" else 1e-5)
+    if kind in ("large", "tiny", "zeros"):
+        return dy * NUMBERS[kind]
     if kind == "strided":
         return LAYOUTS["every other entry"](dy)
     return np.broadcast_to(2.0, shape) if kind == "constant" else dy

@@ -128,7 +128,7 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
     dy, pulled = np.copy(one), []
     for upstream in (one, other, 2 * one - 3 * other):
         dy[...] = upstream
-        gradients = differentiated(operation, pullback(dy if np.ndim(one) else upstream))
+        gradients = differentiated(operation, pullback(dy if np.ndim(one) else copied(upstream)))
         pulled.append({name: np.copy(gradient) for name, gradient in gradients.items()})
     of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():

@@ -13,18 +13,18 @@ def call_keeping_state(function: Callable, *arguments: object) -> object:
     It is called in an unusual state: to set once more what is set already would go unnoticed.
     """
     shared = np.random.get_bit_generator()
-    saved = shared.state, random.getstate()
+    numbers, standard = shared.state, random.getstate()
     shared.random_raw(), random.random()
-    settings = np.errstate(all="call", call=_ignored), np.printoptions(precision=17)
+    quiet = np.errstate(all="call", call=lambda *error: None)
     try:
-        with warnings.catch_warnings(), settings[0], settings[1]:
+        with warnings.catch_warnings(), np.printoptions(precision=17), quiet:
             warnings.simplefilter("default", ImportWarning)
             before = _state()
             returned = function(*arguments)
             changed = [what for what, now in _state().items() if now != before[what]]
     finally:
-        shared.state = saved[0]
-        random.setstate(saved[1])
+        shared.state = numbers
+        random.setstate(standard)
     if changed:
         raise AssertionError(f"it changes {', '.join(changed)}: the whole program shares that")
     return returned
@@ -39,7 +39,3 @@ def _state() -> dict[str, object]:
         "the state of random": random.getstate(),
         "the filters of warnings": list(warnings.filters),
     }
-
-
-def _ignored(*error: object) -> None:
-    """Takes the place of a warning of NumPy."""
