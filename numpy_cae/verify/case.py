@@ -95,7 +95,7 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "ties": _chosen(-1.0, -0.5, 0.5, 1.0),
     "signed zeros": _chosen(0.0, -0.0, 0.5, -0.5),
     "near ties": _near_ties,
-    "tiny": lambda rng, shape, reach: spread(rng, shape) * rng.choice([1e-4, 1e-9, 1e-13]),
+    "tiny": lambda rng, shape, reach: spread(rng, shape) * rng.choice([1e-6, 1e-13]),
     "positive": lambda rng, shape, reach: np.abs(spread(rng, shape, reach)),
     "negative": lambda rng, shape, reach: -np.abs(spread(rng, shape, reach)),
     "large": lambda rng, shape, reach: spread(rng, shape, 5 * reach),

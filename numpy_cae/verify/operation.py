@@ -155,6 +155,8 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
             directions = np.eye(shape[1])  # the axes, whatever number the case states
     else:
         arrays = drawn(case, rng, z=shape, prior=shape)
+        if case.get("values") == ORDINARY:  # in one dimension both would have the same points
+            arrays["prior"] = 0.7 * arrays["prior"]
         directions = rng.standard_normal(towards)
     directions = np.where(directions.any(axis=1, keepdims=True), directions, np.eye(1, shape[1]))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
