@@ -39,9 +39,10 @@ def gradients_of(pulled: object, count: int) -> tuple:
 
 def require_array(what: str, result: object) -> None:
     """Raise an AssertionError unless a result is an array; one of a subclass, a matrix, is not."""
+    if result is None:
+        raise AssertionError(f"{what} is None, expected shape and numbers of an array")
     if type(result) is not np.ndarray and not isinstance(result, np.generic):
-        found = "None, expected shape of an array" if result is None else type(result).__name__
-        raise AssertionError(f"{what} is {found}: not an array")
+        raise AssertionError(f"{what} is a {type(result).__name__}, not an array")
 
 
 def parts(value: object) -> Sequence:

@@ -21,8 +21,7 @@ SEEDS_TRIED = 3
 MANY = 160
 LARGE = 16
 """A size above this comes in one case of a property, with small sizes beside it."""
-VERY_LARGE, SIMPLEST = 100, 2
-"""Beside a size above the first, all others are of their so many simplest, values ordinary."""
+VERY_LARGE = 100
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
 
@@ -148,9 +147,9 @@ def random_cases(
 ) -> list[Case]:
     """At least so many cases, seeded by a name, those of the smallest arrays first.
 
-    Each small size and each class is drawn as often, a large size once, beside the smallest ones,
-    and every combination of those that are named once, or twice where these are few. If `together`,
-    the last of each size comes with the last of the others.
+    Each small size and each class is drawn as often, a large size once, and every combination of
+    those that are named once, or twice where these are few. A very large size has a case of its
+    own, otherwise simple; if `together`, so have the last ones of all sizes.
     """
     combined = [size for size in combined if size in sizes]
     every = list(product(*(sizes[size] for size in combined)))
@@ -159,17 +158,17 @@ def random_cases(
     columns = {size: _column(rng, options, count) for size, options in sizes.items()}
     combinations = zip(*islice(cycle(every), count), strict=True)
     columns.update(zip(combined, map(list, combinations), strict=True))
-    numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
     large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
-    for number, (size, option) in zip(rng.permutation(count), large, strict=False):
-        if option > VERY_LARGE:
-            for other, options in sizes.items():
-                simplest = options[:SIMPLEST] if other in numbers else options[:1]
-                columns[other][number] = simplest[number % len(simplest)]
+    beside_small = [each for each in large if each[1] <= VERY_LARGE]
+    for number, (size, option) in zip(rng.permutation(count), beside_small, strict=False):
         columns[size][number] = option
     rows = [tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
+    ordinary = {name: options[0] for name, options in sizes.items()}
+    for number, (size, option) in enumerate(each for each in large if each not in beside_small):
+        simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
+        rows.append(tuple((ordinary | simple | {size: option}).items()))
     if together:
-        ordinary = {name: options[0] for name, options in sizes.items()}
         last = {name: options[-1] for name, options in numbers.items()}
         rows.append(tuple((ordinary | last).items()))
     cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
