@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from numpy_cae.measures.body import bone_length_error, foot_sliding, jitter
 from numpy_cae.measures.joint_limits import JointLimits
@@ -96,6 +95,8 @@ class NearestPose:
     """
 
     def __init__(self, features: np.ndarray):
+        from scipy.spatial import cKDTree  # slow to import, and seldom used
+
         step = -(-len(features) // MAX_POSES)
         self._tree = cKDTree(np.asarray(features, dtype=np.float64)[::step, POSITIONS])
 

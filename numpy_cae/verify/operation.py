@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn
+from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn, spread
 from numpy_cae.verify.tied import tied_layer
 
 
@@ -155,8 +155,8 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
             directions = np.eye(shape[1])  # the axes, whatever number the case states
     else:
         arrays = drawn(case, rng, z=shape, prior=shape)
-        if case.get("values") == ORDINARY:  # in one dimension both would have the same points
-            arrays["prior"] = 0.7 * arrays["prior"]
+        if case.get("values") in (ORDINARY, "near ties"):  # the same points, or as near as rounding
+            arrays["prior"] = spread(rng, shape, 1.4)
         directions = rng.standard_normal(towards)
     directions = np.where(directions.any(axis=1, keepdims=True), directions, np.eye(1, shape[1]))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
