@@ -9,6 +9,9 @@ import numpy as np
 class Skeleton:
     """A tree of joints, parents before children; the first joint is the root.
 
+    Raises ValueError if the lengths differ, a name is repeated, or a parent is not before its
+    child.
+
     Parameters
     ----------
     names : tuple of J str
@@ -21,9 +24,6 @@ class Skeleton:
         in metres from the joint at its base.
     added : int
         The number of joints at the end that the file does not have; no writer writes them.
-
-    Raises ValueError if the lengths differ, a name is repeated, or a parent is not before its
-    child.
     """
 
     names: tuple[str, ...]
