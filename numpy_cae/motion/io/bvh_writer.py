@@ -7,6 +7,7 @@ a last joint needs an End Site.
 """
 
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -54,9 +55,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
     lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
     with atomic_write(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as file:
-        for line in lines:
-            file.write(line + "\n")
-        for line in _frame_lines(motion, order, moving, unit):
+        for line in chain(lines, _frame_lines(motion, order, moving, unit)):
             file.write(line + "\n")
 
 

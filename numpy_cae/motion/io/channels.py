@@ -14,23 +14,12 @@ from numpy_cae.motion import quaternions
 
 @dataclass(frozen=True)
 class Channels:
-    """The channels of one joint.
+    """The channels of one joint, of which the first is number `first` of a frame.
 
-    Parameters
-    ----------
-    names : tuple of str
-        In the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed ones).
-    first : int
-        The place of the first among the numbers of a frame.
-    unit : float
-        Metres in one unit of the file.
-    offset : (3,) array
-        Metres, added to the translation.
-    axes, orientation : (4,) array, optional
-        The joint's rotation is orientation · axes · R(angles) · axes⁻¹.
-    degrees : bool
-    limits : (number of angles, 2) array, optional
-        Smallest and largest angles, in the unit of the file.
+    `names` are in the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed
+    ones). `unit` is metres in one unit of the file; `offset` (3,) in metres is added to the
+    translation. The joint's rotation is orientation · axes · R(angles) · axes⁻¹, quaternions (4,).
+    `limits` (number of angles, 2) are the smallest and largest angles in the unit of the file.
     """
 
     names: tuple[str, ...]

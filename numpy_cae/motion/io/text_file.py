@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from codecs import BOM_UTF8
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -74,12 +75,12 @@ class TextFile:
 
     def numbered(self, after: int = 0) -> Iterator[tuple[int, str]]:
         """(line number, text) of the lines below line `after`."""
-        for first, texts in self._blocks(after):
-            yield from enumerate(texts, first)
+        for first, texts in self._blocks():
+            yield from ((line, text) for line, text in enumerate(texts, first) if line > after)
 
-    def _blocks(self, after: int) -> Iterator[tuple[int, list[str]]]:
-        """The lines below line `after` in blocks of about a megabyte, which are decoded one at a
-        time: the number of a block's first line and the texts of its lines."""
+    def _blocks(self) -> Iterator[tuple[int, list[str]]]:
+        """The number of the first line and the texts of the lines of each block of about a
+        megabyte, which are decoded one at a time."""
         start, line = 0, 1
         while start < len(self.data):
             end = len(self.data)
@@ -90,9 +91,7 @@ class TextFile:
                 problem = f"the line has {length} characters, expected at most {MAX_LINE}"
                 raise self.error(line, problem)
             texts = self.data[start:end].decode().removesuffix("\n").split("\n")
-            if line + len(texts) > after:
-                skipped = max(0, after + 1 - line)
-                yield line + skipped, texts[skipped:]
+            yield line, texts
             start, line = end, line + len(texts)
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
@@ -100,10 +99,7 @@ class TextFile:
         return MotionFileError(self.path, line, problem)
 
     def numbers(self, line: int, words: list[str]) -> list[float]:
-        """The words as finite numbers.
-
-        Raises MotionFileError quoting the first word that is not a number.
-        """
+        """The words as finite numbers; MotionFileError quotes the first that is none."""
         try:
             values = list(map(float, words))
         except ValueError:
@@ -131,36 +127,32 @@ class TextFile:
         the others are counted. `expected` describes a line in an error.
         """
         rows, lines = array("d"), 0
-        for first, texts in self._blocks(after):
-            filled = [(line, text) for line, text in enumerate(texts, first) if text.strip()]
-            parsed = [
-                numbered
-                for row, numbered in enumerate(filled, lines)
-                if row < frames and (row % step == 0 or row == frames - 1)
+        for first, texts in self._blocks():
+            filled = [
+                (n, text) for n, text in enumerate(texts, first) if n > after and text.strip()
             ]
-            rows.frombytes(self._rows(parsed, width, expected).tobytes())
+            within = enumerate(filled[: max(frames - lines, 0)], lines)
+            parsed = [each for row, each in within if row % step == 0 or row == frames - 1]
+            if parsed:
+                rows.frombytes(self._rows(parsed, width, expected).tobytes())
             lines += len(filled)
         kept = -(-min(lines, frames) // step)
         return np.frombuffer(rows).reshape(-1, width)[:kept], lines
 
     def _rows(self, lines: list[tuple[int, str]], width: int, expected: str) -> np.ndarray:
         """The numbers in some lines (number, text), (lines, width)."""
-        if not lines:
-            return np.empty((0, width))
-        try:
+        with suppress(ValueError):
             values = np.loadtxt([text for _, text in lines], comments=None, ndmin=2)
-        except ValueError:
-            values = np.empty((0, 0))
-        if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
-            return values
+            if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
+                return values
         # Something is wrong, or a number is in digits that only Python knows.
-        return np.array([self._row(line, text, width, expected) for line, text in lines])
-
-    def _row(self, line: int, text: str, width: int, expected: str) -> list[float]:
-        words = text.split()
-        if len(words) != width:
-            raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
-        return self.numbers(line, words)
+        rows = []
+        for line, text in lines:
+            words = text.split()
+            if len(words) != width:
+                raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
+            rows.append(self.numbers(line, words))
+        return np.array(rows)
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
         """Reject more poses than a file of this size can describe, before they are parsed: a joint

@@ -194,12 +194,11 @@ def _put_angles(
 
 def _decimals(texts: list[str], numbers: dict[int, Sequence[int]]) -> int:
     """The most decimals of a number in some of the frames."""
-    most = -1
+    words = []
     for frame in islice(numbers, 0, None, max(1, len(numbers) // 50)):
-        words = _words(texts[frame])[0]
-        used = [words[place] for place in numbers[frame] if "e" not in words[place].lower()]
-        most = max([most, *(len(word.partition(".")[2]) for word in used)])
-    return most if most >= 0 else 6
+        own, _ = _words(texts[frame])
+        words += [own[place] for place in numbers[frame] if "e" not in own[place].lower()]
+    return max((len(word.partition(".")[2]) for word in words), default=6)
 
 
 def _text(path: Path, mode: str):
