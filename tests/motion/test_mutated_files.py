@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from acclaim_files import write_amc, write_asf
+from acclaim_files import write_acclaim
 from mutations import mutated, stiff_joints_and_short_lines
 
 from data_synth import make_take
@@ -37,8 +37,7 @@ def seeds(tmp_path_factory):
         motion = make_take("walk", 0, seconds=0.5, rate=30.0).motion
         out = tmp_path_factory.mktemp("seeds")
         write_bvh(motion, out / "a.bvh")
-        write_asf(motion.skeleton, out / "a.asf")
-        write_amc(motion, out / "a.amc")
+        write_acclaim(motion, out / "a.amc")
         bvh, asf, amc = ((out / f"a.{kind}").read_bytes() for kind in ("bvh", "asf", "amc"))
         txt = b"".join(
             b",".join(b"%.7f" % value for value in row) + b"\n"

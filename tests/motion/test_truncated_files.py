@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from acclaim_files import BONE, HEADER
 from plain_bvh import HIERARCHY
 
 from numpy_cae.motion import MotionFileError, load_motion
@@ -10,27 +11,8 @@ BVH = f"""{HIERARCHY}MOTION
 Frames: 6
 Frame Time: 0.0083333
 """ + "".join(f"{n} 2 3 4 5 6 7 8 {n}1\n" for n in range(6))
-ASF = """:units
-  length 0.45
-  angle deg
-:root
-  order TX TY TZ RX RY RZ
-  axis XYZ
-  position 0 0 0
-  orientation 0 0 0
-:bonedata
-  begin
-    name a
-    direction 0 1 0
-    length 1
-    axis 0 0 0 XYZ
-    dof rx
-  end
-:hierarchy
-  begin
-    root a
-  end
-"""
+BONES = HEADER.format("0 0 0") + BONE.format("a", "0 1 0").replace("rx ry rz", "rx")
+ASF = f"{BONES}:hierarchy\n  begin\n    root a\n  end\n"
 AMC = ":DEGREES\n" + "".join(f"{n}\nroot {n} 0 0 0 0 0\na {n}1\n" for n in range(1, 7))
 TXT = "".join(",".join(f".{n}{column}" for column in range(99)) + "\n" for n in range(3))
 FILES = {"bvh": {"a.bvh": BVH}, "amc": {"a.amc": AMC, "a.asf": ASF}, "txt": {"a.txt": TXT}}

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acclaim_files import write_amc, write_asf
+from acclaim_files import write_acclaim
 from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
@@ -91,9 +91,8 @@ def test_angles_jump_only_where_those_of_the_file_do(tmp_path):
 
 def test_an_acclaim_file_is_written_as_one(tmp_path, caplog):
     take = make_take("walk", 1, seconds=0.5, rate=30.0).motion
-    write_asf(take.skeleton, tmp_path / "one.asf")
-    write_amc(take, tmp_path / "one.amc")
     source = tmp_path / "one.amc"
+    write_acclaim(take, source)
     source.write_text("# by hand\n" + source.read_text().replace("\nlfemur", "  # hips\nlfemur", 3))
     motion = load_motion(source)
     write_like(source, motion, motion, tmp_path / "same.amc")
