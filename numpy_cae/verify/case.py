@@ -18,7 +18,6 @@ WORTH_PRINTING = 32
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
-MANY = 160
 LARGE = 16
 """A size above this comes in one case of a property, with small sizes beside it."""
 VERY_LARGE = 100
@@ -153,7 +152,7 @@ def random_cases(
     """
     combined = [size for size in combined if size in sizes]
     every = list(product(*(sizes[size] for size in combined)))
-    count = max(count, len(every), min(2 * len(every), MANY))
+    count = max(count, len(every), 2 * min(len(every), count))
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     columns = {size: _column(rng, options, count) for size, options in sizes.items()}
     combinations = zip(*islice(cycle(every), count), strict=True)

@@ -15,7 +15,7 @@ from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, 
 from numpy_cae.verify.operation import Operation
 
 EXACT = 1e-10
-EXAMPLES = 28
+EXAMPLES = 24
 """The number of cases drawn, unless a property states another."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": np.array(1.7)}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
