@@ -6,12 +6,12 @@ runs that on all workers.
 
 import threading
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
-from numpy_cae.fast.thread_team import ThreadTeam, thread_team
-from numpy_cae.fast.workspace import MIN_WINDOWS_PER_THREAD, Worker, Workspace
+from numpy_cae.fast.thread_team import thread_team
+from numpy_cae.fast.workspace import Worker, Workspace
 from numpy_cae.models.arguments import require_denoising_arguments, require_windows
 from numpy_cae.models.conv_autoencoder import ConvAutoencoder, Gradients
 from numpy_cae.models.conv_layer import ConvLayer
@@ -50,14 +50,11 @@ class FastConvAutoencoder(ConvAutoencoder):
         batch, frames, _ = x.shape
         out = np.empty((batch, frames >> len(layers), layers[-1].b.size), _dtype(layers, x))
 
-        def encode_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
-            def work(worker: Worker) -> None:
-                _encode(layers, worker, x[part])
-                _copy_windows(worker.top, out[part][worker.windows])
+        def work(worker: Worker, part: slice) -> None:
+            _encode(layers, worker, x[part])
+            _copy_windows(worker.top, out[part][worker.windows])
 
-            workspace.run(layers, work, same_weights)
-
-        self._in_parts(batch, frames, out.dtype, encode_part)
+        self._in_parts(batch, frames, out.dtype, work)
         return out
 
     def decode(self, y: np.ndarray) -> np.ndarray:
@@ -67,10 +64,10 @@ class FastConvAutoencoder(ConvAutoencoder):
         batch, frames = len(y), y.shape[1] << len(layers)
         out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
 
-        def decode_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
-            workspace.run(layers, _decoding(layers, y[part], out[part]), same_weights)
+        def work(worker: Worker, part: slice) -> None:
+            _decoding(layers, y[part], out[part])(worker)
 
-        self._in_parts(batch, frames, out.dtype, decode_part)
+        self._in_parts(batch, frames, out.dtype, work)
         return out
 
     def project(self, x: np.ndarray) -> np.ndarray:
@@ -79,15 +76,12 @@ class FastConvAutoencoder(ConvAutoencoder):
         require_windows("x", x, layers)
         out = np.empty(x.shape, _dtype(layers, x))
 
-        def project_part(workspace: Workspace, part: slice, same_weights: bool) -> None:
-            def work(worker: Worker) -> None:
-                _encode(layers, worker, x[part])
-                decoded = _decode(layers, worker, [None] * len(layers))
-                _copy_windows(decoded, out[part][worker.windows])
+        def work(worker: Worker, part: slice) -> None:
+            _encode(layers, worker, x[part])
+            decoded = _decode(layers, worker, [None] * len(layers))
+            _copy_windows(decoded, out[part][worker.windows])
 
-            workspace.run(layers, work, same_weights)
-
-        self._in_parts(len(x), x.shape[1], out.dtype, project_part)
+        self._in_parts(len(x), x.shape[1], out.dtype, work)
         return out
 
     def decode_with_pullback(
@@ -161,13 +155,9 @@ class FastConvAutoencoder(ConvAutoencoder):
         return loss, list(zip(dws, dbs, strict=True))
 
     def _in_parts(
-        self,
-        batch: int,
-        frames: int,
-        dtype: np.dtype,
-        work: Callable[[Workspace, slice, bool], None],
+        self, batch: int, frames: int, dtype: np.dtype, work: Callable[[Worker, slice], None]
     ) -> None:
-        """Call `work` on parts of the windows that bound the memory; never on none."""
+        """Call work(worker, part) for parts of the windows that bound the memory, if any."""
         windows = max(1, MAX_FRAMES // max(frames, 1))
         last = None
         with self._lock:
@@ -175,7 +165,7 @@ class FastConvAutoencoder(ConvAutoencoder):
                 part = slice(start, min(start + windows, batch))
                 size = part.stop - part.start
                 workspace = self._workspace(self.layers, size, frames, dtype, None, False)
-                work(workspace, part, workspace is last)
+                workspace.run(self.layers, partial(work, part=part), workspace is last)
                 last = workspace
 
     def _workspace(
@@ -190,18 +180,9 @@ class FastConvAutoencoder(ConvAutoencoder):
         """The buffers for arguments of these sizes, from the last few that were used."""
         shapes = tuple((layer.w.shape, layer.bound) for layer in layers)
         unpooled_evenly = tuple(mask is None for mask in first or [None] * len(layers))
-        team = self._team(layers, batch, frames, training)
-        return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, team, training)
-
-    def _team(
-        self, layers: Sequence[ConvLayer], batch: int, frames: int, training: bool
-    ) -> ThreadTeam:
-        """The threads that share the windows and, in training, ŵ and dw."""
         work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
-        few_windows = batch < 2 * MIN_WINDOWS_PER_THREAD and not training
-        if work < MIN_MULTIPLICATIONS or few_windows:
-            return thread_team(1)
-        return thread_team(self._threads)
+        team = thread_team(1 if work < MIN_MULTIPLICATIONS else self._threads)
+        return self._make_workspace(shapes, batch, frames, dtype, unpooled_evenly, team, training)
 
 
 def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:
@@ -255,15 +236,15 @@ def _encode_pullback(worker: Worker) -> None:
 
 
 def _place_windows(x: np.ndarray, rows: np.ndarray) -> None:
-    """(B, T, C) into (T, B·C)."""
+    """(B, T, C) into (T, B·C), or with more than C channels in a row."""
     batch, frames, channels = x.shape
-    rows.reshape(frames, batch, channels)[...] = x.transpose(1, 0, 2)
+    rows.reshape(frames, batch, -1)[..., :channels] = x.transpose(1, 0, 2)
 
 
 def _copy_windows(rows: np.ndarray, x: np.ndarray) -> None:
-    """(T, B·C) into (B, T, C)."""
+    """(T, B·C), or with more than C channels in a row, into (B, T, C)."""
     batch, frames, channels = x.shape
-    x[...] = rows.reshape(frames, batch, channels).transpose(1, 0, 2)
+    x[...] = rows.reshape(frames, batch, -1)[..., :channels].transpose(1, 0, 2)
 
 
 def _masks(
@@ -285,9 +266,9 @@ def _error(worker: Worker, decoded: np.ndarray, x: np.ndarray) -> float:
     """
     error = worker.layers[0].convolution.error
     batch, frames, channels = x[worker.windows].shape
-    shape = frames, batch, channels
     own = x[worker.windows].transpose(1, 0, 2)
-    np.subtract(decoded.reshape(shape), own, out=error.reshape(shape))
+    known, out = (rows.reshape(frames, batch, -1)[..., :channels] for rows in (decoded, error))
+    np.subtract(known, own, out=out)
     loss = float(np.multiply(error, error, out=decoded).sum()) / x.size
     error *= 2 / x.size
     return loss

@@ -64,13 +64,15 @@ class FilterSpectra:
         )
 
     def transform(self, w: np.ndarray, rows: slice) -> None:
-        """Compute some rows of ŵ = G w."""
-        multiply_columns(self.blocks.g[rows], w.reshape(1, self.taps, -1), self.w_hat[None, rows])
+        """Compute some rows of ŵ = G w; where w has fewer than C channels, ŵ of the rest is 0."""
+        w_hat = self.w_hat[None, rows, : w[0].size]
+        multiply_columns(self.blocks.g[rows], w.reshape(1, self.taps, -1), w_hat)
 
     def gradient(self, channels: slice, dw: np.ndarray) -> None:
-        """Compute dw[:, channels], (K, C, D), when the spectra of all windows are known."""
+        """Compute dw[:, channels], when the spectra of all windows are known."""
         dw_hat = self._dw_hat.reshape(-1, self.channels, self.filters)[:, channels]
         multiply_rows(self.below[..., channels].transpose(0, 2, 1), self.above, dw_hat)
         columns = slice(channels.start * self.filters, channels.stop * self.filters)
         dw_columns = dw.reshape(1, self.taps, -1)[..., columns]
-        multiply_columns(self.blocks.g.T, self._dw_hat[None, :, columns], dw_columns)
+        used = self._dw_hat[None, :, columns][..., : dw_columns.shape[-1]]
+        multiply_columns(self.blocks.g.T, used, dw_columns)

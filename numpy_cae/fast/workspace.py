@@ -9,15 +9,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from numpy_cae.fast.fast_layer import FastLayer
-from numpy_cae.fast.filter_spectra import FilterSpectra, buffer
+from numpy_cae.fast.filter_spectra import ROW_PADDING, FilterSpectra, buffer
 from numpy_cae.fast.thread_team import ThreadTeam, share
 from numpy_cae.fast.tied_convolution import TiedConvolution, cheapest_length
 from numpy_cae.models.conv_layer import ConvLayer
 
 MIN_WINDOWS_PER_THREAD = 2
-"""Fewer windows are not shared between threads. (Threads that share the rows s of
-y = C ((A x) ∘ ŵ) for one window, and add up their parts of y, took two thirds more of the
-processor's time.) ŵ and dw are computed by all threads in any case."""
+"""Fewer windows are not shared between threads. (Threads that share the rows s of ŵ for one window,
+and add up their parts of y, took two thirds more of the processor's time.)"""
 
 LayerShape = tuple[tuple[int, int, int], float]
 """(taps, channels, filters) and the bound of arctanh."""
@@ -80,7 +79,8 @@ class Workspace:
         training: bool,
     ):
         self.team, self.training, self.content = team, training, object()
-        self._copies: list[tuple[np.dtype, bytearray]] = []
+        shapes = [_whole_lines(*shapes[0]), *shapes[1:]]
+        self._copies: list[np.ndarray] = []
         sharing = max(1, min(team.size, batch // MIN_WINDOWS_PER_THREAD))
         windows = [share(batch, number, sharing) for number in range(sharing)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
@@ -115,30 +115,34 @@ class Workspace:
         """Call work(worker) for every worker, with the ŵ of these layers; then compute `dws`.
 
         Unless the caller knows that W is that of the last run (`same_weights`), W is compared with
-        a copy, bit by bit, and ŵ computed anew where it has changed.
+        a copy, bit by bit. That takes as long as encoding a window, so the threads work with the ŵ
+        that there is and compare meanwhile; if W has changed, they work again with the new ŵ.
         """
         self.content = object()
-        same_weights = same_weights or self._is_current(layers)
-        copies = self._copies
-        if not same_weights:
-            self._copies = []  # in case of a failure
-            copies = [] if self.training else [(w.dtype, bytearray(w)) for w in _filters(layers)]
+        filters = [np.ascontiguousarray(layer.w) for layer in layers]
+        copies, self._copies = self._copies, []  # none in case of a failure
+        equal = [False] * self.team.size
 
-        def run_thread(number: int) -> None:
-            if not same_weights:
-                self._transform_filters(number, layers)
+        def run_thread(number: int, anew: bool) -> None:
+            if anew:
+                self._transform_filters(number, filters)
             for worker in self.workers[number : number + 1]:
                 work(worker)
             if dws:
                 self._filters_gradient(number, dws)
+            equal[number] = anew or same_weights or self._equal_part(number, filters, copies)
 
-        self.team.run(run_thread)
+        if copies:
+            self.team.run(lambda number: run_thread(number, anew=False))
+        if not all(equal):
+            self.team.run(lambda number: run_thread(number, anew=True))
+            copies = [] if self.training else [w.copy() for w in filters]
         self._copies = copies
 
-    def _transform_filters(self, number: int, layers: Sequence[ConvLayer]) -> None:
+    def _transform_filters(self, number: int, filters: Sequence[np.ndarray]) -> None:
         """ŵ = G w: each thread computes some rows."""
-        for layer, spectra in zip(layers, self.spectra, strict=True):
-            spectra.transform(layer.w, share(len(spectra.w_hat), number, self.team.size))
+        for w, spectra in zip(filters, self.spectra, strict=True):
+            spectra.transform(w, share(len(spectra.w_hat), number, self.team.size))
         self.team.wait(number)
 
     def _filters_gradient(self, number: int, dws: Sequence[np.ndarray]) -> None:
@@ -147,13 +151,24 @@ class Workspace:
         for dw, spectra in zip(dws, self.spectra, strict=True):
             spectra.gradient(share(spectra.channels, number, self.team.size), dw)
 
-    def _is_current(self, layers: Sequence[ConvLayer]) -> bool:
-        """Whether ŵ belongs to W: a bytearray is compared in one call, faster than an array."""
-        return len(self._copies) == len(layers) and all(
-            dtype == w.dtype and copy == w.data
-            for (dtype, copy), w in zip(self._copies, _filters(layers), strict=True)
+    def _equal_part(
+        self, number: int, filters: Sequence[np.ndarray], copies: Sequence[np.ndarray]
+    ) -> bool:
+        """Whether its part of W equals the copies; those without windows compare, if any."""
+        busy = len(self.workers) % self.team.size
+        return number < busy or all(
+            w.dtype == copy.dtype and np.array_equal(_bits(w)[part], _bits(copy)[part])
+            for w, copy in zip(filters, copies, strict=True)
+            for part in [share(_bits(w).size, number - busy, self.team.size - busy)]
         )
 
 
-def _filters(layers: Sequence[ConvLayer]) -> list[np.ndarray]:
-    return [np.ascontiguousarray(layer.w) for layer in layers]
+def _whole_lines(shape: tuple[int, int, int], bound: float) -> LayerShape:
+    """The shape with channels of zeros added, so that a frame of data fills its cache lines."""
+    taps, channels, filters = shape
+    return (taps, -(-channels // ROW_PADDING) * ROW_PADDING, filters), bound
+
+
+def _bits(array: np.ndarray) -> np.ndarray:
+    """A contiguous array as integers, the same memory."""
+    return array.reshape(-1).view(f"u{min(array.itemsize, 8)}")

@@ -17,7 +17,6 @@ from numpy_cae.models import ConvAutoencoder
 def always_use_threads(monkeypatch):
     """Small networks would use one thread; here they use as many as they are given."""
     monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
-    monkeypatch.setattr(fast_conv_autoencoder, "MIN_WINDOWS_PER_THREAD", 1)
 
 
 def drawn(seed, batch, filters, taps, length, unpooling, dtype=np.float64, features=3):
