@@ -13,7 +13,6 @@ from numpy_cae.motion import (
     Skeleton,
     body_positions,
     find_motion_files,
-    load_body,
     load_motion,
     positions_to_features,
     read_amc,
@@ -21,7 +20,7 @@ from numpy_cae.motion import (
     write_bvh,
     write_like,
 )
-from numpy_cae.motion.io.coordinates import TO_Y_UP, as_in_file, in_y_up, to_y_up
+from numpy_cae.motion.io.coordinates import TO_Y_UP, as_in_file, in_y_up
 
 
 def in_file(motion, up, floor):
@@ -124,11 +123,3 @@ def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_f
         np.testing.assert_allclose(heights, 1.0 - raised.floor, atol=1e-9)
         sunk[:, 1 : 3 * len(JOINTS) : 3] = 0
         np.testing.assert_allclose(sunk, 0.0, atol=1e-9)
-
-
-def test_coordinates_of_load_body(tmp_path):
-    walk = make_take("walk", 1, 2.0, 30.0).motion
-    write_bvh(in_file(walk, "z", 1.0), tmp_path / "a.bvh", unit=0.01)
-    body, _ = load_body(tmp_path / "a.bvh", None, Coordinates(0.01, "z", 1.0))
-    np.testing.assert_allclose(body, body_positions(walk), atol=1e-5)
-    assert to_y_up(walk, "y", 0.0) is walk

@@ -66,8 +66,9 @@ def test_the_cache_knows_content_and_settings(paths, tmp_path):
     (second,) = read_bodies([moved], cache=cache)
     np.testing.assert_array_equal(first.positions, second.positions)
     assert len(list(cache.iterdir())) == 1
-    (other,) = read_bodies([moved], coordinates=Coordinates(unit=0.02), cache=cache)
-    np.testing.assert_allclose(other.positions, 2 * first.positions)
+    known = Coordinates(unit=0.02, up="-y", floor=0.0)
+    (other,) = read_bodies([moved], coordinates=known, cache=cache)
+    np.testing.assert_allclose(other.positions, 2 * first.positions * [1, -1, -1], atol=1e-12)
     moved.write_bytes(moved.read_bytes() + b"\n")
     list(read_bodies([moved], cache=cache))
     assert len(list(cache.iterdir())) == 3
