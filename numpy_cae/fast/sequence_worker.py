@@ -37,7 +37,7 @@ class SequenceWorker:
         self.clips, self.frames, self.burn_in = clips, frames, burn_in
         self.steps = burn_in + frames
         hidden, features = encoder.hidden, len(encoder.inputs_back)
-        self.hidden, self.features = hidden, features
+        self.hidden = hidden
         batch, dtype = clips.stop - clips.start, encoder.inputs.dtype
         self._h_and_x = aligned_empty((hidden + features + 2, frames, batch), dtype)
         self._h_and_y = aligned_empty((hidden + features + 2, self.steps + 1, batch), dtype)
