@@ -1,8 +1,6 @@
 """The properties that every operation shares: its value, each gradient, dtype, purity, strides.
 
-Not tested, as the contract leaves it open: which of several equal points of sliced Wasserstein gets
-which gradient, the dtype of a gradient where dy has another dtype than the arguments, a list for a
-tuple, views of the arguments as results, a loss as a Python float, warnings, empty arrays.
+What is not tested, because the contract leaves it open, stands in docs/verify.md.
 """
 
 from collections.abc import Callable, Iterator

@@ -84,7 +84,7 @@ def conv1d_by_loops(x, w, b):
             dw[k] += np.outer(x[i, s], dy[i, t])
         for row in dy.reshape(-1, filters):
             db += row
-        return [dx, dw, db]
+        return dx, dw, db
 
     return y, pullback
 
