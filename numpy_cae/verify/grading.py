@@ -18,6 +18,7 @@ EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; twice as much may pass on the clock."""
 MEMORY_LIMIT = 2048
 OPERATIONS_ALONE = "numpy_cae.verify.catalogue"
+HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 MISSING = (
     f"no function has an operation's name ({', '.join(OPERATIONS)}); "
     "name one with --as conv1d=my_conv"
@@ -128,13 +129,26 @@ def _graded(
     if problems and not submission.is_notebook:
         fault = problems[0]
     defined = submission.defined() if fault else ()
+    helpers: list[Report] = []
     for task, function in wanted.items():
         if not (task in results or task in counted or function in defined):
             continue
         result = results.get(task, {"failed": f"it has no function {function}"})
         result = {"failed": fault} if fault else result
-        graded.reports.append(report_from_reply(catalogue[task], function, result))
+        report = report_from_reply(catalogue[task], function, result)
+        if task not in counted and _is_helper(report, submission):
+            helpers.append(report)
+            continue
+        graded.reports.append(report)
         graded.notes += [f"{function}: {visible(note)}" for note in result.get("notes", ())]
+    if graded.reports:
+        graded.notes += [HELPER.format(report.called) for report in helpers]
+    graded.reports = graded.reports or helpers
     missing = [] if graded.reports else [MISSING]
     graded.faults += map(visible, [fault] if fault else problems + missing)
     return graded
+
+
+def _is_helper(report: Report, submission: Submission) -> bool:
+    """Whether a function shares its name with an operation, but not its arguments or results."""
+    return "TypeError" in report.outcomes[0].problem and submission.calls(report.called)

@@ -45,8 +45,16 @@ class Submission:
 
     def defined(self) -> set[str]:
         """The names of functions in the text, which may not be Python."""
-        texts = (s if isinstance(s, str) else s.decode("latin-1") for _, s in self.cells)
-        return {name for text in texts for name in DEFINITION.findall(text)}
+        return set(DEFINITION.findall(self._text()))
+
+    def calls(self, name: str) -> bool:
+        """Whether the text seems to call a function, besides defining it."""
+        found = re.findall(rf"(?<![.\w]){name}\(", self._text())
+        return len(found) > (name in self.defined())
+
+    def _text(self) -> str:
+        sources = (source for _, source in self.cells)
+        return "\n".join(s if isinstance(s, str) else s.decode("latin-1") for s in sources)
 
     def run(
         self, given: Mapping[str, Callable], instead: Mapping[str, Callable]

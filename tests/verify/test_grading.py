@@ -88,6 +88,20 @@ def test_each_function_of_a_file_has_its_report(graded):
     assert "\\x1b[2J" in escaped and "\x1b" not in escaped and len(escaped) < 5000
 
 
+def test_a_helper_that_shares_its_name_with_an_operation_is_not_tested(graded):
+    helpers = """
+def gru_step(x, h):
+    return h
+
+def helped(x):
+    return gru_step(x, sigmoid(x))
+"""
+    file = graded("from scipy.special import expit as sigmoid\n" + RIGHT + helpers)
+    assert file.held and [report.operation for report in file.reports] == ["tanh"]
+    assert [note.partition(" is called")[0] for note in file.notes] == ["sigmoid", "gru_step"]
+    assert not graded(helpers).held
+
+
 def test_without_the_functions_to_be_tested_the_file_fails(graded):
     file = graded(RIGHT, named={"conv1d": "mine"})
     assert [report.points for report in file.reports] == [0, 11]
