@@ -26,10 +26,10 @@ def check_gradients(
     only: Sequence[str] | None = None,
     second: bool = False,
 ) -> None:
-    """Raise unless the pullback of f agrees with differences in every argument.
+    """Raise an AssertionError unless the pullback of f agrees with differences in every argument.
 
-    Inputs of up to 100 entries are checked entry by entry, larger ones along random directions.
     docs/verify.md tells what is done about steps, kinks, float32 and functions of complex numbers.
+    Raises a TypeError if no input is an array of floats, or f returns no value and pullback.
 
     Parameters
     ----------
@@ -37,26 +37,15 @@ def check_gradients(
         In the form of `numpy_cae.ops`. The value may be an array, a number, or a tuple of these;
         the pullback of a tuple takes a tuple, with None for what are no floats.
     *inputs : arrays of float64 or float32, and others
-        What is no array of floats is not differentiated: the pullback returns a gradient for each
-        of the others, or None for these.
+        The others are not differentiated: the pullback returns no gradient for them, or None.
     rng : numpy.random.Generator, optional
         For the upstream gradient and the directions; the default has a fixed seed.
     tolerance : float
         Relative to the sizes of both numbers, and at least 1e-4 for float32.
     names, only : sequence of str, optional
-        The names of the arguments in messages, by default those in f's signature; the names of
-        those to check, by default all.
+        The arguments' names in messages, by default those in f's signature; those to check.
     second : bool
-        Whether to check at inputs nearby too, where the gradients are right only if the second
-        derivatives between are.
-
-    Raises
-    ------
-    AssertionError
-        With the argument, the index and both numbers.
-    TypeError
-        If no input is an array of float64 or float32, or f does not return a value and a
-        pullback.
+        Whether to test second derivatives, by the gradients at inputs nearby.
     """
     rng = np.random.default_rng(0) if rng is None else rng
     names = tuple(names) if names is not None else _names(f, len(inputs))

@@ -146,13 +146,7 @@ def report(name: str, function: Callable, any_convention: bool = False) -> Repor
     function : callable
         With the arguments of that operation; returns a value and its pullback.
     any_convention : bool
-        Whether it may follow another documented convention than `numpy_cae.ops`, such as a GRU
-        with its gates in another order, or half the mean squared error.
-
-    Returns
-    -------
-    Report
-        Prints as a table; `.points`, `.possible`, `.held`, `.unsolved`, `.outcomes`.
+        Whether another documented convention may be followed, such as GRU gates in another order.
     """
     return report_on(find_task(CATALOGUE, name), function, any_convention=any_convention)
 
