@@ -140,28 +140,20 @@ def _failure(tried: Property, implementation: Callable, case: Case) -> Exception
     return None
 
 
-def _guarded(implementation: Callable) -> Callable:
-    """An implementation that cannot change what follows by `np.seterr`."""
+def _guarded(function: Callable) -> Callable:
+    """A function, and the pullback that it returns, whose `np.seterr` ends with each call."""
 
     def call(*arguments):
-        returned = _called(implementation, arguments)
-        if not _is_pair(returned):
-            return returned
-        value, pullback = returned
-        return value, lambda *upstream: _called(pullback, upstream)
+        returned = function(*arguments)
+        if np.geterr() != QUIET:
+            np.seterr(**QUIET)
+        return (returned[0], _guarded(returned[1])) if _is_pair(returned) else returned
 
     return call
 
 
 def _is_pair(returned: object) -> bool:
     return isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])
-
-
-def _called(function: Callable, arguments: tuple):
-    returned = function(*arguments)
-    if np.geterr() != QUIET:
-        np.seterr(**QUIET)
-    return returned
 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
