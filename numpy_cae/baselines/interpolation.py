@@ -6,12 +6,22 @@ from scipy.interpolate import CubicSpline
 
 
 def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Linear interpolation of each feature of x (…, T, C) between its `known` values.
+    """Linear interpolation of each feature between its known values.
 
         x̂_t = x_a + (t - a) / (b - a) · (x_b - x_a),    a ≤ t ≤ b the known frames around t
 
     Before the first known value and after the last, that value is repeated; a feature without known
     values is left unchanged.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+        Unknown values are ignored.
+    known : array of bool of the same shape
+
+    Returns
+    -------
+    array of the shape and dtype of x
     """
     filled = x.copy()
     frames = np.arange(x.shape[-2])
@@ -25,7 +35,17 @@ def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """The cubic spline through the frames `keys` of x (…, T, C), rising and at least two, with
-    "not a knot" ends; the last key is repeated."""
+    """The cubic spline through key frames, with "not a knot" ends; the last key is repeated.
+
+    Parameters
+    ----------
+    x : (…, T, C) array of float
+    keys : (K,) array of int
+        The known frames, rising, at least two.
+
+    Returns
+    -------
+    array of the shape and dtype of x
+    """
     spline = CubicSpline(keys, np.take(x, keys, axis=-2), axis=x.ndim - 2)
     return spline(np.clip(np.arange(x.shape[-2]), keys[0], keys[-1])).astype(x.dtype)

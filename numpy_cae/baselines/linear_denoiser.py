@@ -28,7 +28,10 @@ RIDGE = 1e-6
 class LinearDenoiser:
     """A linear convolution over time.
 
-    `weights` are (taps, C, C): neighbouring frame, its feature, the estimated feature.
+    Parameters
+    ----------
+    weights : (taps, C, C) array of float
+        Neighbouring frame, its feature, the estimated feature.
     """
 
     weights: np.ndarray
@@ -42,8 +45,15 @@ class LinearDenoiser:
 
 @dataclass(frozen=True)
 class Moments:
-    """E[z zᵀ] of a frame and its neighbours, `second` (taps · C, taps · C), by frame, then feature;
-    C is `features`."""
+    """E[z zᵀ] of a frame and its neighbours.
+
+    Parameters
+    ----------
+    second : (taps · C, taps · C) array of float64
+        By frame, then feature.
+    features : int
+        C.
+    """
 
     second: np.ndarray
     features: int
@@ -59,8 +69,14 @@ class Moments:
         return cls(total / np.count_nonzero(real), windows.shape[-1])
 
     def solve(self, kept: float | np.ndarray, ridge: float = RIDGE) -> LinearDenoiser:
-        """The optimal weights where a value is kept with a probability and zero otherwise: 1 - p,
-        or (C,), one for each feature."""
+        """The optimal weights where each value is kept with a probability and zero otherwise.
+
+        Parameters
+        ----------
+        kept : float or (C,) array of float
+            1 - p, or one probability for each feature.
+        ridge : float
+        """
         taps = len(self.second) // self.features
         k = np.tile(np.broadcast_to(kept, self.features), taps)
         middle = slice(taps // 2 * self.features, (taps // 2 + 1) * self.features)

@@ -26,7 +26,16 @@ NO_VARIANCE = 1e-11
 
 @dataclass(frozen=True)
 class PCA:
-    """A fitted linear manifold: m (N,), the u_i (R, N) by decreasing variance, and the λ_i (R,)."""
+    """A fitted linear manifold.
+
+    Parameters
+    ----------
+    mean : (N,) array of float
+    axes : (R, N) array of float
+        Unit rows, by decreasing variance.
+    variances : (R,) array of float
+        λ_i.
+    """
 
     mean: np.ndarray
     axes: np.ndarray
@@ -62,8 +71,21 @@ class PCA:
         return np.add(projected, self.mean, out=projected).reshape(x.shape)
 
     def fill(self, rows: np.ndarray, known: np.ndarray, size: int) -> np.ndarray:
-        """Rows (M, N) with the entries that are not `known` from the first `size` axes; σ² is the
-        mean variance of an entry that these do not explain."""
+        """Each row with its missing entries from the manifold of the first `size` axes.
+
+        Parameters
+        ----------
+        rows : (M, N) array of float
+            Unknown values are ignored.
+        known : (M, N) array of bool
+        size : int
+            σ² is the mean variance of an entry that these axes do not explain.
+
+        Returns
+        -------
+        (M, N) array of float
+            The known entries as they were.
+        """
         axes, variances = self.axes[:size], self.variances[:size]
         rest = max(self.variances[size:].sum() / rows.shape[1], 1e-9 * self.variances[0])
         filled = np.array(rows, dtype=np.float64)

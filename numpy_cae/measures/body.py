@@ -43,7 +43,7 @@ def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:
 
 
 def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None) -> float:
-    """The mean speed along the floor of the foot that stands, cm/s; 0 if nothing touches it.
+    """The mean speed along the floor of the foot that stands, in centimetres a second.
 
         100 · rate · mean_{t in contact} ‖xz(p_{t+1,f(t)}) - xz(p_{t,f(t)})‖
 
@@ -52,8 +52,25 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
     at several metres a second, but meanwhile the other foot is lower. There is no bound on the
     speed, as in `find_contacts`, because a fast slide is what is to be measured.
 
-    `floor` is the height in metres; by default `floor_height`, so that a motion that floats as a
-    whole still slides.
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions in metres.
+    rate : float
+        Frames a second.
+    floor : float, optional
+        Its height in metres; by default `floor_height`, so that a motion that floats as a whole
+        still slides.
+
+    Returns
+    -------
+    float
+        0 if nothing touches the floor.
+
+    Raises
+    ------
+    ValueError
+        If the positions are not those of the twenty joints in two frames or more.
     """
     positions = np.asarray(positions, dtype=np.float64)
     toes = positions[:, FEET]
@@ -66,12 +83,19 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
 
 
 def gait_frequency(positions: np.ndarray, rate: float) -> float:
-    """Strides a second, two steps each, by autocorrelation.
+    """Strides a second.
 
-        s_t = (left ankle - right ankle) · forward,    r_l = mean_t (s_t - s̄)(s_{t+l} - s̄)
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions of the twenty joints.
+    rate : float
+        Frames a second.
 
-    The first peak of r after it was negative is one stride; nan where the legs do not alternate or
-    the clip is shorter than a stride.
+    Returns
+    -------
+    float
+        nan where the legs do not alternate or the clip is shorter than a stride.
     """
     lead = _lead(np.asarray(positions, dtype=np.float64))
     lead = lead - lead.mean()

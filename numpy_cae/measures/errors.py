@@ -34,10 +34,12 @@ def position_error(
 
 
 def angle_distance(numbers: np.ndarray, truth: np.ndarray) -> float:
-    """The mean over frames of ‖θ̂ - θ‖, over the 51 angles of a frame, in radians.
+    """mean over frames of ‖θ̂ - θ‖, over the 51 angles of a frame, in radians.
 
-    jang2018: "Euclidean distance was used as a metric in the joint angle space". Both arguments are
-    (…, 54), not standardised; the root's translation is left out.
+    Parameters
+    ----------
+    numbers, truth : (…, 54) arrays of float
+        Not standardised. The root's translation is left out.
     """
     gap = (np.asarray(numbers, dtype=np.float64) - truth)[..., ANGLES]
     return float(np.linalg.norm(gap, axis=-1).mean())

@@ -27,7 +27,7 @@ ANGLES: tuple[str, ...] = (
 
 
 def bends(positions: np.ndarray) -> np.ndarray:
-    """The angles between bones and the bones above them, (F, 20, 3) to (F, angles), in degrees.
+    """The angles between bones and the bones above them.
 
     With b_j = p_j - p_parent(j) the bone that ends at joint j, the angle between two of them
 
@@ -37,6 +37,15 @@ def bends(positions: np.ndarray) -> np.ndarray:
     line a from the right hip to the left, the rotation from thigh to shank is
 
         arctan2((b_thigh × b_shank) · a, b_thigh · b_shank)
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+
+    Returns
+    -------
+    (F, angles) array of float64
+        Degrees, one column for each of `ANGLES`.
     """
     positions = np.asarray(positions, dtype=np.float64)
     bone = positions - positions[:, [max(parent, 0) for parent in PARENTS]]
@@ -56,7 +65,12 @@ def bends(positions: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class JointLimits:
-    """The lowest and the highest value of each of `ANGLES`, (angles,), in degrees."""
+    """The range of each of `ANGLES`, in degrees.
+
+    Parameters
+    ----------
+    low, high : (angles,) arrays of float
+    """
 
     low: np.ndarray
     high: np.ndarray

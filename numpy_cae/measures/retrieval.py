@@ -16,20 +16,38 @@ import numpy as np
 
 
 def precision_at_1(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
-    """1 where the nearest motion is relevant, else 0, (Q,); of equally near ones the first counts.
+    """1 where the nearest motion is relevant, else 0; of equally near ones the first counts.
 
-    `distances` (Q, N) are from each query to each motion of the gallery, infinite for those that
-    are left out; `alike` (Q, N) says which are relevant.
+    Parameters
+    ----------
+    distances : (Q, N) array of float
+        From each query to each motion of the gallery; infinite for those that are left out.
+    alike : (Q, N) array of bool
+
+    Returns
+    -------
+    (Q,) array of float64
     """
     nearest = np.argmin(distances, axis=1)
     return alike[np.arange(len(alike)), nearest].astype(np.float64)
 
 
 def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
-    """The precision at the rank of each relevant motion, averaged over those, (Q,).
+    """The precision at the rank of each relevant motion, averaged over those.
 
-    The arguments are those of `precision_at_1`. ValueError if nothing in the gallery is relevant to
-    one of the queries.
+    Parameters
+    ----------
+    distances, alike
+        As in `precision_at_1`.
+
+    Returns
+    -------
+    (Q,) array of float64
+
+    Raises
+    ------
+    ValueError
+        If nothing in the gallery is relevant to one of the queries.
     """
     alike = alike & np.isfinite(distances)
     order = np.argsort(distances, axis=1, kind="stable")
@@ -57,9 +75,16 @@ class Difference(NamedTuple):
 def bootstrapped_difference(
     ours: np.ndarray, theirs: np.ndarray, seed: int = 0, draws: int = 2000
 ) -> Difference:
-    """mean(ours) - mean(theirs) of the same queries, (Q,), with a 95 % percentile interval.
+    """mean(ours) - mean(theirs), measured on the same queries, with a 95 % percentile interval.
 
     The queries are resampled with replacement, the same ones for both methods.
+
+    Parameters
+    ----------
+    ours, theirs : (Q,) arrays of float
+        One number for each query.
+    seed : int
+    draws : int
     """
     gaps = np.asarray(ours, dtype=np.float64) - theirs
     drawn = np.random.default_rng(seed).integers(0, len(gaps), size=(draws, len(gaps)))

@@ -24,7 +24,21 @@ MAX_POSES = 12_000
 
 @dataclass(frozen=True)
 class Validity:
-    """The measures of one motion, or their means over several, in the units of `HEADER`."""
+    """The measures of one motion, or their means over several.
+
+    Parameters
+    ----------
+    bone_length : float
+        `bone_length_error`, cm.
+    foot_sliding : float
+        cm/s.
+    beyond_limits : float
+        Per cent of the frames.
+    jitter : float
+        m/s².
+    nearest_pose : float
+        cm.
+    """
 
     bone_length: float
     foot_sliding: float
@@ -86,12 +100,18 @@ class ValidityMeasure:
 
 
 class NearestPose:
-    """The distance to the nearest of real poses (N, 63), at most `MAX_POSES`, evenly spread.
+    """The distance to the nearest of a set of real poses.
 
         d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
 
     over the 60 position features, local to the body's place on the floor and its heading: the
-    smallest `position_error` of each frame to a real pose.
+    smallest `position_error` of each frame to a real pose, in centimetres.
+
+    Parameters
+    ----------
+    features : (N, 63) array of float
+        Real poses, on the same bones as the poses to measure. At most `MAX_POSES` of them, evenly
+        spread, are kept.
     """
 
     def __init__(self, features: np.ndarray):

@@ -4,11 +4,21 @@ import numpy as np
 
 
 def camera_view(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> np.ndarray:
-    """Points (…, 3), Y up, as an orthographic camera sees them that looks at the origin: (…, 2), to
-    the right and up.
+    """Points as an orthographic camera sees them that looks at the origin.
 
-    Azimuth 0 sees a body that faces +Z from the front; the elevation is above the horizon, both in
-    degrees.
+    Parameters
+    ----------
+    points : (…, 3) array of float
+        Y up.
+    azimuth : float
+        Degrees about Y from which the camera looks: 0 sees a body that faces +Z from the front.
+    elevation : float
+        Degrees above the horizon.
+
+    Returns
+    -------
+    (…, 2) array of float64
+        To the right and up, in the unit of the points.
     """
     a, e = np.radians([azimuth, elevation])
     right = np.array([np.cos(a), 0.0, -np.sin(a)])

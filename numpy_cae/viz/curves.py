@@ -16,7 +16,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Curve:
-    """One line of a plot; the style and the colour, by default the next one, are Matplotlib's."""
+    """One line of a plot.
+
+    Parameters
+    ----------
+    x, y : sequences of the same number of float
+    label : str
+    colour : str, optional
+        Matplotlib's next colour if None.
+    style : str
+        Of Matplotlib, such as "--".
+    """
 
     x: Sequence[float]
     y: Sequence[float]
@@ -28,8 +38,15 @@ class Curve:
 def curves_figure(
     curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
 ) -> Figure:
-    """Curves in one plot of so many inches, with the legend beside it; `across` and `up` label the
-    axes, with units."""
+    """Curves in one plot, with the legend beside it.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+    across, up : str
+        Labels of the axes, with units.
+    size : (width, height) in inches
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
@@ -57,8 +74,11 @@ def dots_figure(
 ) -> Figure:
     """A row for each name with a dot for each value and a line at their mean.
 
-    `panels` has by title one array of values for each name; nan is left out. A grey line is at the
-    mean of the first name.
+    Parameters
+    ----------
+    names, colours : sequences of str
+    panels : mapping of title to one array of values for each name
+        nan values are left out; a grey line is at the mean of the first name.
     """
     from matplotlib.figure import Figure
 

@@ -23,8 +23,19 @@ def matrix_figure(distances: np.ndarray, names: Sequence[str], unit: str = "dist
 
     Of more than 40 motions, the 40 longest runs of neighbours are labelled whose names are the same
     but for a number at the end ("walk_001" and "walk_002": "walk, 2").
-    The distances (N, N) are symmetric, zero on the diagonal; `unit` labels the colour bar.
-    ValueError if there are fewer than two motions.
+
+    Parameters
+    ----------
+    distances : (N, N) array of float
+        Symmetric, zero on the diagonal; at least two motions.
+    names : sequence of N str
+    unit : str
+        Label of the colour bar.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two motions.
     """
     if len(names) < 2:
         raise ValueError(f"a matrix of distances needs two motions, there are {len(names)}")

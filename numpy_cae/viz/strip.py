@@ -16,10 +16,19 @@ if TYPE_CHECKING:
 
 
 def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
-    """A row of poses for each motion, of as many frames, at the same moments in every row.
+    """A row of poses for each motion, at the same moments in every row.
 
-    Each pose is drawn at its place on the strip, without its path in the world. `rate` is for the
-    times below; the camera looks from `azimuth` degrees, 0 from the front of a body that faces +Z.
+    Each pose is drawn at its place on the strip, without its path in the world.
+
+    Parameters
+    ----------
+    actors : list of Actor, of the same number of frames
+    rate : float
+        Frames a second, for the times below.
+    poses : int
+        How many.
+    azimuth : float
+        Degrees from which the camera looks, 0 from the front of a body that faces +Z.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure

@@ -33,8 +33,18 @@ def save_viewer(
     actors: Sequence[Actor], path: str | Path, rate: float, title: str = "", overlaid: bool = False
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
-    The motions have `rate` frames a second; shorter ones hold their last pose until the longest
-    ends. The title is by default their labels.
+
+    Parameters
+    ----------
+    actors : sequence of Actor
+        The shorter ones hold their last pose until the longest ends.
+    path : path of the .html file
+    rate : float
+        Frames a second of the motions.
+    title : str
+        Of the page; by default the labels of the motions.
+    overlaid : bool
+        Start with all motions in one place instead of side by side.
     """
     with atomic_write(path) as beside:
         Path(beside).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")
@@ -158,7 +168,12 @@ class Player:
 def in_notebook(actors: Sequence[Actor], rate: float, height: int = 420) -> Player:
     """Motions side by side with play, pause and a slider, for the last line of a cell.
 
-    The viewer takes 260 kB of the notebook, ten seconds of three motions about 150 kB more; its
-    frame has `height` pixels.
+    Parameters
+    ----------
+    actors, rate
+        As in `save_viewer`. The viewer takes 260 kB of the notebook, ten seconds of three motions
+        about 150 kB more.
+    height : int
+        Of the frame, in pixels.
     """
     return Player(page_html(actors, rate), ", ".join(actor.label for actor in actors), height)
