@@ -37,11 +37,20 @@ _LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 def fill(
     manifold: MotionManifold, features: np.ndarray, missing: np.ndarray, repeats: int = REPEATS
 ) -> np.ndarray:
-    """Features (F, 63) on the mean skeleton with the joints of a mask (F, 20) filled in.
+    """Fill in the joints of a motion that are missing; only they differ in the result.
 
-    Positions of missing joints are ignored; velocity and turn are kept. A joint that is missing in
-    all frames starts where it is in the mean pose. `repeats` is the number of projections of long
-    holes in the legs; with 0 it is the spline alone.
+    Parameters
+    ----------
+    features : (F, 63) array of float
+        On the mean skeleton. Positions of missing joints are ignored; velocity and turn are kept.
+    missing : (F, 20) array of bool
+        A joint that is missing in all frames starts where it is in the mean pose.
+    repeats : int
+        Number of projections of long holes in the legs. With 0 it is the spline alone.
+
+    Returns
+    -------
+    (F, 63) array of float64
     """
     missing = _checked(missing, len(features))
     filled = np.array(features, dtype=np.float64)
@@ -76,9 +85,12 @@ def fill_motion(
     curve, and rotations that positions do not determine (about a bone's axis, of fingers) are
     interpolated.
 
-    The motion may have any rate and any rig in which the twenty joints can be found, else
-    UnknownRigError. `missing` is (frames, 20) bool in the frames of the file; `keyframe_mask` makes
-    that of keyframes.
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found (else UnknownRigError), at any rate.
+    missing : (frames, 20) array of bool
+        In the frames of the file; `keyframe_mask` makes that of keyframes.
     """
     missing = _checked(missing, len(motion))
     whole = np.asarray(missing.all(axis=1))

@@ -24,11 +24,19 @@ def shares(share: float | str, steps: int) -> np.ndarray:
 def interpolate(
     manifold: MotionManifold, first: np.ndarray, second: np.ndarray, share: float | str = 0.5
 ) -> np.ndarray:
-    """The motion on the manifold between two, (F, 63) and (G, 63) on its mean skeleton.
+    """The motion on the manifold between two, which start together; the longer is truncated.
 
-    They start together and the longer one is truncated: (min(F, G), 63). `share` is the weight of
-    the second: 0 is the projection of the first, 1 that of the second; "transition" goes from the
-    first to the second.
+    Parameters
+    ----------
+    first, second : (F, 63), (G, 63) arrays of float
+        Features on the manifold's mean skeleton.
+    share : float or "transition"
+        Weight of the second motion: 0 is the projection of the first, 1 that of the second; a
+        transition goes from the first to the second.
+
+    Returns
+    -------
+    (min(F, G), 63) array of float64
     """
     frames = min(len(first), len(second))
     if frames == 0:

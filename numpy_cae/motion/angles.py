@@ -85,8 +85,16 @@ def load_angles(
 
 
 def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Motion:
-    """The motion, at 25 frames a second, that 54 numbers a frame (F, 54) describe on bones of the
-    given offsets (J, 3). The root is at the translation; see `on_floor` for a clip."""
+    """The motion, at 25 frames a second, that 54 numbers a frame describe.
+
+    Parameters
+    ----------
+    numbers : (F, 54) array of float
+        The root is at their translation; see `on_floor` for a clip.
+    table : AngleTable
+    offsets : (J, 3) array of float
+        Of the bones, as in `AngleSequence`.
+    """
     frames, joints = len(numbers), len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
     vectors[:, table.indices] = numbers[:, TRANSLATION.stop :]

@@ -45,11 +45,21 @@ class RootTransform:
 
 
 def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarray, RootTransform]:
-    """The features (F, 63) of a motion and its root transform in the first frame, from the world
-    positions (F, 20, 3) of the twenty joints in metres, bones already normalised.
+    """The features of a motion and its root transform in the first frame (section 4).
 
-    `rate`, in frames a second, is for the smoothing of the heading. The last frame has no next one;
-    its velocity and turn repeat those of the frame before.
+    The last frame has no next one; its velocity and turn repeat those of the frame before.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions of the twenty joints in metres, bones already normalised.
+    rate : float
+        Frames a second, for the smoothing of the heading.
+
+    Returns
+    -------
+    features : (F, 63) array of float64
+    start : RootTransform
     """
     theta = heading(positions, rate)
     floor = positions[:, 0] * [1.0, 0.0, 1.0]
@@ -74,8 +84,19 @@ def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
 
 
 def features_to_positions(features: np.ndarray, start: RootTransform | None = None) -> np.ndarray:
-    """World positions (F, 20, 3) in metres of features (F, 63), by integrating the velocities from
-    the first frame's root transform, by default at the origin facing +Z."""
+    """World positions, by integrating the velocities from the first frame's root transform.
+
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    start : RootTransform, optional
+        By default the origin facing +Z.
+
+    Returns
+    -------
+    (F, 20, 3) array of float64
+        Metres.
+    """
     features = np.asarray(features, dtype=np.float64)
     floor, theta = trajectory_of(features, start)
     local = features[:, POSITIONS].reshape(len(features), len(JOINTS), 3)

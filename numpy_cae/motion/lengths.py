@@ -66,10 +66,20 @@ def require_steady(path: str | Path, positions: np.ndarray) -> None:
 
 
 def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """The same motion, positions (F, 20, 3) in metres, on bones of other lengths.
+    """The same motion on bones of other lengths; `own` and `target` exchanged give the inverse.
 
-    `own` and `target` are (20,) `bone_lengths` in metres, of these positions and of the result;
-    exchanged, they give the inverse. A bone without a length of its own continues the one above.
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        In metres.
+    own, target : (20,) arrays of float
+        Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
+        result. A bone without a length of its own continues the bone above it.
+
+    Returns
+    -------
+    (F, 20, 3) array of float64
+        In metres.
     """
     changed = np.empty(positions.shape)
     changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())

@@ -30,8 +30,17 @@ def cut_windows(
     They start every `length - overlap` frames; if frames remain at the end, one more window ends
     with the last frame. A take shorter than a window is extended by `hold_last_pose`.
 
-    Features (F, 63) give windows (N, length, 63) and `real` (N, length), False for added frames,
-    which errors leave out. Raises ValueError without frames or unless 0 <= overlap < length.
+    Parameters
+    ----------
+    features : (F, 63) array of float
+    length, overlap : int
+        In frames; ValueError unless 0 <= overlap < length and there are frames.
+
+    Returns
+    -------
+    windows : (N, length, 63) array of float64
+    real : (N, length) array of bool
+        False for added frames, which errors leave out.
     """
     if not 0 <= overlap < length:
         problem = f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"

@@ -39,8 +39,16 @@ def fit_motion(
     """A motion of the twenty joints on bones of these lengths that fits the positions.
 
     Where one bone leaves a joint its direction is kept exactly; where several do, the angles
-    between them become their mean over the take. World positions (F, 20, 3) and bone lengths (20,)
-    are in metres, the rate in frames a second; `unit` is that of the file to be written.
+    between them become their mean over the take.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions in metres.
+    lengths : (20,) array of float
+        In metres.
+    rate, unit : float
+        Frames a second, and metres in one unit of the file to be written.
     """
     skeleton = body_skeleton(lengths)
     rotations = np.tile(IDENTITY, (len(positions), len(JOINTS), 1))
