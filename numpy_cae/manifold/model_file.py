@@ -43,8 +43,11 @@ def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> N
 def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     """Read a manifold of either kind; its network computes by `engine`, "fast" or "ops".
 
-    Raises ModelFileError if the file is missing, is not a model of this version, was changed after
-    it was written, or its arrays do not fit together.
+    Raises
+    ------
+    ModelFileError
+        If the file is missing, is not a model of this version, was changed after it was written, or
+        its arrays do not fit together.
     """
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
         **dict.fromkeys((CONVOLUTIONAL, CONVOLUTIONAL_2), _motions_of),

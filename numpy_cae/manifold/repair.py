@@ -81,11 +81,18 @@ def repair(
 def project_motion(
     motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
 ) -> Motion:
-    """The motion projected onto the manifold, in its own rig and rate: the paper's repair.
+    """The motion projected onto the manifold, in its own rig: the paper's repair.
 
     The projection is the mean over all positions of the pooling grid. Frames between two poses at
     the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
     (fingers) and rotations of bones about their own axis stay as they were.
+
+    Arguments are as in `repair`.
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate, unit and length.
     """
     # Of an hour, each array at 30 frames a second takes 50 MB: here only the poses are left.
     poses = _projected_poses(manifold.body(motion, mapping), manifold)

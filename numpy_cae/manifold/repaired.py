@@ -43,10 +43,22 @@ def change_joints(
     strength: float = 1.0,
     residual: float = 0.0,
 ) -> Repaired:
-    """Move the joints of a mask, `touched` (frames, 20) in frames of the file, and nothing else.
+    """Move the joints of a mask to target positions, and nothing else.
 
-    They move by a share, `strength`, of the way to `target`, world positions (F, 20, 3) at 30
-    frames a second in metres. `original` is what `moved` is measured from.
+    Parameters
+    ----------
+    body : Body
+        Of the motion to change.
+    original : Motion
+        What `moved` is measured from.
+    target : (F, 20, 3) array of float
+        World positions at 30 frames a second, metres.
+    touched : (frames, 20) array of bool
+        In the frames of the file.
+    strength : float
+        Share of the way to the target, 0 to 1.
+    residual : float
+        Of `Repaired`.
     """
     if not touched.any():
         return Repaired(original, touched, np.zeros(touched.shape), residual)

@@ -49,8 +49,20 @@ class AngleSequence:
 
 
 def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
-    """The motion, at the rate of its file, as 54 numbers a frame at 25 frames a second, without a
-    leading T-pose. Raises UnknownRigError as `find_joints` does."""
+    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
+
+    Parameters
+    ----------
+    motion : Motion
+        At the rate of its file.
+    mapping : dict, optional
+        See `find_joints`.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    """
     table = table_for(motion.skeleton)
     found = table.find(motion.skeleton, mapping)
     motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)

@@ -29,8 +29,20 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
 
     A foot is in contact at a frame if its toe is within `STANDING_HEIGHT` of the floor and moves
     along it slower than `STANDING_SPEED`; gaps and contacts of less than three frames are noise.
-    World positions (F, 20, 3) in metres give (F, 2) bool, left and right. `floor` is its height in
-    metres, by default `floor_height`.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions in metres.
+    rate : float
+        Frames a second.
+    floor : float, optional
+        Its height in metres; `floor_height` if None.
+
+    Returns
+    -------
+    (F, 2) array of bool
+        Left and right.
     """
     from scipy.ndimage import binary_closing, binary_opening  # slow to import, and seldom used
 

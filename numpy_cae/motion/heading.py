@@ -15,8 +15,19 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
 
     Forward is perpendicular to Y and to the line from the right hip and shoulder to the left ones.
     It is smoothed as a vector, so that frames in which the body leans far over, and the line is
-    short along the floor, have little weight. From world positions (F, 20, 3) at `rate` frames a
-    second: (F,) radians, 0 facing +Z, growing towards +X, unwrapped (without jumps of 2π).
+    short along the floor, have little weight.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions of the twenty joints.
+    rate : float
+        Frames a second.
+
+    Returns
+    -------
+    (F,) array of float64
+        Radians, 0 facing +Z, growing towards +X, unwrapped: without jumps of 2π.
     """
     at = {joint: positions[:, index] for index, joint in enumerate(JOINTS)}
     across = at["left_shoulder"] - at["right_shoulder"] + at["left_hip"] - at["right_hip"]

@@ -97,8 +97,21 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
 def features_on_mean_skeleton(
     takes: Sequence[np.ndarray], rate: float
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """The features (F, 63) of each take, world positions (F, 20, 3) in metres, on the mean bones of
-    all takes; and these bones' lengths (20,), in whose mean each take has the same weight."""
+    """The features of each take on the mean bones of all takes.
+
+    Parameters
+    ----------
+    takes : sequence of (F, 20, 3) arrays of float
+        World positions of the twenty joints in metres.
+    rate : float
+        Frames a second.
+
+    Returns
+    -------
+    features : list of (F, 63) arrays of float64
+    lengths : (20,) array of float64
+        The mean bone lengths in metres; each take has the same weight.
+    """
     own = [bone_lengths(take) for take in takes]
     mean = np.mean(own, axis=0)
     features = [

@@ -33,11 +33,22 @@ def load_windows(
     length: int = LENGTH,
     overlap: int = OVERLAP,
 ) -> FileWindows:
-    """The windows of the motion files below a folder whose names match a pattern ("*walk*").
+    """The windows of the motion files below a folder.
 
-    Of at most so many `minutes`, files chosen evenly from the list; `length` and `overlap` of a
-    window are in frames at 30 a second. Raises MotionFileError or UnknownRigError if there is no
-    such file, or one cannot be read or lacks joints.
+    Parameters
+    ----------
+    folder : path
+    pattern : str
+        Names of the files to use, such as "*walk*".
+    minutes : float
+        Maximal duration; files are chosen evenly from the list.
+    length, overlap : int
+        Of a window, in frames at 30 a second.
+
+    Raises
+    ------
+    MotionFileError, UnknownRigError
+        If there is no such file, or one cannot be read or lacks joints.
     """
     paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
     if not paths:

@@ -15,8 +15,22 @@ from numpy_cae.training.sgd import clip_norm, descend, descend_with_momentum
 from numpy_cae.training.step import unit_directions
 
 __all__ = [
-    "Adam", "Checkpoint", "CheckpointError", "DivergedError", "History", "Schedule",
-    "SequenceHistory", "SequenceSchedule", "Stage", "clip_norm", "decayed_rate", "descend",
-    "descend_with_momentum", "one_cycle", "train_autoencoder", "train_sequential",
-    "unit_directions", "zero_values",
-]  # fmt: skip
+    "Adam",
+    "Checkpoint",
+    "CheckpointError",
+    "DivergedError",
+    "History",
+    "Schedule",
+    "SequenceHistory",
+    "SequenceSchedule",
+    "Stage",
+    "clip_norm",
+    "decayed_rate",
+    "descend",
+    "descend_with_momentum",
+    "one_cycle",
+    "train_autoencoder",
+    "train_sequential",
+    "unit_directions",
+    "zero_values",
+]

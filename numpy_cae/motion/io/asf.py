@@ -54,9 +54,17 @@ def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]
 def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     """Read an Acclaim skeleton.
 
-    `unit` is metres in one unit of the file, by default 0.0254 / length, since a value divided by
-    the `length` of `:units` is inches. Raises MotionFileError if the file is damaged or a bone may
-    stretch or slide (dof l, tx, ty, tz).
+    Parameters
+    ----------
+    path : path of the .asf file
+    unit : float, optional
+        Metres in one unit of the file. By default 0.0254 / length, since a value divided by the
+        `length` of `:units` is inches.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged, or a bone may stretch or slide (dof l, tx, ty, tz).
     """
     file = TextFile.read(path, MAX_BYTES)
     units, root, bones, hierarchy = _read_sections(file)

@@ -22,13 +22,29 @@ log = logging.getLogger(__name__)
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
-    """Read a BVH file: joints in the order, axes as in the file; `load_motion` turns Y up.
+    """Read a BVH file.
 
-    `unit` is metres in one unit of length of the file, by default guessed from the size of the
-    skeleton; `Motion.unit_note` and the log state the guess. `max_rate` is frames a second that
-    suffice: if omitting frames gives this rate, the others are counted but not parsed.
+    Parameters
+    ----------
+    path : path of the file
+    unit : float, optional
+        Metres in one unit of length of the file: 0.01 for centimetres. By default guessed from
+        the size of the skeleton; `Motion.unit_note` and the log state the guess.
+    max_rate : float, optional
+        Frames a second that suffice. If omitting frames gives this rate, the others are counted
+        but not parsed, and the motion has this rate.
 
-    Raises MotionFileError if the file is damaged anywhere; a motion is never truncated or padded.
+    Returns
+    -------
+    Motion
+        In metres, its joints in the order and its axes as in the file: `load_motion` turns Y up.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged anywhere; a motion is never truncated or padded.
+    ValueError
+        If `unit` is not above 0.
     """
     if unit is not None:
         unit = require_unit(unit)

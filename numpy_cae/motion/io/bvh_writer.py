@@ -32,16 +32,28 @@ ANGLE_FORMAT = "%.6f"
 
 
 def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:
-    """Write a motion to a BVH file atomically, replacing one that exists.
+    """Write a motion to a BVH file atomically.
 
-    `unit` is metres in one unit of length of the file, by default the motion's. The up axis and the
-    floor are those of the file that the motion came from; reading it back gives positions within
-    1e-5 m. Joints are depth first in the file, whatever their order in the skeleton; the root has
-    six channels, another joint three rotations, and three positions before them if it leaves its
-    offset.
+    The up axis and the floor are those of the file that the motion came from; reading it back
+    gives positions within 1e-5 m. Joints are depth first in the file, whatever
+    their order in the skeleton; the root has six channels, another joint three rotations, and
+    three positions before them if it leaves its offset.
 
-    Raises ValueError if the motion has no frames, values that are not finite or names that BVH
-    cannot hold; FileError if the file cannot be written.
+    Parameters
+    ----------
+    motion : Motion
+    path : path of the file
+        Replaced if it exists.
+    unit : float, optional
+        Metres in one unit of length of the file; `motion.unit` by default.
+
+    Raises
+    ------
+    ValueError
+        If the motion has no frames, values that are not finite or names that BVH cannot hold, or
+        `unit` is not above 0.
+    FileError
+        If the file cannot be written.
     """
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)

@@ -25,8 +25,12 @@ def read_c3d(path: str | Path, unit: float | None = None) -> Motion:
 
     Frames in which a joint is missing at the beginning or the end are left out; gaps in between are
     interpolated linearly. The unit and the vertical axis are as the file says (C3D's default: mm);
-    `unit`, in metres, overrides the first. Raises MotionFileError if the file is damaged or lacks
-    one of the twenty joints, or ezc3d is not installed.
+    `unit`, in metres, overrides the first.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged or lacks one of the twenty joints, or ezc3d is not installed.
     """
     path = Path(path)
     try:

@@ -30,9 +30,24 @@ _CUT = 1.5
 def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     """Read exponential-map text; the number of values in a line determines the layout.
 
-    `unit` is metres in one unit of length, by default CMU's or Human3.6M's millimetre. The motion
-    has the rig's standard bones and 120 frames a second for CMU, 50 for Human3.6M: the text states
-    neither. Raises MotionFileError if the file is damaged, ValueError if `unit` is not above 0.
+    Parameters
+    ----------
+    path : path of the .txt file
+    unit : float, optional
+        Metres in one unit of length; by default CMU's unit or Human3.6M's millimetre.
+
+    Returns
+    -------
+    Motion
+        On the rig's standard bones and at 120 frames a second for CMU, 50 for Human3.6M: the text
+        states neither.
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged.
+    ValueError
+        If `unit` is not above 0.
     """
     rig, values = _table(TextFile.read(path))
     metres = rig.unit if unit is None else require_unit(unit)

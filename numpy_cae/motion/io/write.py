@@ -44,8 +44,13 @@ def write_motion(motion: Motion, path: str | Path) -> None:
     """Write a motion as .bvh, .glb, .npz or .csv, atomically.
 
     BVH has the up axis and the floor of the motion's file; the others are Y up with the floor at 0.
-    Raises ValueError if the suffix is another, or the motion has no frames or values that are not
-    finite; FileError if the file cannot be written.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is another, or the motion has no frames or values that are not finite.
+    FileError
+        If the file cannot be written.
     """
     require_writer(path)
     WRITERS[Path(path).suffix.lower()](without_added(motion), path)

@@ -52,11 +52,24 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     many decimals as the file has; angles continue those of neighbouring frames without avoidable
     jumps. A joint's rotation that its channels or limits do not allow is written as near as they
     do, with a warning. If the suffix of `path` is not that of `source`, or the frames are not the
-    same in number, `write_motion` writes the motion. `before` is as `load_motion(source)` returns
-    it; `path` is replaced if it exists and may be `source`.
+    same in number, `write_motion` writes the motion.
 
-    Raises MotionFileError if the source cannot be read again or has changed, FileError if the file
-    cannot be written.
+    Parameters
+    ----------
+    source : path of a .bvh or .amc file
+    before : Motion
+        As `load_motion(source)` returns it.
+    after : Motion
+        Of the same skeleton.
+    path : path of the file
+        Replaced if it exists; it may be `source`.
+
+    Raises
+    ------
+    MotionFileError
+        If the source cannot be read again or has changed.
+    FileError
+        If the file cannot be written.
     """
     source = Path(source)
     suffix = source.suffix.lower()

@@ -25,9 +25,24 @@ def at_rate_of(
     """Positions at `RATE` resampled to the frames of a motion: the inverse of `body_of` in time.
 
     The interpolation is Akima's modified cubic, smooth and local: poses at rest stay at rest.
-    Frames after the last pose, less than 1/30 s, are extrapolated linearly. Positions (F', N, 3)
-    give (F, N, 3), a pose for each frame of the motion or of `frames`, which are ascending;
-    ValueError unless they are as many poses as `body_of(motion)` has.
+    Frames after the last pose, less than 1/30 s, are extrapolated linearly.
+
+    Parameters
+    ----------
+    motion : Motion
+    positions : (F', N, 3) array of float
+        As many poses as `body_of(motion)` has.
+    frames : (F,) array of int, optional
+        Frames of the motion, ascending; all by default.
+
+    Returns
+    -------
+    (F, N, 3) array of float64
+
+    Raises
+    ------
+    ValueError
+        If the number of poses is another.
     """
     from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
 
