@@ -136,7 +136,9 @@ class Workspace:
             self.team.run(lambda number: run_thread(number, anew=False))
         if not all(equal):
             self.team.run(lambda number: run_thread(number, anew=True))
-            copies = [] if self.training else [w.copy() for w in filters]
+            # With the ŵ of infinite weights the next run would warn, whatever its own weights are.
+            kept = not self.training and all(np.isfinite(w).all() for w in filters)
+            copies = [w.copy() for w in filters] if kept else []
         self._copies = copies
 
     def _transform_filters(self, number: int, filters: Sequence[np.ndarray]) -> None:

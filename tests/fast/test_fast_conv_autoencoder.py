@@ -194,6 +194,18 @@ def test_any_change_of_weights_between_calls_is_seen(monkeypatch, change, batch,
     assert_same(flat(gradients), flat(fast.loss_and_gradients(x, corrupted)), 1e-10)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("batch", [1, 5])
+def test_weights_that_were_infinite_cause_no_later_warning(batch):
+    model, x, _, _ = drawn(0, batch, (4, 3), 5, 8, "even")
+    fast, w = accelerate(model, 2), model.layers[0].w
+    model.layers[0].w = np.full_like(w, np.inf)
+    with np.errstate(all="ignore"):
+        fast.encode(x)
+    model.layers[0].w = w
+    assert_same([model.encode(x)], [fast.encode(x)], 1e-10)
+
+
 def test_the_accelerated_model_shares_layers_and_attributes():
     model, x, _, _ = drawn(0, 1, (4, 3), 5, 8, "even")
     fast = accelerate(model)
