@@ -57,6 +57,14 @@ BEYOND = "beyond the bound the value is arctanh(±bound) and the gradient exactl
 TIES = "a tie goes to the earlier frame, value and whole gradient"
 LOSER = "the smaller frame's gradient is exactly 0"
 AT_ZERO = "at y = 0 the gradient is exactly 0"
+SHIFT = "away from the edges, a frame's delay of x delays y by a frame"
+INVERSE = "arctanh ∘ tanh is the identity inside the bound, its derivative too"
+AT_TARGET = "where x_hat equals x, loss and gradient are exactly 0"
+CHEAPEST = "in one dimension it is the cheapest assignment on squared costs, mean over points"
+BY_DEFAULT = "called without the upstream number, the pullback takes it to be 1"
+OTHER_SHARE = "where the {}'s share of dL/dw is 0, the {}'s is right".format
+FEW = (1, 2, 3, 4, 5)
+LOSSES = "mean_squared_error mean_absolute sliced_wasserstein"
 COMPARED = (
     ("max_pool", "ties", TIES, TIED),
     ("max_pool", "loser", LOSER, WITHOUT_TIES["values"]),
@@ -67,9 +75,6 @@ COMPARED = (
 """Operations, name, statement, and the classes of values."""
 for _names, _name, _statement, _values in COMPARED:
     _state(_names, _name, _statement, compared, {"values": _values})
-
-
-SHIFT = "away from the edges, a frame's delay of x delays y by a frame"
 
 
 @states("conv1d", "shift in time", SHIFT, frames=(8, 9, 10), taps=(1, 3, 5))
@@ -95,9 +100,6 @@ def _empty_slot(unpool_random, case, y, first):
 def _pair_sums(unpool, case, y, **mask):
     x, _ = unpool(y, *mask.values())
     yield "the sum of a pair", x[:, 0::2] + x[:, 1::2], y
-
-
-INVERSE = "arctanh ∘ tanh is the identity inside the bound, its derivative too"
 
 
 @states("arctanh", "inverse of tanh", INVERSE)
@@ -132,9 +134,6 @@ def _kept_state(gru, case, x, h0, **weights):
     yield "in two pieces the value", np.concatenate([head, tail], axis=1), whole
 
 
-AT_TARGET = "where x_hat equals x, loss and gradient are exactly 0"
-
-
 @states("mean_squared_error", "zero at the target", AT_TARGET)
 def _zero_at_the_target(mean_squared_error, case, x_hat, x):
     loss, pullback = mean_squared_error(x.copy(), x)
@@ -162,18 +161,10 @@ def _order(sliced_wasserstein, case, z, prior, directions):
         yield "in another order the gradient", gradient, of_order
 
 
-FEW = (1, 2, 3, 4, 5)
-CHEAPEST = "in one dimension it is the cheapest assignment on squared costs, mean over points"
-
-
 @states("sliced_wasserstein", "optimal assignment", CHEAPEST, points=FEW, dimensions=(1,))
 def _assignment(sliced_wasserstein, case, z, prior, directions):
     cheapest = min(np.mean((np.array(order) - prior) ** 2) for order in permutations(z))
     yield "the distance", sliced_wasserstein(z, prior, np.ones((1, 1)))[0], cheapest
-
-
-LOSSES = "mean_squared_error mean_absolute sliced_wasserstein"
-BY_DEFAULT = "called without the upstream number, the pullback takes it to be 1"
 
 
 @states(LOSSES, "upstream default", BY_DEFAULT)
@@ -188,7 +179,6 @@ def _one_by_default(loss, case, **arguments):
 SMALL = {"batch": (2, 3), "frames": (4, 5, 6), "taps": (1, 3), "filters": (1, 2)}
 SMALL["channels"] = (1, 2, 3)
 SMALL["values"] = (ORDINARY, "random")
-OTHER_SHARE = "where the {}'s share of dL/dw is 0, the {}'s is right".format
 
 
 @states("tied_layer", "encoder's share", OTHER_SHARE("decoder", "encoder"), **SMALL)
