@@ -70,6 +70,7 @@ def arctanh(y: np.ndarray, bound: float) -> tuple[np.ndarray, Pullback]:
     """
     if not 0 < bound < 1:
         raise ValueError(f"bound is {bound}, expected a number between 0 and 1, both excluded")
+    bound = float(bound)  # a number of NumPy would turn float32 into float64
     clipped = np.clip(y, -bound, bound)
     inside = np.abs(y) <= bound
     x = np.arctanh(clipped)

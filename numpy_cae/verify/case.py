@@ -118,11 +118,17 @@ EXTREME = _chosen(-1e30, 1e30, 1e-30, -1e-30, 1.0)
 """Numbers whose squares float32 cannot hold, for operations that do not multiply them."""
 
 
+def _reversed(array: np.ndarray) -> np.ndarray:
+    """A view backwards along every axis longer than 1: one entry has no direction."""
+    axes = tuple(axis for axis, size in enumerate(array.shape) if size > 1)
+    return np.flip(np.flip(array, axes).copy(), axes)
+
+
 LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     ORDINARY: np.ndarray.copy,
     "in Fortran order": lambda array: array.copy(order="F"),
     "every other entry": lambda array: np.stack([array, np.zeros_like(array)], axis=-1)[..., 0],
-    "reversed": lambda array: np.flip(np.flip(array).copy()),
+    "reversed": _reversed,
     "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
     "read-only": lambda array: np.broadcast_to(array.copy(), array.shape),
     "broadcast": lambda array: np.broadcast_to(array[:1], array.shape),

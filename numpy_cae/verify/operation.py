@@ -65,7 +65,7 @@ LONG = {
     "axes": (3,),
 }
 """Sizes that are tried besides, in the one property of special inputs; the last come together."""
-SHORTER = {"longer": LONG | {"frames": (128, 300, 35)}}
+SHORTER = {"longer": LONG | {"frames": (128, 1100, 35)}}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31

@@ -67,10 +67,14 @@ def _value(operation: Operation, implementation: Callable, case: Case) -> Findin
     value, _ = call_of_array(implementation, copies(arguments))
     yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.floor
     others = operation.arguments(Case(case.sizes, case.seed + 1))
-    kept = list(arguments)[case.seed % len(arguments)]
-    others[kept] = arguments[kept]
+    one = list(arguments)[case.seed // 2 % len(arguments)]
+    if case.seed % 2:  # all but one are the same, or only one
+        others = {**arguments, one: others[one]}
+    else:
+        others[one] = arguments[one]
     value, expected = implementation(*copies(others))[0], operation.value(*copies(others))
-    yield f"of the same {kept} and other arguments, the value", value, expected
+    which = "another" if case.seed % 2 else "the same"
+    yield f"of {which} {one} after a first call, the value", value, expected
 
 
 def _gradient_for(argument: str) -> Callable:
@@ -146,7 +150,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    dy = dy if type(dy) in (int, float) else np.float32(dy)
+    dy = np.float32(dy) if np.ndim(dy) else dy
 
     def in_float64(rounding: float) -> dict:
         def widened(array: np.ndarray) -> np.ndarray:
@@ -215,16 +219,17 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
     given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
-    returned, pullback = implementation(*given)
-    value, dy = np.copy(returned), drawn_upstream(case, returned)
 
     def pulled(by: Callable, upstream) -> dict[str, np.ndarray]:
         return differentiated(operation, by(copied(upstream)))
 
-    first = pulled(pullback, dy)
-    before = {name: np.copy(gradient) for name, gradient in first.items()}
+    alone, alone_pullback = implementation(*given)
+    value, dy = np.copy(alone), drawn_upstream(case, alone)
+    before = {name: np.copy(gradient) for name, gradient in pulled(alone_pullback, dy).items()}
+    returned, pullback = implementation(*given)
     other_value, other_pullback = implementation(*copies(others))
     other_value, other_dy = np.copy(other_value), drawn_upstream(another, other_value)
+    first = pulled(pullback, dy)
     other = {name: np.copy(gradient) for name, gradient in pulled(other_pullback, other_dy).items()}
     pulled(pullback, other_dy)
     yield _again("after further calls, the value that was returned first", returned, value)
@@ -237,6 +242,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         for name, gradient in pulled(by, upstream).items():
             yield _again(f"called again, the gradient for {name}", gradient, expected[name])
     if case.get("layout") not in ("read-only", "broadcast"):
+        implementation(*given)
         for number, new in enumerate(others.values()):
             if isinstance(new, np.ndarray):
                 given[number][...] = new
