@@ -21,8 +21,15 @@ class Body:
     """The twenty joints of a motion as features on the mean skeleton, with the inverse.
 
     Each quantity is computed when it is first used, and once. The first use raises
-    `UnknownRigError` if joints are missing from the rig. `mean_lengths` (20,) are the bone lengths
-    of the mean skeleton in metres, which the features are on.
+    `UnknownRigError` if joints are missing from the rig.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    mean_lengths : (20,) array of float
+        Bone lengths of the mean skeleton, which the features are on, metres.
+    mapping : dict of joint name to the rig's joint name, optional
     """
 
     motion: Motion
@@ -80,11 +87,21 @@ class Body:
         return retarget(self.motion, positions, self.mapping, touched)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
-        """The motion, changed so that its twenty joints follow features (F, 63) at 30 frames a
-        second on the mean skeleton, from a root transform as in `positions_of`.
+        """The motion, changed so that its twenty joints follow features.
 
-        If they have fewer frames than the motion, it is truncated; they may not have more. Joints
-        beyond the twenty keep their rotation relative to their parent.
+        Parameters
+        ----------
+        features : (F, 63) array of float
+            At 30 frames a second on the mean skeleton. If they have fewer frames than the motion,
+            the motion is truncated; they may not have more.
+        root : RootTransform, optional
+            The root transform of the first frame, the motion's own where None.
+
+        Returns
+        -------
+        Motion
+            With the skeleton, rate and unit of the motion. Joints beyond the twenty keep their
+            rotation relative to their parent.
         """
         source, motion = self.motion.source_frames(RATE), self.motion
         if len(features) != len(source):

@@ -10,10 +10,21 @@ import numpy as np
 
 
 def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
-    """Raise an AssertionError unless <f(x), y> = <x, pullback(y)>.
+    """Raise unless <f(x), y> = <x, pullback(y)>.
 
-    f is linear in x and returns a value and a pullback, with a gradient for x alone; y is an array
-    of float64 in the shape of f(x). The tolerance is relative to |f(x)| |y| + |x| |pullback(y)|.
+    Parameters
+    ----------
+    f : x -> (value, pullback)
+        Linear in x, with a gradient for x alone.
+    x, y : arrays of float64
+        An argument, and an array in the shape of f(x).
+    tolerance : float
+        Relative to |f(x)| |y| + |x| |pullback(y)|, which rounding is proportional to.
+
+    Raises
+    ------
+    AssertionError
+        With both inner products, or the shapes where they do not fit.
     """
     value, pullback = f(x)
     if np.shape(value) != np.shape(y):

@@ -57,8 +57,19 @@ _POSES = 500
 class Coordinates:
     """What the user knows of the files' coordinates; what is None is detected in each file.
 
-    `unit` is metres in one unit of length, `up` the axis that is up, a key of `TO_Y_UP`, and
-    `floor` its height in the file along that axis in metres; ValueError if one is not valid.
+    Parameters
+    ----------
+    unit : float, optional
+        Metres in one unit of length.
+    up : str, optional
+        The axis that is up, a key of `TO_Y_UP`.
+    floor : float, optional
+        Height of the floor in the file along that axis, in metres.
+
+    Raises
+    ------
+    ValueError
+        If one is not valid.
     """
 
     unit: float | None = None

@@ -29,8 +29,17 @@ _LIMBS = (
 def without_t_pose(motion: Motion, mapping: Mappings = None) -> Motion:
     """The motion without its first frame if that is a T-pose from which the second jumps.
 
-    The motion is at the rate of its file: resampling would blend the T-pose with the next frames.
-    Raises UnknownRigError as `find_joints` does.
+    Parameters
+    ----------
+    motion : Motion
+        At the rate of its file: resampling would blend the T-pose with the next frames.
+    mapping : dict, optional
+        See `find_joints`.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
     """
     if len(motion) < 3:
         return motion
