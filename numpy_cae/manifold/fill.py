@@ -37,10 +37,11 @@ _LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 def fill(
     manifold: MotionManifold, features: np.ndarray, missing: np.ndarray, repeats: int = REPEATS
 ) -> np.ndarray:
-    """Fill in the joints of a motion that are missing; only they differ in the result.
+    """Fill in the joints of a motion that are missing.
 
     Parameters
     ----------
+    manifold : MotionManifold
     features : (F, 63) array of float
         On the mean skeleton. Positions of missing joints are ignored; velocity and turn are kept.
     missing : (F, 20) array of bool
@@ -51,6 +52,12 @@ def fill(
     Returns
     -------
     (F, 63) array of float64
+        Only the missing joints differ from `features`.
+
+    Raises
+    ------
+    ValueError
+        If `missing` has another shape.
     """
     missing = _checked(missing, len(features))
     filled = np.array(features, dtype=np.float64)
@@ -88,9 +95,20 @@ def fill_motion(
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found (else UnknownRigError), at any rate.
+        Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
     missing : (frames, 20) array of bool
         In the frames of the file; `keyframe_mask` makes that of keyframes.
+    mapping : dict of joint name to the rig's joint name, optional
+
+    Returns
+    -------
+    Repaired
+
+    Raises
+    ------
+    UnknownRigError, ValueError
+        If joints of the rig are missing; if the mask has another shape.
     """
     missing = _checked(missing, len(motion))
     whole = np.asarray(missing.all(axis=1))

@@ -34,13 +34,18 @@ def cut_windows(
     ----------
     features : (F, 63) array of float
     length, overlap : int
-        In frames; ValueError unless 0 <= overlap < length and there are frames.
+        In frames, 0 <= overlap < length.
 
     Returns
     -------
     windows : (N, length, 63) array of float64
     real : (N, length) array of bool
         False for added frames, which errors leave out.
+
+    Raises
+    ------
+    ValueError
+        If there are no frames or the overlap does not fit the length.
     """
     if not 0 <= overlap < length:
         problem = f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"

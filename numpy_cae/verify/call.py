@@ -8,7 +8,7 @@ import numpy as np
 def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
     """Call f; raise a TypeError unless it returns a value of floats, and a pullback."""
     returned = f(*inputs)
-    if not (isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])):
+    if not is_pair(returned):
         raise TypeError(
             "expected a value and its pullback, a tuple of an array and a function, "
             f"got {_described(returned)}"
@@ -16,6 +16,11 @@ def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
     if not any(map(is_float, parts(returned[0]))):
         raise TypeError(f"expected a value of floats, got {_described(returned[0])}")
     return returned
+
+
+def is_pair(returned: object) -> bool:
+    """Whether a call returned a value and a pullback."""
+    return isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])
 
 
 def call_of_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]:

@@ -164,8 +164,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
     laid_out = layout(dy) if np.ndim(dy) else dy
-    found_by_name = results(operation, implementation, copies(given, layout), laid_out)
-    for what, found in found_by_name.items():
+    for what, found in results(operation, implementation, copies(given, layout), laid_out).items():
         _require_dtype(what, found, np.float32)
         expected = operation.alike(arguments, exact[what])
         if np.all(np.isfinite(expected)):

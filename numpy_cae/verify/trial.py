@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from numpy_cae.verify.call import is_pair
 from numpy_cae.verify.case import WORTH_PRINTING, Case, example_call, smallest, written
 from numpy_cae.verify.catalogue import CATALOGUE, find_task
 from numpy_cae.verify.diagnosis import likely_mistake
@@ -33,7 +34,7 @@ class Recorder:
         given = deepcopy(list(arguments))
         self.arguments, self.upstream, self.found = given, (), []
         returned = self.implementation(*arguments)
-        if not _is_pair(returned):
+        if not is_pair(returned):
             return returned
         value, pullback = np.copy(returned[0]), returned[1]
         self.found = [value]
@@ -147,13 +148,9 @@ def _guarded(function: Callable) -> Callable:
         returned = function(*arguments)
         if np.geterr() != QUIET:
             np.seterr(**QUIET)
-        return (returned[0], _guarded(returned[1])) if _is_pair(returned) else returned
+        return (returned[0], _guarded(returned[1])) if is_pair(returned) else returned
 
     return call
-
-
-def _is_pair(returned: object) -> bool:
-    return isinstance(returned, tuple) and len(returned) == 2 and callable(returned[1])
 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
