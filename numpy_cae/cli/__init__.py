@@ -1,4 +1,4 @@
-"""The command `numpy-cae`: one module a subcommand, imported when that subcommand is chosen.
+"""The command `numpy-cae`: one module of `commands` a subcommand, imported when it is chosen.
 
 A module's docstring is the subcommand's description, with examples in its last paragraph;
 `add_arguments(parser)` declares its arguments and `run(args)` returns the exit status.
@@ -24,7 +24,8 @@ from numpy_cae.errors import NumpyCaeError
 
 def _first_sentence(name: str) -> str:
     """Of a subcommand's description, without importing its module."""
-    source = Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")
+    path = Path(__file__).with_name("commands") / f"{name}.py"
+    source = path.read_text(encoding="utf-8")
     return " ".join(source.split('"""')[1].split()).split(". ")[0]
 
 
@@ -107,7 +108,7 @@ def subcommand_parser(name: str) -> argparse.ArgumentParser:
 
 def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:
     """A subcommand's parser, from its module."""
-    module = import_module(f"numpy_cae.cli.{name}")
+    module = import_module(f"numpy_cae.cli.commands.{name}")
     description, _, examples = (module.__doc__ or "").partition("\n\nexample")
     subparser = subparsers.add_parser(
         name,

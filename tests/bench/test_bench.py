@@ -9,7 +9,8 @@ from numpy_cae.bench import convolutional, paper, table
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.table import Timing, time_alternately
-from numpy_cae.cli import bench, main
+from numpy_cae.cli import main
+from numpy_cae.cli.commands import bench
 from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 

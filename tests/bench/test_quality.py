@@ -10,7 +10,7 @@ from numpy_cae.bench import quality, trainings
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.paper import synthetic_windows
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
-from numpy_cae.cli.train_options import SEQUENCE_RECIPES
+from numpy_cae.cli.shared.train_options import SEQUENCE_RECIPES
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
     Schedule,
@@ -104,7 +104,7 @@ def test_all_sequential_networks_learn(monkeypatch):
 
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 def test_the_command_trains_sequences_on_synthetic_walking(monkeypatch, run, capsys):
-    monkeypatch.setattr("numpy_cae.cli.bench.SEQUENCE_MINUTES", 0.3)
+    monkeypatch.setattr("numpy_cae.cli.commands.bench.SEQUENCE_MINUTES", 0.3)
     monkeypatch.setattr(trainings, "USUAL_SEQUENCES", SEQUENCES)
     monkeypatch.setitem(SEQUENCE_RECIPES, "fast", SEQUENCES)
     run("bench", "--quality", "--sequential", "--quiet")

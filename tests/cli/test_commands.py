@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import numpy_cae
-from numpy_cae.cli import SUBCOMMANDS, demo, main
+from numpy_cae.cli import SUBCOMMANDS, main
+from numpy_cae.cli.commands import demo
 from numpy_cae.manifold import load_manifold
 from numpy_cae.motion import load_motion
 from numpy_cae.training import Schedule, Stage
@@ -30,7 +31,7 @@ def test_help_lists_every_subcommand_and_imports_none():
     indented = {line.split()[0] for line in printed.splitlines() if line.startswith("    ")}
     assert set(SUBCOMMANDS) <= indented
     assert "Find what is damaged in a motion, repair that" in printed
-    heavy = {"numpy", "scipy", "torch", "data_synth", "numpy_cae.cli.train"}
+    heavy = {"numpy", "scipy", "torch", "data_synth", "numpy_cae.cli.commands.train"}
     assert not set(printed.split()) & heavy
 
 
@@ -109,7 +110,8 @@ FAST = Stage(9, 0.01, 0.9, 0.0, 16, (0.1, 0.8), True, 0.0, 0.03, None, "adam", "
     ],
 )
 def test_options_change_the_recipe(monkeypatch, options, expected):
-    from numpy_cae.cli import train, train_options
+    from numpy_cae.cli.commands import train
+    from numpy_cae.cli.shared import train_options
 
     seen = []
     monkeypatch.setattr(train, "run", lambda args: seen.append(args) or 0)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from numpy_cae.cli.output import plain, print_json
+from numpy_cae.cli.shared.output import plain, print_json
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from numpy_cae.cli.output import plain
+from numpy_cae.cli.shared.output import plain
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS
 

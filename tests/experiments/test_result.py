@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from numpy_cae.cli.output import plain
+from numpy_cae.cli.shared.output import plain
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.result import Claim, Result, Table
 

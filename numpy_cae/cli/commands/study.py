@@ -9,9 +9,8 @@ examples:
 
 import argparse
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import train_options
-from numpy_cae.cli.output import print_json, write_texts
+from numpy_cae.cli.shared import arguments, train_options
+from numpy_cae.cli.shared.output import print_json, write_texts
 from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
@@ -23,15 +22,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The motions, the folder and the training."""
     add = parser.add_argument
     output = "folder for all results, created if it does not exist"
-    add("-o", "--output", **kinds.FOLDER, required=True, help=output)
+    add("-o", "--output", **arguments.FOLDER, required=True, help=output)
     data = "folders of motion files, one for each action (default: synthetic motions)"
-    add("--data", **kinds.FOLDERS, help=data)
-    add("--test", **kinds.PATTERNS, help="names of the files to test on, required with --data")
+    add("--data", **arguments.FOLDERS, help=data)
+    add("--test", **arguments.PATTERNS, help="names of the files to test on, required with --data")
     actions = f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"
     add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions)
     minutes = "minutes of each synthetic action to train on, and to test on (default: 180)"
-    add("--minutes", type=kinds.positive, default=180.0, help=minutes)
-    kinds.add_shared(parser, "seed quiet json mapping unit up floor")
+    add("--minutes", type=arguments.positive, default=180.0, help=minutes)
+    arguments.add_shared(parser, "seed quiet json mapping unit up floor")
     train_options.add_sequence_options(parser)
 
 
@@ -67,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
         return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
-    how = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    how = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
     actions = [read_action(each.resolve().name, [each], args.test, *how) for each in args.data]
     for action in actions:
         if not (action.training and action.testing):

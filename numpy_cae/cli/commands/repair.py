@@ -15,9 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import change_files, damage_options, one_motion
-from numpy_cae.cli.output import note
+from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
+from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import Repaired, SequenceManifold, project_motion, repair, repair_sequence
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.repaired import distances
@@ -30,12 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     damage_options.add_arguments(parser, "damaged")
     add = parser.add_argument_group("how it is repaired").add_argument
     strength = "share of the way to the repaired positions, 0 to 1 (default: 1)"
-    add("--strength", type=kinds.fraction, default=1.0, metavar="S", help=strength)
-    add("--smooth", **kinds.FLAG, help="remove jitter from the whole motion too")
-    add("--force", **kinds.FLAG, help="repair a motion that is unlike what the model knows")
+    add("--strength", type=arguments.fraction, default=1.0, metavar="S", help=strength)
+    add("--smooth", **arguments.FLAG, help="remove jitter from the whole motion too")
+    add("--force", **arguments.FLAG, help="repair a motion that is unlike what the model knows")
     project = "project the whole motion onto the manifold instead, as holden2015 does"
-    add("--project", **kinds.FLAG, help=project)
-    add("--constrain", **kinds.FLAG, help="keep standing feet in place and above the ground")
+    add("--project", **arguments.FLAG, help=project)
+    add("--constrain", **arguments.FLAG, help="keep standing feet in place and above the ground")
     pins = (
         "constrain, and move joints to the positions in this file: a list such as "
         '[{"joint": "left_wrist", "frames": [30, 45], "at": [20, 130, 35]}, {"joint": "hips", '

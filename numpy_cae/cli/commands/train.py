@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from numpy_cae.atomic_write import remove_leftovers
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import train_options as options
-from numpy_cae.cli.output import note, print_json, require_place
-from numpy_cae.cli.takes import minutes_of, read_takes
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared import train_options as options
+from numpy_cae.cli.shared.output import note, print_json, require_place
+from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.lock import lock
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
@@ -29,9 +29,13 @@ from numpy_cae.training import Checkpoint
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the model, the recipe and every option of a training."""
     add = parser.add_argument
-    add("folders", **kinds.FOLDERS, help="folders of motion files, searched with their subfolders")
+    add(
+        "folders",
+        **arguments.FOLDERS,
+        help="folders of motion files, searched with their subfolders",
+    )
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
-    add("--test", **kinds.PATTERNS, help="names of files to test on, which are not trained on")
+    add("--test", **arguments.PATTERNS, help="names of files to test on, which are not trained on")
     picture = "picture to write: figure 1 of a test take, or samples of the sequential model"
     add("--picture", type=Path, metavar="PNG", help=picture)
     models = ("convolutional", "sequential")
@@ -41,15 +45,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     engine = "code that computes the gradients: fast, or the definitions in ops (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     resume = "continue from MODEL.checkpoint.npz, which an interrupted run leaves; to the same bits"
-    add("--resume", **kinds.FLAG, help=resume)
-    kinds.add_shared(parser, "seed quiet json mapping unit up floor")
+    add("--resume", **arguments.FLAG, help=resume)
+    arguments.add_shared(parser, "seed quiet json mapping unit up floor")
     options.add_training_options(parser)
     add = parser.add_argument_group("advanced, files").add_argument
     often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
-    add("--checkpoint", type=kinds.rate, default=60.0, metavar="SECONDS", help=often)
+    add("--checkpoint", type=arguments.rate, default=60.0, metavar="SECONDS", help=often)
     cache = "folder for what was read of the files (default: the user's cache, for 20 MB or more)"
-    add("--cache", **kinds.FOLDER, help=cache)
-    add("--strict", **kinds.FLAG, help="stop at a file that cannot be used, not skip it")
+    add("--cache", **arguments.FOLDER, help=cache)
+    add("--strict", **arguments.FLAG, help="stop at a file that cannot be used, not skip it")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -95,14 +99,14 @@ Learned = tuple[Any, str, Callable[[], tuple]]
 
 
 def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    schedule, mapping = options.schedule_of(args), kinds.chosen_mapping(args)
+    schedule, mapping = options.schedule_of(args), arguments.chosen_mapping(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for some in found.values() for path in some]
     cache = args.cache
     if cache is None and is_worthwhile(paths):
         cache = default_cache()
     training, testing = read_takes(
-        paths, mapping, kinds.chosen_coordinates(args), args.test, args.strict, cache
+        paths, mapping, arguments.chosen_coordinates(args), args.test, args.strict, cache
     )
     mirror = args.recipe in options.MIRRORED
     manifold = learn_manifold(training, schedule, args.seed, mirror=mirror, **how)
@@ -126,7 +130,7 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.study import read_action
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
-    how_read = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    how_read = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
     action = read_action(name, args.folders, args.test, *how_read, args.strict)
     if args.test and not action.testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.output import note, with_progress
+from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import Coordinates, Mappings
 from numpy_cae.motion.io.cache import Body, read_bodies

@@ -9,9 +9,8 @@ example:
 import argparse
 from pathlib import Path
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
-from numpy_cae.cli.output import note, working
+from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared.output import note, working
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
@@ -26,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one_motion.add_model_arguments(parser, "path of an animation of the three motions")
     add(
         "--share",
-        type=lambda text: text if text == TRANSITION else kinds.fraction(text),
+        type=lambda text: text if text == TRANSITION else arguments.fraction(text),
         default=0.5,
         metavar="S",
         help="weight of the second motion, 0 to 1 (default: 0.5), or `transition` from 0 to 1",
@@ -35,8 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
-    manifold, mapping = one_motion.load_model(args), kinds.chosen_mapping(args)
-    paths, coordinates = (args.first, args.second), kinds.chosen_coordinates(args)
+    manifold, mapping = one_motion.load_model(args), arguments.chosen_mapping(args)
+    paths, coordinates = (args.first, args.second), arguments.chosen_coordinates(args)
     with working(f"{args.first} and {args.second}"):
         motions = [load_body(path, mapping, coordinates)[1] for path in paths]
         first, second = (manifold.body(motion, mapping) for motion in motions)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.motion import JOINTS, PARENTS, Motion, write_motion
@@ -25,14 +25,14 @@ def add_model_arguments(parser: argparse.ArgumentParser, gif: str = "") -> None:
         output = "path of the file to write: .bvh, .glb (glTF), .npz or .csv (positions)"
         add("-o", "--output", type=Path, required=True, help=output)
         add_pictures(parser, gif)
-    kinds.add_shared(parser, "mapping unit up floor")
+    arguments.add_shared(parser, "mapping unit up floor")
 
 
 def add_pictures(parser: argparse.ArgumentParser, gif: str) -> None:
     """--gif, with its help, and --html."""
     parser.add_argument("--gif", type=Path, help=gif)
     page = "write the same as an interactive page beside the output, for any browser"
-    parser.add_argument("--html", **kinds.FLAG, help=page)
+    parser.add_argument("--html", **arguments.FLAG, help=page)
 
 
 def load_model(args: argparse.Namespace, sequential: bool = False, motion: bool = True) -> Manifold:

@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
-from numpy_cae.cli.output import print_json
-from numpy_cae.cli.takes import usable_bodies
+from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared.output import print_json
+from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files
 from numpy_cae.viz import save_figure
@@ -29,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one_motion.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix, clustered")
-    kinds.add_shared(parser, "json")
+    arguments.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -38,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
-    mapping, names_of = kinds.chosen_mapping(args), {path: name for name, path in files.items()}
-    paths, coordinates, names, units = list(names_of), kinds.chosen_coordinates(args), [], []
+    mapping, names_of = arguments.chosen_mapping(args), {path: name for name, path in files.items()}
+    paths, coordinates, names, units = list(names_of), arguments.chosen_coordinates(args), [], []
     for body in usable_bodies(paths, mapping, coordinates, strict=len(files) == 2):
         names.append(names_of[body.path])
         units.append(hidden_units(manifold, manifold.features(body.positions)[0]))

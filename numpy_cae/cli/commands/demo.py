@@ -8,8 +8,8 @@ import argparse
 from pathlib import Path
 
 from data_synth import make_take
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.takes import read_takes
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.takes import read_takes
 from numpy_cae.experiments.material import unlabelled
 from numpy_cae.experiments.repair import half_zeroed
 from numpy_cae.manifold import learn_manifold, project_motion, save_manifold
@@ -27,8 +27,8 @@ SCHEDULE = Schedule(layer=Stage(epochs=7), fine_tuning=Stage(20, 0.15, 0.93, 0.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The folder, the seed and the progress."""
     output = "folder for all results, created if it does not exist (default: demo)"
-    parser.add_argument("-o", "--output", **kinds.FOLDER, default=Path("demo"), help=output)
-    kinds.add_shared(parser, "seed quiet")
+    parser.add_argument("-o", "--output", **arguments.FOLDER, default=Path("demo"), help=output)
+    arguments.add_shared(parser, "seed quiet")
 
 
 def run(args: argparse.Namespace) -> int:

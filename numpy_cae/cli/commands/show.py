@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 from numpy_cae.motion import Coordinates
 from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
 
@@ -22,21 +22,21 @@ COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the folder to write and the kind of picture."""
     add = parser.add_argument
-    add("files", nargs="+", **kinds.FILE, help="motion file (.bvh, .amc or .txt) to read")
+    add("files", nargs="+", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
     output = "folder to write, created if it does not exist (default: the current folder)"
-    add("-o", "--output", **kinds.FOLDER, default=Path(), help=output)
+    add("-o", "--output", **arguments.FOLDER, default=Path(), help=output)
     page = (
         "write one interactive page with all files instead of pictures; joints of the later files "
         "are coloured by their distance from the first file's if both have the same joints and as "
         "many frames"
     )
-    add("--html", **kinds.FLAG, help=page)
-    kinds.add_shared(parser, "unit up floor")
+    add("--html", **arguments.FLAG, help=page)
+    arguments.add_shared(parser, "unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
-    drawn = [_read(path, kinds.chosen_coordinates(args)) for path in args.files]
+    drawn = [_read(path, arguments.chosen_coordinates(args)) for path in args.files]
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:
         return _write_page(args, drawn)

@@ -9,10 +9,9 @@ import argparse
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
-from numpy_cae.cli.output import with_progress
-from numpy_cae.cli.takes import usable_bodies
+from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared.output import with_progress
+from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
@@ -34,21 +33,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The model, the prior, and the number and length of the motions."""
     one_motion.add_model_arguments(parser, f"path of an animation of up to {MAX_DRAWN} motions")
     add = parser.add_argument
-    add("--data", **kinds.FOLDERS, help="folders of motions that the prior is fitted to")
+    add("--data", **arguments.FOLDERS, help="folders of motions that the prior is fitted to")
     priors = ("fitted", "uniform")
     add("--prior", choices=priors, default="fitted", help="prior (default: fitted)")
     number = "number of motions, written as new_1.bvh, new_2.bvh, … (default: 1)"
-    add("--number", **kinds.COUNT, default=1, help=number)
-    add("--seconds", type=kinds.positive, default=5.0, help="length of each motion (default: 5)")
-    add("--like", **kinds.FILE, help="motion file whose rig, rate and unit are used")
-    kinds.add_shared(parser, "seed")
+    add("--number", **arguments.COUNT, default=1, help=number)
+    add(
+        "--seconds", type=arguments.positive, default=5.0, help="length of each motion (default: 5)"
+    )
+    add("--like", **arguments.FILE, help="motion file whose rig, rate and unit are used")
+    arguments.add_shared(parser, "seed")
 
 
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     manifold = one_motion.load_model(args, sequential=True)
     rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
-    mapping = kinds.chosen_mapping(args) if args.like else None
+    mapping = arguments.chosen_mapping(args) if args.like else None
     numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like:
@@ -57,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         prior, made = _prior(args, manifold), []
         if args.like:
-            like = load_body(args.like, mapping, kinds.chosen_coordinates(args))[1]
+            like = load_body(args.like, mapping, arguments.chosen_coordinates(args))[1]
             body = manifold.body(hold_first_pose(like, frames), mapping)
         for _ in numbers:
             features = sample(manifold, frames, rng, prior)
@@ -84,6 +85,8 @@ def _prior(args: argparse.Namespace, manifold: Manifold) -> NeighbourPrior | Non
     if not args.data:
         raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
     files = [path for folder in args.data for path in find_motion_files(folder)]
-    bodies = usable_bodies(files, kinds.chosen_mapping(args), kinds.chosen_coordinates(args))
+    bodies = usable_bodies(
+        files, arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
+    )
     features = [manifold.features(body.positions)[0] for body in bodies]
     return NeighbourPrior(encode_windows(manifold, features))

@@ -11,7 +11,7 @@ import argparse
 import json
 from pathlib import Path
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 
 TRUSTED = 15
 """Names of a known rig; a rig with as many has the others under other names."""
@@ -20,10 +20,10 @@ TRUSTED = 15
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The file, the mapping to write and how the file is read."""
     add = parser.add_argument
-    add("file", **kinds.FILE, help="motion file (.bvh, .amc, .txt or .c3d) to read")
+    add("file", **arguments.FILE, help="motion file (.bvh, .amc, .txt or .c3d) to read")
     output = "JSON file to write: our joint names and the rig's"
     add("-o", "--output", type=Path, metavar="JSON", help=output)
-    kinds.add_shared(parser, "mapping unit up floor")
+    arguments.add_shared(parser, "mapping unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.motion.retarget.rigs import match_rig
     from numpy_cae.motion.retarget.suggest import suggest_mapping
 
-    mapping, known = kinds.chosen_mapping(args), vars(kinds.chosen_coordinates(args))
+    mapping, known = arguments.chosen_mapping(args), vars(arguments.chosen_coordinates(args))
     motion = load_motion(args.file, mapping=mapping, **known)
     rig, found = match_rig(motion.skeleton, mapping)
     names = {joint: motion.skeleton.names[index] for joint, index in found.items()}

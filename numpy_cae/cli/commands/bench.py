@@ -15,8 +15,8 @@ import numpy as np
 
 from numpy_cae.bench import paper, quality, table
 from numpy_cae.bench.peak import matrix_product_peak
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note, print_json
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.output import note, print_json
 
 SEQUENCE_MINUTES = 180.0
 """Minutes of synthetic walking to train on, and as many of other people to hold out."""
@@ -26,25 +26,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to measure, and how often."""
     add = parser.add_argument
     sizes = "batch sizes (default: 1 4 16 64; with --paper 1 16, with --sequential 16 64)"
-    add("--batch", type=kinds.positive_number, nargs="+", metavar="B", help=sizes)
+    add("--batch", type=arguments.positive_number, nargs="+", metavar="B", help=sizes)
     rounds = "number of measurements of each time in the table (default: 21)"
-    add("--rounds", **kinds.COUNT, default=21, help=rounds)
+    add("--rounds", **arguments.COUNT, default=21, help=rounds)
     instead = parser.add_mutually_exclusive_group().add_argument
     sequential = "time training steps of the sequential autoencoder of three sizes instead"
-    instead("--sequential", **kinds.FLAG, help=sequential)
+    instead("--sequential", **arguments.FLAG, help=sequential)
     stages = "train the paper's four stages for one epoch each instead, scaled to its 25 epochs"
-    instead("--paper", **kinds.FLAG, help=stages)
-    kinds.add_shared(parser, "json quiet")
+    instead("--paper", **arguments.FLAG, help=stages)
+    arguments.add_shared(parser, "json quiet")
     add = parser.add_argument_group("time to a given quality").add_argument
     trainings = (
         "train by --recipe fast and, in turns, in PyTorch with Adam, and compare the times to the "
         "lowest error of half zeroed held-out motion that all reach (minutes)"
     )
-    add("--quality", **kinds.FLAG, help=trainings)
+    add("--quality", **arguments.FLAG, help=trainings)
     data = "folders of motion files for --quality (default: 20 minutes of synthetic motions)"
-    add("--data", **kinds.FOLDERS, help=data)
-    add("--test", **kinds.PATTERNS, help="names of the files to hold out, required with --data")
-    kinds.add_shared(parser, "mapping unit up floor")
+    add("--data", **arguments.FOLDERS, help=data)
+    add("--test", **arguments.PATTERNS, help="names of the files to hold out, required with --data")
+    arguments.add_shared(parser, "mapping unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -87,8 +87,8 @@ def _quality(args: argparse.Namespace) -> int:
 def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     from numpy_cae.bench.trainings import trainings
-    from numpy_cae.cli.ablation import material_of
-    from numpy_cae.cli.train_options import RECIPES
+    from numpy_cae.cli.shared.ablation import material_of
+    from numpy_cae.cli.shared.train_options import RECIPES
     from numpy_cae.experiments.ablation.evaluation import Evaluation
 
     evaluation = Evaluation(material_of(args))
@@ -102,7 +102,7 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
 def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the sequential network, on synthetic walking; the error is of other people's clips."""
     from numpy_cae.bench.trainings import sequence_trainings
-    from numpy_cae.cli.train_options import SEQUENCE_RECIPES
+    from numpy_cae.cli.shared.train_options import SEQUENCE_RECIPES
     from numpy_cae.experiments.sequences.study import synthetic_action
     from numpy_cae.manifold.learning import mean_and_deviation
     from numpy_cae.motion import cut_clips, draw_clips

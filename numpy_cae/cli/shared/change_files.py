@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import one_motion
-from numpy_cae.cli.output import note, with_progress, working
+from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared.output import note, with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.experiments.result import text_table
 from numpy_cae.manifold import Repaired
@@ -45,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output = "file to write, for one motion (its own format keeps the text of what is unchanged; "
     output += "or .bvh, .glb, .npz, .csv); otherwise folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
-    add("--dry-run", **kinds.FLAG, help="print what would be changed and write nothing")
-    add("--overwrite", **kinds.FLAG, help="allow -o to be the file or the folder that is read")
+    add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
+    add("--overwrite", **arguments.FLAG, help="allow -o to be the file or the folder that is read")
     one_motion.add_model_arguments(parser)
     one_motion.add_pictures(parser, "path of an animation of the motion before and after, overlaid")
 
@@ -115,8 +114,8 @@ def _change(
     args: argparse.Namespace, change: Change, source: Path, target: Path | None, quiet: bool = False
 ) -> Repaired:
     """Change one file."""
-    mapping = kinds.chosen_mapping(args)
-    motion = load_motion(source, mapping=mapping, **vars(kinds.chosen_coordinates(args)))
+    mapping = arguments.chosen_mapping(args)
+    motion = load_motion(source, mapping=mapping, **vars(arguments.chosen_coordinates(args)))
     if not quiet:
         note(f"{source}: {len(motion)} frames, {motion.unit_note}")
     try:

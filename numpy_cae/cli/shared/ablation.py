@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note, write_texts
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.output import note, write_texts
 from numpy_cae.experiments.ablation import choices
 from numpy_cae.experiments.ablation.ablation import ablation_result, measure_rows
 from numpy_cae.experiments.ablation.evaluation import Evaluation
@@ -34,12 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "train and compare networks of other depth, sparsity, pooling, … instead (default: on "
         f"{SYNTHETIC_MINUTES:g} minutes of synthetic motions, into {OUTPUT}/)"
     )
-    add("--ablation", **kinds.FLAG, help=ablation)
+    add("--ablation", **arguments.FLAG, help=ablation)
     seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
-    add("--seeds", **kinds.COUNT, default=choices.SEEDS, help=seeds)
+    add("--seeds", **arguments.COUNT, default=choices.SEEDS, help=seeds)
     width = f"filters of the lowest of three layers; the paper has 64 (default: {choices.WIDTH})"
-    add("--width", **kinds.COUNT, default=choices.WIDTH, help=width)
-    pair = {"type": kinds.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
+    add("--width", **arguments.COUNT, default=choices.WIDTH, help=width)
+    pair = {"type": arguments.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
     default = (choices.LAYER_EPOCHS, choices.FINE_EPOCHS)
     epochs = "epochs of each layer and of fine tuning (default: {} {})".format(*default)
     add("--epochs", **pair, default=default, help=epochs)
@@ -81,7 +81,7 @@ def material_of(args: argparse.Namespace) -> Material:
     if args.data and not args.test:
         raise ValueError("--data needs the takes to hold out: --test PATTERN")
     if args.data:
-        known = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+        known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
         return read_material(args.data, args.test, *known)
     from data_synth import plan_takes
 

@@ -8,8 +8,8 @@ example: numpy-cae download cmu --subjects 2,7,35 -o cmu
 import argparse
 import time
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.output import note
 from numpy_cae.download import CmuSite, DownloadError, download_cmu
 from numpy_cae.download.cmu import SITE, TERMS, Progress
 
@@ -22,10 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     some = "numbers of the subjects to download (default: all, one archive of over a gigabyte)"
     add("--subjects", type=_subjects, metavar="N,N,…", help=some)
     output = "folder for the files, created if it does not exist"
-    add("-o", "--output", **kinds.FOLDER, required=True, help=output)
+    add("-o", "--output", **arguments.FOLDER, required=True, help=output)
     site = f"address of the site or of a mirror (default: {SITE})"
     add("--site", default=SITE, metavar="URL", help=site)
-    kinds.add_shared(parser, "quiet")
+    arguments.add_shared(parser, "quiet")
 
 
 def run(args: argparse.Namespace) -> int:

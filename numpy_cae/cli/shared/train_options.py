@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold.augmentation import damaged_chains
 from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
 from numpy_cae.motion import CLIP
@@ -50,38 +50,45 @@ SEQUENCE_RECIPES = {
 """Of the sequential model. The settings of fast were chosen on synthetic people of another seed."""
 
 _COMMON = {
-    "epochs": (kinds.whole_number, "number of epochs, of each layer where layers are trained"),
-    "rate": (kinds.rate, "learning rate: of the first epoch, or the peak of a one-cycle schedule"),
-    "batch": (kinds.positive_number, "number of windows or clips in one step"),
-    "decay": (kinds.rate, "factor applied to the learning rate after each epoch"),
-    "momentum": (kinds.momentum, "momentum of gradient descent, from 0 to below 1"),
-    "norm": (kinds.positive, "bound on the norm of the gradient"),
+    "epochs": (arguments.whole_number, "number of epochs, of each layer where layers are trained"),
+    "rate": (
+        arguments.rate,
+        "learning rate: of the first epoch, or the peak of a one-cycle schedule",
+    ),
+    "batch": (arguments.positive_number, "number of windows or clips in one step"),
+    "decay": (arguments.rate, "factor applied to the learning rate after each epoch"),
+    "momentum": (arguments.momentum, "momentum of gradient descent, from 0 to below 1"),
+    "norm": (arguments.positive, "bound on the norm of the gradient"),
     "optimiser": (("sgd", "adam"), "optimiser, sgd or adam"),
     "rate-schedule": (("decay", "one-cycle"), "course of the learning rate, decay or one-cycle"),
 }
 _CONVOLUTIONAL = {
-    "alpha": (kinds.rate, "weight of the sparsity term of equation 3"),
-    "zeroed": (kinds.fraction, "share of input values set to zero; two: range to draw it from"),
+    "alpha": (arguments.rate, "weight of the sparsity term of equation 3"),
+    "zeroed": (arguments.fraction, "share of input values set to zero; two: range to draw it from"),
     "rescaled": (None, "divide the corrupted input by 1 - the share of zeroed values"),
 }
 _SEQUENTIAL = {
-    "steps": (kinds.positive_number, "number of steps in an epoch"),
-    "weight": (kinds.rate, "weight λ of the sliced Wasserstein distance"),
-    "directions": (kinds.positive_number, "number of directions of the sliced distance"),
-    "posture": (kinds.rate, "standard deviation of the random postures added to clips"),
+    "steps": (arguments.positive_number, "number of steps in an epoch"),
+    "weight": (arguments.rate, "weight λ of the sliced Wasserstein distance"),
+    "directions": (arguments.positive_number, "number of directions of the sliced distance"),
+    "posture": (arguments.rate, "standard deviation of the random postures added to clips"),
 }
 _SEQUENTIAL_NETWORK = {
-    "hidden": (kinds.positive_number, "number of hidden units of each GRU", HIDDEN),
-    "latent": (kinds.positive_number, "number of latent variables", LATENT),
-    "frames": (kinds.positive_number, "number of frames in a clip, at 25 frames a second", CLIP),
+    "hidden": (arguments.positive_number, "number of hidden units of each GRU", HIDDEN),
+    "latent": (arguments.positive_number, "number of latent variables", LATENT),
+    "frames": (
+        arguments.positive_number,
+        "number of frames in a clip, at 25 frames a second",
+        CLIP,
+    ),
 }
 _CONVOLUTIONAL_NETWORK = {
-    "window": (kinds.positive_number, "number of frames in a window, at 30 a second", LENGTH),
-    "overlap": (kinds.whole_number, "number of frames that successive windows share", OVERLAP),
-    "filters": (kinds.positive_number, "number of filters of each layer", [64, 128, 256]),
-    "taps": (kinds.odd_number, "number of frames that a filter covers, odd", 15),
-    "bound": (kinds.bound, "absolute value at which the input of arctanh is clipped", 0.9),
-    "rms": (kinds.positive, "root mean square that the features are scaled to", RMS),
+    "window": (arguments.positive_number, "number of frames in a window, at 30 a second", LENGTH),
+    "overlap": (arguments.whole_number, "number of frames that successive windows share", OVERLAP),
+    "filters": (arguments.positive_number, "number of filters of each layer", [64, 128, 256]),
+    "taps": (arguments.odd_number, "number of frames that a filter covers, odd", 15),
+    "bound": (arguments.bound, "absolute value at which the input of arctanh is clipped", 0.9),
+    "rms": (arguments.positive, "root mean square that the features are scaled to", RMS),
 }
 
 

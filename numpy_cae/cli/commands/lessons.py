@@ -17,8 +17,8 @@ import argparse
 import time
 from pathlib import Path
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import working
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.output import working
 from numpy_cae.course import copies
 from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import read_notebook, set_points, write_notebook
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     release = "write a release for nbgrader of the lessons with these numbers (default: all)"
     add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
     source = "folder of the lessons (default: the package's, or lessons with --execute, --gallery)"
-    add("--from", dest="source", **kinds.FOLDER, help=source)
-    add("--execute", **kinds.FLAG, help="execute the instructor's copies")
-    add("--gallery", **kinds.FLAG, help="use stored outputs, without execution")
+    add("--from", dest="source", **arguments.FOLDER, help=source)
+    add("--execute", **arguments.FLAG, help="execute the instructor's copies")
+    add("--gallery", **arguments.FLAG, help="use stored outputs, without execution")
     add("--only", metavar="NN", help="number of the only lesson to process")
 
 

@@ -31,7 +31,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 
 SUFFIXES = (".py", ".ipynb")
 
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the names of functions and the limits."""
     add = parser.add_argument
     files = "a Python file, a lesson's notebook, or a folder of these"
-    add("files", **kinds.FILE, nargs="+", help=files)
+    add("files", **arguments.FILE, nargs="+", help=files)
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     renamed = "test a function with another name as this operation"
     add("--as", **named, metavar="OPERATION=FUNCTION", help=renamed)
@@ -49,19 +49,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     others = "accept other documented conventions, such as the gates of a GRU in another order"
     add("--any-convention", action="store_true", help=others)
     seconds = "limit of the time for one file (default: 120 s)"
-    add("--time-limit", type=kinds.positive, default=120.0, metavar="SECONDS", help=seconds)
+    add("--time-limit", type=arguments.positive, default=120.0, metavar="SECONDS", help=seconds)
     memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
-    add("--memory-limit", type=kinds.positive, default=2048.0, metavar="MB", help=memory)
+    add("--memory-limit", type=arguments.positive, default=2048.0, metavar="MB", help=memory)
     marks = "write a table of marks, a row for each student"
     add("--csv", type=Path, metavar="FILE", help=marks)
     feedback = "write the reports of each student to a Markdown file in this folder"
-    add("--feedback", **kinds.FOLDER, help=feedback)
-    kinds.add_shared(parser, "json")
+    add("--feedback", **arguments.FOLDER, help=feedback)
+    arguments.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.cli.output import print_json, with_progress
+    from numpy_cae.cli.shared.output import print_json, with_progress
     from numpy_cae.course import marks
     from numpy_cae.verify.grading import FileReport, grade
 

@@ -9,8 +9,7 @@ examples:
 
 import argparse
 
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli import change_files, damage_options, one_motion
+from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
 from numpy_cae.manifold import Repaired, fill_motion, keyframe_mask
 from numpy_cae.motion import Mappings, Motion
 
@@ -20,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     change_files.add_arguments(parser)
     damage_options.add_arguments(parser, "missing")
     every = "all joints are missing but in every N-th frame, from the first on"
-    parser.add_argument("--keyframes", **kinds.COUNT, help=every)
+    parser.add_argument("--keyframes", **arguments.COUNT, help=every)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -19,9 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import ablation, one_motion
-from numpy_cae.cli import arguments as kinds
-from numpy_cae.cli.output import note, print_json, working, write_texts
+from numpy_cae.cli.shared import ablation, arguments, one_motion
+from numpy_cae.cli.shared.output import note, print_json, working, write_texts
 from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
@@ -33,20 +32,20 @@ from numpy_cae.motion import find_motion_files
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The motions, the model, the folder and the experiments."""
     add, names = parser.add_argument, tuple(EXPERIMENTS)
-    add("--data", **kinds.FOLDERS, help="folders of motion files")
+    add("--data", **arguments.FOLDERS, help="folders of motion files")
     model = "model file from `numpy-cae train --test PATTERN` (default: the starter model)"
     add("-m", "--model", type=Path, help=model)
     output = "folder to write, created if it does not exist"
-    add("-o", "--output", **kinds.FOLDER, help=output)
+    add("-o", "--output", **arguments.FOLDER, help=output)
     test = "names of the test files, where the model does not record them (default for the "
     test += "starter model, for data that it has not seen: every fifth file)"
-    add("--test", **kinds.PATTERNS, help=test)
+    add("--test", **arguments.PATTERNS, help=test)
     unseen = "the model has seen none of these files: test on --test or on every fifth file"
-    add("--unseen", **kinds.FLAG, help=unseen)
+    add("--unseen", **arguments.FLAG, help=unseen)
     only, choices = f"run only these, of {', '.join(names)} (the default)", (*names, *PUBLISHED)
     only += f" and {', '.join(PUBLISHED)}"
     add("--only", nargs="+", choices=choices, default=names, metavar="NAME", help=only)
-    kinds.add_shared(parser, "seed json mapping unit up floor")
+    arguments.add_shared(parser, "seed json mapping unit up floor")
     ablation.add_arguments(parser)
 
 
@@ -93,7 +92,7 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     """The model, the takes, and what a reader of the report must know of both."""
     manifold = one_motion.load_model(args, motion=False)
     patterns = _test_patterns(manifold, args)
-    known = kinds.chosen_mapping(args), kinds.chosen_coordinates(args)
+    known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
     with working(f"reading {data}"):
         material = read_material(args.data, patterns, *known)
     if not (material.testing and material.training):

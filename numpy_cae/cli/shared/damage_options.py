@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli import arguments as kinds
+from numpy_cae.cli.shared import arguments
 from numpy_cae.motion import JOINTS, Mappings, Motion, MotionFileError
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.rigs import joint_index
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser, damaged: str) -> None:
     add("--limb", nargs="+", choices=LIMBS, metavar="LIMB", default=[], help=limbs)
     frames = "first and last frame, counted from 0 (default: all frames), of these joints or, "
     frames += "without --joint and --limb, of all joints"
-    add("--frames", type=kinds.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
+    add("--frames", type=arguments.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
     mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
     add("--mask", type=Path, metavar="JSON", help=mask)
 

@@ -1,0 +1,1 @@
+"""The commands of `numpy-cae`, one module each."""

@@ -1,0 +1,1 @@
+"""What several commands share: options, reading and changing motions, output."""
