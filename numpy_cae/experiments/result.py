@@ -112,7 +112,7 @@ class Result:
         return "\n\n".join([*parts, self.note] if self.note else parts)
 
     def data(self) -> dict:
-        """Everything but the pictures and the formats, for `numpy_cae.cli.shared.output.print_json`."""
+        """Everything but the pictures and the formats, for `cli.shared.output.print_json`."""
         tables = [
             {"caption": table.caption, "header": table.header, "rows": table.rows}
             for table in self.tables

@@ -67,9 +67,9 @@ def run(args: argparse.Namespace) -> int:
         given = {name: (manifold, material) for name in own} | given
     args.output.mkdir(parents=True, exist_ok=True)
     results: dict[str, Result] = {}
-    for name, arguments in given.items():
+    for name, inputs in given.items():
         with working(name):
-            result = results[name] = run_experiment(name, *arguments, seed=args.seed)
+            result = results[name] = run_experiment(name, *inputs, seed=args.seed)
         counted = f"{result.held} of {len(result.claims)} claims held"
         note(f"[{len(results)}/{len(given)}] {name}: {counted if result.claims else result.note}")
     seconds = time.monotonic() - started
