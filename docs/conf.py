@@ -15,8 +15,8 @@ import numpy_cae
 from numpy_cae import cli
 
 HERE = Path(__file__).parent
-PACKAGES = ("ops", "models", "training", "motion", "manifold", "fast", "verify", "measures",
-            "baselines", "viz", "beyond", "course")  # fmt: skip
+PACKAGES = ("ops", "models", "training", "motion", "manifold", "fast", "verify", "evaluation",
+            "viz", "beyond", "course")  # fmt: skip
 
 project = "numpy_cae"
 author = "the numpy_cae authors"

@@ -22,12 +22,11 @@ ALLOWED = {
     "manifold": {"ops", "models", "training", "motion", "fast"},
     "fast": {"ops", "models"},
     "verify": {"ops", "models"},
-    "measures": {"motion"},
-    "baselines": {"motion"},
+    "evaluation": {"motion"},
     "viz": {"motion"},
 }
 RING_1 = {"ops", "models", "training", "motion", "manifold"}
-RING_2 = {"fast", "verify", "measures", "baselines", "viz"}
+RING_2 = {"fast", "verify", "evaluation", "viz"}
 INNER = RING_1 | RING_2
 RING_3 = {
     "beyond": INNER,

@@ -8,11 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.baselines import Moments
+from numpy_cae.evaluation import Moments, jitter, position_error
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shifted
-from numpy_cae.measures import jitter, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import cut_windows
 

@@ -13,12 +13,11 @@ from itertools import combinations, product
 
 import numpy as np
 
-from numpy_cae.baselines import PCA
+from numpy_cae.evaluation import PCA, Validity, ValidityMeasure
 from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
-from numpy_cae.measures import Validity, ValidityMeasure
 from numpy_cae.motion import FEATURES, cut_windows
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH
 

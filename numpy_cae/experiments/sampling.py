@@ -10,11 +10,11 @@ from dataclasses import astuple
 
 import numpy as np
 
+from numpy_cae.evaluation import Validity, ValidityMeasure
 from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.measures import Validity, ValidityMeasure
 from numpy_cae.viz import CORRUPTED, PROJECTED
 
 DRAWN = 24

@@ -5,8 +5,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.beyond import Pins, constrain, constraints, project_constrained
+from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import Repaired, learn_manifold
-from numpy_cae.measures import position_error
 from numpy_cae.motion import (
     JOINTS,
     body_of,

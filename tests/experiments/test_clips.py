@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from numpy_cae.evaluation import jitter
 from numpy_cae.experiments.clips import clips_of, hold_ends, project_ends_held, split_takes
 from numpy_cae.manifold.shifted_projection import project_shifted
-from numpy_cae.measures import jitter
 from numpy_cae.motion import features_to_positions
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
+from numpy_cae.evaluation import angle_distance
 from numpy_cae.experiments.sequences.reconstruction import (
     HELD,
     LINEAR,
@@ -30,7 +31,6 @@ from numpy_cae.experiments.sequences.study import (
     train_study,
 )
 from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
-from numpy_cae.measures import angle_distance
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
 from numpy_cae.verify import check_gradients

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from numpy_cae.evaluation import Validity
 from numpy_cae.experiments import interpolation
 from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM
-from numpy_cae.measures import Validity
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 

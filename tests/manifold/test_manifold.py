@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
+from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, bone_lengths
 from numpy_cae.training import Schedule, Stage
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.signal import savgol_filter
 
 from data_synth import make_take
+from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold, project_motion, repair
 from numpy_cae.manifold.repair import keep_trajectory
 from numpy_cae.manifold.smooth import smooth_curves
-from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
 from numpy_cae.motion.features import trajectory_of
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
 from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.evaluation import retrieval
 from numpy_cae.manifold.compare import G
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
-from numpy_cae.measures import retrieval
 from numpy_cae.verify.case import Case, spread
 
 WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
@@ -35,7 +35,7 @@ def rescale(x):
 
 
 def denoising_weights(second, cross, kept):
-    """M⁻¹ B of `numpy_cae.baselines.Moments`, one probability for every value."""
+    """M⁻¹ B of `numpy_cae.evaluation.Moments`, one probability for every value."""
     m = kept**2 * second
     np.fill_diagonal(m, kept * np.diag(second))
     return np.linalg.solve(m, kept * cross)

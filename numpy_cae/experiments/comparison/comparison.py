@@ -10,6 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation.retrieval import (
+    Difference,
+    average_precision,
+    bootstrapped_difference,
+    precision_at_1,
+)
 from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
     EUCLIDEAN,
@@ -21,12 +27,6 @@ from numpy_cae.experiments.comparison.distances import (
 from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures.retrieval import (
-    Difference,
-    average_precision,
-    bootstrapped_difference,
-    precision_at_1,
-)
 from numpy_cae.viz import bars_figure
 
 CONTENT, STYLE, BOTH = "content", "style", "both"

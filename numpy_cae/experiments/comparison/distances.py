@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from numpy_cae.baselines import PCA
+from numpy_cae.evaluation import PCA
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import MotionManifold, hidden_units, signature
 from numpy_cae.models import ConvAutoencoder

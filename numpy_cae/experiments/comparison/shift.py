@@ -7,6 +7,7 @@ stay at zero. √G is used, so that all distances are lengths.
 
 import numpy as np
 
+from numpy_cae.evaluation.retrieval import bootstrapped_difference
 from numpy_cae.experiments.comparison.distances import (
     EQUATION_4,
     EUCLIDEAN,
@@ -18,7 +19,6 @@ from numpy_cae.experiments.comparison.distances import (
 from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures.retrieval import bootstrapped_difference
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Curve, curves_figure
 
 TAKES = 80

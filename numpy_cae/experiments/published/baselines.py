@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.baselines import PCA, LinearDenoiser, Moments, interpolate_linearly
+from numpy_cae.evaluation import PCA, LinearDenoiser, Moments, interpolate_linearly
 from numpy_cae.experiments.published.protocol import Fill, Method
 from numpy_cae.motion.windows import cut_windows
 

@@ -4,10 +4,10 @@ future work in holden2015, section 7."""
 import numpy as np
 
 from numpy_cae.beyond import project_constrained
+from numpy_cae.evaluation import bone_length_error, position_error
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures import bone_length_error, position_error
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values

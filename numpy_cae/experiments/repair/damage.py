@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation import foot_sliding
 from numpy_cae.experiments.material import LabelledTake, Material, evenly
 from numpy_cae.experiments.repair import damage_methods as methods
 from numpy_cae.experiments.repair.damaged_motion import DAMAGES, stretch
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.manifold import MotionManifold, Repaired, project_motion, repair
-from numpy_cae.measures import foot_sliding
 from numpy_cae.motion import PARENTS, Motion, body_of, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, bars_figure

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from numpy_cae.baselines import PCA, median, savitzky_golay
-from numpy_cae.baselines.linear_denoiser import TAPS, contexts
+from numpy_cae.evaluation import PCA, median, savitzky_golay
+from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, evenly, features_of
 from numpy_cae.manifold import MotionManifold, fill
 from numpy_cae.manifold.fill import whole_features

@@ -8,12 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.baselines import PCA
+from numpy_cae.evaluation import PCA, position_error
 from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.result import Result, Table, moving
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures import position_error
 from numpy_cae.motion.features import VELOCITY, features_to_positions
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH

@@ -7,10 +7,10 @@ whole, or cut into pieces that are projected one by one and joined.
 
 import numpy as np
 
+from numpy_cae.evaluation import position_error
 from numpy_cae.experiments.material import Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.measures import position_error
 from numpy_cae.motion import POSITIONS
 from numpy_cae.motion.windows import LENGTH
 from numpy_cae.viz import bars_figure

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.baselines import PCA, interpolate_linearly, median, savitzky_golay
+from numpy_cae.evaluation import PCA, interpolate_linearly, median, savitzky_golay
 from numpy_cae.experiments.clips import (
     ALL_SHIFTS,
     ENDS_HELD,

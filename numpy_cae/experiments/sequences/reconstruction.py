@@ -10,10 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse.linalg import svds
 
-from numpy_cae.baselines import PCA
+from numpy_cae.evaluation import PCA, angle_distance
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.experiments.sequences.study import Study
-from numpy_cae.measures import angle_distance
 
 NETWORK, LINEAR, MEAN, HELD = "the network", "PCA", "the mean pose", "the first frame held"
 SQUARED, RADIANS = "mean square, standardised", "distance, rad"

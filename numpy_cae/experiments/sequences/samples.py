@@ -15,14 +15,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
-from numpy_cae.experiments.sequences.study import CLIPS, Study
-from numpy_cae.measures import (
+from numpy_cae.evaluation import (
     diversity,
     gait_frequency,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
+from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.sequences.study import CLIPS, Study
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
 

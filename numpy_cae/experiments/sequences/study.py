@@ -17,10 +17,10 @@ import numpy as np
 
 from data_synth import plan_takes
 from numpy_cae import ops
+from numpy_cae.evaluation import angle_distance
 from numpy_cae.experiments.material import each_usable, is_test
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import SequenceManifold, learn_sequences
-from numpy_cae.measures import angle_distance
 from numpy_cae.motion import (
     ANGLE_RATE,
     AngleSequence,

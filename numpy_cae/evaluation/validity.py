@@ -14,8 +14,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from numpy_cae.measures.body import bone_length_error, foot_sliding, jitter
-from numpy_cae.measures.joint_limits import JointLimits
+from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
+from numpy_cae.evaluation.joint_limits import JointLimits
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 
 MAX_POSES = 12_000

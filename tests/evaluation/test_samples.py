@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.measures import (
+from numpy_cae.evaluation import (
     diversity,
     gait_frequency,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
-from numpy_cae.measures.samples import clip_distances
+from numpy_cae.evaluation.samples import clip_distances
 from numpy_cae.motion import JOINTS, body_positions
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.measures import jitter, position_error
+from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.motion import POSITIONS, joint_slice
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from numpy_cae.baselines import interpolate_cubically, interpolate_linearly
+from numpy_cae.evaluation import interpolate_cubically, interpolate_linearly
 
 T = np.arange(40.0)
 

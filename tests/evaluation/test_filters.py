@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.baselines import median, savitzky_golay
+from numpy_cae.evaluation import median, savitzky_golay
 
 
 def test_the_median_removes_an_outlier_and_keeps_an_edge():

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from numpy_cae.measures.retrieval import average_precision, bootstrapped_difference, precision_at_1
+from numpy_cae.evaluation.retrieval import (
+    average_precision,
+    bootstrapped_difference,
+    precision_at_1,
+)
 
 # Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
 DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])

@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae.measures import (
+from numpy_cae.evaluation import (
     Validity,
     ValidityMeasure,
     bone_length_error,
     foot_sliding,
 )
-from numpy_cae.measures.joint_limits import ANGLES, JointLimits, bends
-from numpy_cae.measures.validity import NearestPose
+from numpy_cae.evaluation.joint_limits import ANGLES, JointLimits, bends
+from numpy_cae.evaluation.validity import NearestPose
 from numpy_cae.motion import JOINTS, body_of, bone_lengths, positions_to_features
 from numpy_cae.motion.retarget.fit import body_skeleton
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.baselines import PCA
+from numpy_cae.evaluation import PCA
 
 
 def test_rows_of_low_rank_are_exact():

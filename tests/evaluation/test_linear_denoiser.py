@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from numpy_cae.baselines import LinearDenoiser, Moments
-from numpy_cae.baselines.linear_denoiser import contexts
+from numpy_cae.evaluation import LinearDenoiser, Moments
+from numpy_cae.evaluation.linear_denoiser import contexts
 
 TAPS, C = 5, 3
 
