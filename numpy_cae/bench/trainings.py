@@ -19,7 +19,8 @@ from numpy_cae.training.step import denoising_step, make_optimiser, sequence_ste
 
 USUAL = Stage(50, 0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
 """PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
-the peak rate and the epochs are those that need the least time (docs/lab_book.md)."""
+the peak rate and the epochs are those that need the least time
+(docs/lab_book/end_to_end.md)."""
 USUAL_SEQUENCES = SequenceSchedule(rate=0.001)
 """The same, with the batch and the bound on the norm of the recipe paper."""
 USUAL_BETA_2 = 0.999

@@ -27,7 +27,7 @@ from numpy_cae.motion.retarget.to_body import RATE
 
 REPEATS, LONG = 3, 30
 """Projections of a joint of the legs in a hole of `LONG` frames or more; others are projected once.
-Chosen on sources left out of training (docs/lab_book.md)."""
+Chosen on sources left out of training (docs/lab_book/filling.md)."""
 SHORT = 16
 """Frames of a hole from which on the spline, which is better in the shortest holes, has no weight.
 Chosen likewise."""

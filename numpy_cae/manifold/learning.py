@@ -25,14 +25,16 @@ from numpy_cae.training import (
 
 RMS = 0.25
 """Root mean square of each kind of scaled features, not stated in the paper; much smaller values
-hardly learn at a rate of 0.5, much larger ones diverge (docs/lab_book.md)."""
+hardly learn at a rate of 0.5, much larger ones diverge (docs/lab_book/input_scale.md)."""
 MAX_WINDOW_RMS = 2.0
 """Largest root mean square of a window, as a multiple of `RMS`: a person lying down among people
 standing would make training diverge."""
 MIN_SPREAD = 1e-3
 """Spread (metres, radians) below which features count as constant and are scaled no further."""
 HIDDEN, LATENT, BURN_IN = 128, 8, 5
-"""Units of each GRU, size of z, first steps of the decoder (docs/lab_book.md); none in jang2018."""
+"""Units of each GRU, size of z, steps of the decoder before the first frame.
+
+jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
 CLIP_STEP = 5  # frames between the clips of which the mean and deviation are computed
 
 

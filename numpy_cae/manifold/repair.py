@@ -26,7 +26,7 @@ from numpy_cae.motion.retarget.to_rig import retarget
 
 UNKNOWN = 0.12
 """Metres of the largest typical residual of a motion like those that the manifold knows: more than
-that of any take of a source left out of training (docs/lab_book.md)."""
+that of any take of a source left out of training (docs/lab_book/detection.md)."""
 
 
 def repair(

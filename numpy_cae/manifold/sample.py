@@ -3,7 +3,8 @@
 The paper: "the uniform distribution of values […] drawn from [-1, 1]^(i×k) represents a prior
 probability distribution over the space of human motion which can be augmented with other beliefs".
 `draw_uniform` is that prior. `NeighbourPrior` adds the belief that hidden units occur together as
-in recorded motion; independent units are far from anything that Φ returns (docs/lab_book.md).
+in recorded motion; independent units are far from anything that Φ returns
+(docs/lab_book/sampling.md).
 """
 
 from collections.abc import Sequence

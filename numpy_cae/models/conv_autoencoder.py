@@ -36,7 +36,7 @@ class ConvAutoencoder:
         Frames that a filter covers, odd.
     bound : float
         tanh⁻¹ is infinite at ±1 and a decoded layer can exceed 1, so y is clipped to ±bound
-        first: see "Where equation 2 breaks" in docs/lab_book.md.
+        first: see docs/lab_book/arctanh_bound.md.
     rng : numpy.random.Generator, optional
         For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)

@@ -1,9 +1,9 @@
 """The two terms of equation 3, as means over elements.
 
 The paper has norms, sums over elements; a mean keeps the learning rate independent of the window's
-length, the number of features and the batch (docs/lab_book.md). With N elements of X and N_Y of Y,
-our α corresponds to the paper's times N_Y / N. A loss is a scalar, so its pullback takes a
-number: 1 by default, the weight of the loss where it is one term of a sum.
+length, the number of features and the batch (docs/lab_book/equations.md). With N elements of X
+and N_Y of Y, our α corresponds to the paper's times N_Y / N. A loss is a scalar, so its pullback
+takes a number: 1 by default, the weight of the loss where it is one term of a sum.
 """
 
 from collections.abc import Callable

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.99, 1e-8
-"""The paper suggests 0.999 for β₂; 0.99 left a smaller error here (docs/lab_book.md)."""
+"""The paper suggests 0.999 for β₂; 0.99 left a smaller error here (docs/lab_book/end_to_end.md)."""
 BLOCK = 32_768
 """Numbers of an array that are updated together; they stay in the processor's cache."""
 

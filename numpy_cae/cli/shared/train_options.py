@@ -39,8 +39,8 @@ RECIPES = {
     "best": Schedule(layer=Stage(epochs=0), fine_tuning=replace(_FAST, epochs=130)),
     "starter": Schedule(layer=Stage(epochs=0), fine_tuning=_STARTER),
 }
-"""docs/lab_book.md has what each measures. The settings of fast and best were chosen on Bandai's
-takes *_004 after training on *_001 to *_003, not on the test takes *_005."""
+"""docs/lab_book/end_to_end.md has what each measures. The settings of fast and best were chosen on
+Bandai's takes *_004 after training on *_001 to *_003, not on the test takes *_005."""
 SEQUENCE_RECIPES = {
     "paper": SequenceSchedule(),
     "fast": SequenceSchedule(

@@ -23,7 +23,7 @@ LAYER_EPOCHS, FINE_EPOCHS, WIDTH, SEEDS = 4, 12, 32, 5
 and the number of seeds."""
 ADAM_RATE = 0.004
 """Peak of the one-cycle schedule of the rows with Adam, the best of 0.001 to 0.008 on takes that
-are not the test takes (docs/lab_book.md)."""
+are not the test takes (docs/lab_book/ablation.md)."""
 PAPER = "as holden2015, smaller"
 LATENT, PARAMETERS = "equal latent size", "equal parameters"
 NO_SPARSITY, UNTIED, AVERAGE = "α = 0", "weights untied, half the rate", "average pooling"

@@ -165,7 +165,7 @@ class _Trial:
         ]
 
     def claims(self, source: str) -> list[Claim]:
-        """The claims of `docs/lab_book.md` on careful repair."""
+        """The claims of `docs/lab_book/damage.md` on careful repair."""
 
         def claim(sentence: str, held: bool, figures: str) -> Claim:
             return Claim(f"{sentence} ({source} takes; not in the paper).", bool(held), figures)

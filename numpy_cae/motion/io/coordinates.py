@@ -42,7 +42,7 @@ TOE = 0.04
 FLOOR = 0.15
 """Metres. A floor nearer to 0 than this is not moved: it cannot be told from shoes, a rig's toes
 and uneven ground. In 487 files of CMU and Bandai the level found is -0.12 to 0.12
-(docs/lab_book.md)."""
+(docs/lab_book/axes_and_floor.md)."""
 STEADY = 0.03
 """Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
 NEAR = 0.10

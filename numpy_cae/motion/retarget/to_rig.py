@@ -43,7 +43,7 @@ it has no others."""
 _TAU = 0.03
 """τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
 line, about which an error of a centimetre would rotate the chest by a right angle. A larger τ
-suppresses requested rotations (docs/lab_book.md)."""
+suppresses requested rotations (docs/lab_book/retargeting.md)."""
 
 
 _MIDDLES = [
