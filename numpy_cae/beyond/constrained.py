@@ -1,14 +1,14 @@
 """Projection under constraints, "a constrained projection operator" (holden2015, section 7).
 
-Among the hidden units near Φ(X), those are found whose motion is close to the plain projection and
+An optimisation changes the hidden units Φ(X) until the decoded motion is close to the plain
+projection and
 
     bones       keep their lengths,
     feet        do not slide while in contact,
-    joints      stay above the ground,
-    pins        are where the user wants them.
+    joints      stay above the ground.
 
-The last step, which leaves the manifold, sets the bone lengths exactly. The losses of feet, ground
-and pins are evaluated after this step, so that it cannot undo them.
+The last step sets the bone lengths exactly, and so leaves the manifold. The losses of feet and
+ground are evaluated after this step, so that the step cannot undo them.
 """
 
 import numpy as np
@@ -17,21 +17,18 @@ from numpy_cae.beyond import constraints
 from numpy_cae.beyond.constraints import Pullback
 from numpy_cae.beyond.exact_lengths import exact_lengths
 from numpy_cae.beyond.optimise_latent import optimise_latent
-from numpy_cae.beyond.pins import Pins
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.contacts import find_contacts, floor_height
-from numpy_cae.motion.features import (
-    VELOCITY,
-    RootTransform,
-    features_to_positions,
-    trajectory_of,
-)
+from numpy_cae.motion.features import RootTransform, features_to_positions
 
-CLOSENESS_WEIGHT, BONES_WEIGHT, FEET_WEIGHT, GROUND_WEIGHT, PINS_WEIGHT = 1.0, 0.1, 10.0, 1.0, 1.0
-"""Weights of the squared distance to the plain projection and of the error of each constraint."""
-BETA = 0.1  # of `optimise_latent`
+CLOSENESS_WEIGHT = 1.0
+"""Weight of the squared distance to the plain projection."""
+BONES_WEIGHT, FEET_WEIGHT, GROUND_WEIGHT = 0.1, 10.0, 1.0
+"""Weight of the error of each constraint."""
+BETA = 0.1
+"""β of `optimise_latent`."""
 GROUND_MARGIN = 0.01
-"""Metres that a joint may be below the floor on which the feet of the plain projection stand."""
+"""A joint may be this far (m) below the floor on which the feet of the plain projection stand."""
 MAX_STEPS = 200
 
 
@@ -40,7 +37,6 @@ def project_constrained(
     features: np.ndarray,
     start: RootTransform | None = None,
     contacts: np.ndarray | None = None,
-    pins: Pins | None = None,
     steps: int = MAX_STEPS,
 ) -> np.ndarray:
     """The motion on the manifold near Φ†(Φ(X)) that satisfies the constraints.
@@ -54,8 +50,6 @@ def project_constrained(
         Of the first frame; the origin where None.
     contacts : (F, 2) array of bool
         When each foot stands; found in the plain projection where None.
-    pins : Pins, optional
-        They are reached from the way of the root in `features`, which the result then has.
     steps : int
         Largest number of iterations.
 
@@ -71,7 +65,6 @@ def project_constrained(
     if contacts is None:
         contacts = find_contacts(positions, manifold.rate)
     ground = floor_height(positions) - GROUND_MARGIN
-    trajectory = trajectory_of(features, start)
 
     def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
         exact, exact_back = exact_lengths(x, manifold.lengths)
@@ -80,9 +73,6 @@ def project_constrained(
             (FEET_WEIGHT, constraints.foot_sliding_error(exact, contacts)),
             (GROUND_WEIGHT, constraints.ground_penetration(exact, ground)),
         ]
-        if pins is not None:
-            target = (pins.targets, pins.weights, pins.body)
-            terms.append((PINS_WEIGHT, constraints.pin_error(exact, trajectory, *target)))
         loss, d_exact = _weighted(terms)
         bones = constraints.bone_length_error(x, manifold.lengths)
         bones_loss, d = _weighted([(BONES_WEIGHT, bones)])
@@ -90,8 +80,6 @@ def project_constrained(
 
     found = optimise_latent(manifold, units, len(features), objective, BETA, steps)
     exact, _ = exact_lengths(manifold.decode(found, len(features)), manifold.lengths)
-    if pins is not None:
-        exact[:, VELOCITY.start :] = features[:, VELOCITY.start :]
     return exact
 
 

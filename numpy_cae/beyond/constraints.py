@@ -11,7 +11,7 @@ import numpy as np
 
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
-from numpy_cae.motion.heading import rotate_about_y, rotate_on_floor
+from numpy_cae.motion.heading import rotate_on_floor
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 CENTIMETRES = 1e4
@@ -115,44 +115,6 @@ def squared_difference(features: np.ndarray, target: np.ndarray) -> tuple[float,
         return dloss * 2 / gap.size * gap
 
     return float(np.mean(gap**2)), pullback
-
-
-def pin_error(
-    features: np.ndarray,
-    trajectory: tuple[np.ndarray, np.ndarray],
-    targets: np.ndarray,
-    weights: np.ndarray,
-    body: np.ndarray,
-) -> tuple[float, Pullback]:
-    """L = Σ w |p - p*|² / Σ w over world positions p = R(θ) M q + h, with the root on a given way.
-
-    M maps the joints of the mean skeleton to those of another body. With g = dL/dp,
-
-        dq = Mᵀ R(-θ) g
-
-    Parameters
-    ----------
-    features : (F, 63) array of float
-    trajectory : (F, 3) array of float, (F,) array of float
-        h and θ, as `trajectory_of` returns them.
-    targets : (F, 20, 3) array of float
-        p*, metres; ignored where the weight is 0.
-    weights : (F, 20, 3) array of float
-    body : (20, 20) array of float
-        M.
-    """
-    floor, theta = trajectory
-    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
-    moved = np.sum(body, axis=1)[:, None] * floor[:, None]
-    gap = rotate_about_y(np.einsum("jk,fkx->fjx", body, q), theta[:, None]) + moved - targets
-    gap = np.where(weights > 0, gap, 0.0)
-    total = max(float(weights.sum()) / 3, 1e-12)
-
-    def pullback(dloss: float = 1.0) -> np.ndarray:
-        g = rotate_about_y(dloss * 2 / total * weights * gap, -theta[:, None])
-        return _only_positions(features, np.einsum("jk,fjx->fkx", body, g))
-
-    return float(np.sum(weights * gap**2) / total), pullback
 
 
 def _only_positions(features: np.ndarray, dq: np.ndarray) -> np.ndarray:

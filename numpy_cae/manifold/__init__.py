@@ -6,7 +6,6 @@ from numpy_cae.manifold.detect import find_damage
 from numpy_cae.manifold.fill import fill, fill_motion, keyframe_mask
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold, learn_sequences
-from numpy_cae.manifold.long_sequences import project_sequence, repair_sequence, sample_sequence
 from numpy_cae.manifold.model_file import load_manifold, save_manifold, starter
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repair import project_motion, repair
@@ -33,11 +32,8 @@ __all__ = [
     "learn_sequences",
     "load_manifold",
     "project_motion",
-    "project_sequence",
     "repair",
-    "repair_sequence",
     "sample",
-    "sample_sequence",
     "save_manifold",
     "signature",
     "starter",

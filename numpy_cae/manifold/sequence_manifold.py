@@ -57,6 +57,10 @@ class SequenceManifold:
         """A normalised clip (F, 54) as a motion that stands on the floor."""
         return on_floor(motion_of(self.denormalise(clip), self.table, self.offsets))
 
+    def sample(self, count: int, rng: np.random.Generator) -> list[Motion]:
+        """New motions of a clip's length, decoded from draws of the prior."""
+        return [self.motion(clip) for clip in self.network.sample(count, rng, self.frames)]
+
 
 def common_bones(sequences: Sequence[AngleSequence]) -> tuple[AngleTable, np.ndarray]:
     """The table and the mean bones of motions that are learned together; ValueError if their rigs

@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 
 from numpy_cae.beyond import constraints
 from numpy_cae.beyond.exact_lengths import exact_lengths
-from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
-from numpy_cae.motion.features import trajectory_of
+from numpy_cae.motion import JOINTS, features_to_positions
 from numpy_cae.verify import check_gradients
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -21,15 +20,12 @@ def drawn(seed, frames=5):
 def losses(rng):
     """Each loss of features (5, 63), with random arguments."""
     lengths, contacts = rng.uniform(0.1, 0.5, size=20), rng.random((5, 2)) < 0.8
-    target, targets = rng.normal(size=(5, 63)), rng.normal(size=(5, 20, 3))
-    weights = rng.uniform(size=(5, 20, 3)) * (rng.random((5, 20, 3)) < 0.5)
-    way, body = (rng.normal(size=(5, 3)), rng.normal(size=5)), rng.normal(size=(20, 20))
+    target = rng.normal(size=(5, 63))
     return {
         "bones": lambda f: constraints.bone_length_error(f, lengths),
         "feet": lambda f: constraints.foot_sliding_error(f, contacts),
         "ground": lambda f: constraints.ground_penetration(f, 0.1),
         "difference": lambda f: constraints.squared_difference(f, target),
-        "pins": lambda f: constraints.pin_error(f, way, targets, weights, body),
     }
 
 
@@ -38,16 +34,6 @@ def losses(rng):
 def test_each_pullback_is_the_derivative(seed, name):
     rng, features = drawn(seed)
     check_gradients(losses(rng)[name], features, rng=rng)
-
-
-@given(seed=SEEDS)
-def test_a_motion_has_no_pin_error_at_its_own_positions(seed):
-    rng, features = drawn(seed)
-    start = RootTransform(*rng.normal(size=3))
-    positions = features_to_positions(features, start)
-    way = trajectory_of(features, start)
-    loss, _ = constraints.pin_error(features, way, positions, np.ones((5, 20, 3)), np.eye(20))
-    assert loss < 1e-25
 
 
 @given(seed=SEEDS)

@@ -1,6 +1,6 @@
 """Draw new motions from a learned manifold and write them as BVH. The fitted prior mixes similar
 windows of the motions in --data; the uniform prior needs no data, but its samples hardly resemble
-motion. A sequential model has a prior of its own.
+motion. A sequential model draws clips of its own length from its own prior.
 
 example: numpy-cae sample --data motions/ -o new.bvh --number 3 --like take.bvh --html
 """
@@ -12,7 +12,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import with_progress
 from numpy_cae.cli.shared.takes import usable_bodies
-from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample, sample_sequence
+from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
@@ -26,7 +26,7 @@ from numpy_cae.motion import (
 from numpy_cae.motion.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
-MAX_DRAWN = 5
+MAX_DRAWN, SECONDS = 5, 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,9 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--prior", choices=priors, default="fitted", help="prior (default: fitted)")
     number = "number of motions, written as new_1.bvh, new_2.bvh, … (default: 1)"
     add("--number", **arguments.COUNT, default=1, help=number)
-    add(
-        "--seconds", type=arguments.positive, default=5.0, help="length of each motion (default: 5)"
-    )
+    add("--seconds", type=arguments.positive, help=f"length of each motion (default: {SECONDS:g})")
     add("--like", **arguments.FILE, help="motion file whose rig, rate and unit are used")
     arguments.add_shared(parser, "seed")
 
@@ -48,14 +46,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     manifold = one_motion.load_model(args, sequential=True)
-    rng, frames = np.random.default_rng(args.seed), max(1, round(args.seconds * manifold.rate))
+    rng = np.random.default_rng(args.seed)
     mapping = arguments.chosen_mapping(args) if args.like else None
     numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
-        if args.data or args.like:
-            raise ValueError(f"{args.model}: a sequential model takes no --data and no --like")
-        made = [sample_sequence(manifold, frames, rng) for _ in numbers]
+        if args.data or args.like or args.seconds:
+            problem = "a sequential model takes no --data, --like and --seconds"
+            raise ValueError(f"{args.model}: {problem}")
+        made = [manifold.sample(1, rng)[0] for _ in numbers]
     else:
+        frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
         prior, made = _prior(args, manifold), []
         if args.like:
             like = load_body(args.like, mapping, arguments.chosen_coordinates(args))[1]
