@@ -1,6 +1,5 @@
-"""Download motion databases from their own sites, with the standard library alone."""
+"""Downloads of public motion capture data, for which the extra `download` installs pooch."""
 
-from numpy_cae.download.cmu import CmuSite, Tally, download_cmu
-from numpy_cae.download.fetch import DownloadError, fetch
+from numpy_cae.download.cmu import DownloadError, download_cmu
 
-__all__ = ["CmuSite", "DownloadError", "Tally", "download_cmu", "fetch"]
+__all__ = ["DownloadError", "download_cmu"]

@@ -12,7 +12,14 @@ from numpy_cae.viz.actor import (
     world_actors,
 )
 from numpy_cae.viz.animation import save_gif
-from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, dots_figure, feature_figure
+from numpy_cae.viz.curves import (
+    Curve,
+    bars_figure,
+    curves_figure,
+    dots_figure,
+    feature_figure,
+    matrix_figure,
+)
 from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.strip import save_figure, strip_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer
@@ -32,6 +39,7 @@ __all__ = [
     "feature_figure",
     "in_notebook",
     "local_actors",
+    "matrix_figure",
     "motion_actor",
     "save_figure",
     "save_gif",

@@ -1,4 +1,4 @@
-"""Curves, bars and dots."""
+"""Curves, bars, dots, and a matrix of distances."""
 
 from __future__ import annotations
 
@@ -117,6 +117,35 @@ def bars_figure(
     _finish(axes, "", up)
     axes.grid(False, axis="x")
     figure.legend(loc="outside upper center", ncols=len(groups), frameon=False, fontsize=8)
+    return figure
+
+
+_LABELS = 40
+"""LABELS: of more motions than this, only as many evenly spaced names are written."""
+
+
+def matrix_figure(distances: np.ndarray, names: Sequence[str], unit: str = "distance") -> Figure:
+    """A matrix of distances in the order of the motions, their names on the right.
+
+    Parameters
+    ----------
+    distances : (N, N) array of float
+    names : sequence of N str
+        Sort motions by name to see groups: takes of one kind are then next to each other.
+    unit : str
+        Label of the colour bar.
+    """
+    from matplotlib.figure import Figure
+
+    side = float(np.clip(0.2 * len(names), 2.5, 9.0))
+    figure = Figure(figsize=(side + 3.0, side), layout="constrained")
+    axes = figure.add_subplot()
+    image = axes.imshow(distances, cmap="magma_r")
+    rows = np.arange(0, len(names), -(-len(names) // _LABELS))
+    axes.set_xticks([])
+    axes.yaxis.tick_right()
+    axes.set_yticks(rows, [names[row] for row in rows], fontsize=8)
+    figure.colorbar(image, label=unit)
     return figure
 
 

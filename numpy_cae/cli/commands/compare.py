@@ -17,8 +17,7 @@ from numpy_cae.cli.shared.output import print_json
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files
-from numpy_cae.viz import save_figure
-from numpy_cae.viz.matrix import matrix_figure
+from numpy_cae.viz import matrix_figure, save_figure
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="folders or motion files")
     one_motion.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
-    add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix, clustered")
+    add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix")
     arguments.add_shared(parser, "json")
 
 
@@ -56,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         return 0
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
         print(f"{name}: nearest is {other}, G = {distance:.3f}")
-    for path, content in ((args.output, "G"), (args.picture, "√G, clustered,")):
+    for path, content in ((args.output, "G"), (args.picture, "√G")):
         if path:
             print(f"{path}: {content} of {len(names)} motions")
     return 0
