@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import Motion, Skeleton
-from numpy_cae.motion.io.units import CMU_UNIT
+from numpy_cae.motion.units import CMU_UNIT
 
 HEADER = """:version 1.10
 :units

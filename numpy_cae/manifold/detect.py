@@ -6,12 +6,12 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy_cae.manifold.fill import fill, whole_features
 from numpy_cae.manifold.holes import at_thirty, hole_lengths, spline, whole_stretches
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import POSITIONS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import frame_lengths
+from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.rigs import find_joints
-from numpy_cae.motion.retarget.to_body import RATE
 
 RATIO, FAR = 4.0, 0.1
 """A joint is damaged where it is further from the manifold than `RATIO` times its median in the

@@ -18,12 +18,11 @@ import numpy as np
 from numpy_cae.manifold.holes import at_thirty, hole_lengths, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import POSITIONS, RootTransform, positions_to_features
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import change_lengths
-from numpy_cae.motion.motion import Motion, slerp
-from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.motion import RATE, Motion, slerp
+from numpy_cae.motion.retarget.body import Body
 
 REPEATS, LONG = 3, 30
 """Projections of a joint of the legs in a hole of `LONG` frames or more; others are projected once.

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.motion.motion import Motion, slerp
-from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.motion import RATE, Motion, slerp
 
 
 def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:

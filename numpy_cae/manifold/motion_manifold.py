@@ -8,10 +8,10 @@ import numpy as np
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.windows import LENGTH
 
 Network = TypeVar("Network")

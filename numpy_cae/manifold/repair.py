@@ -15,11 +15,11 @@ from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, change_joints, distances
 from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
 from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.to_body import at_rate_of
 from numpy_cae.motion.retarget.to_rig import retarget

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.manifold.holes import spline
-from numpy_cae.motion.body import Body
 from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.rigs import Mappings, find_joints
 
 

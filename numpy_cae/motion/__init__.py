@@ -4,14 +4,7 @@ This package imports no other package of the project.
 """
 
 from numpy_cae.motion.angle_table import ANGLES
-from numpy_cae.motion.angles import (
-    ANGLE_RATE,
-    AngleSequence,
-    angles_of,
-    load_angles,
-    motion_of,
-    on_floor,
-)
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
 from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import (
     FEATURES,
@@ -23,21 +16,20 @@ from numpy_cae.motion.features import (
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.io.amc import read_amc
-from numpy_cae.motion.io.asf import read_asf
-from numpy_cae.motion.io.bvh import read_bvh
-from numpy_cae.motion.io.bvh_writer import write_bvh
-from numpy_cae.motion.io.coordinates import Coordinates
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.expmap import read_expmap
-from numpy_cae.motion.io.load import find_motion_files, load_motion
-from numpy_cae.motion.io.t_pose import without_t_pose
-from numpy_cae.motion.io.write import write_motion
-from numpy_cae.motion.io.write_like import write_like
+from numpy_cae.motion.formats.amc import read_amc
+from numpy_cae.motion.formats.asf import read_asf
+from numpy_cae.motion.formats.bvh import read_bvh
+from numpy_cae.motion.formats.bvh_writer import write_bvh
+from numpy_cae.motion.formats.expmap import read_expmap
+from numpy_cae.motion.formats.text_file import MotionFileError
+from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.load_windows import load_windows
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion.read.coordinates import Coordinates
+from numpy_cae.motion.read.load import find_motion_files, load_angles, load_body, load_motion
+from numpy_cae.motion.read.windows import load_windows
 from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.motion.retarget.rigs import (
     Mappings,
@@ -47,7 +39,9 @@ from numpy_cae.motion.retarget.rigs import (
     joint_index,
     read_mapping,
 )
-from numpy_cae.motion.retarget.to_body import at_rate_of, body_of, load_body
+from numpy_cae.motion.retarget.t_pose import without_t_pose
+from numpy_cae.motion.retarget.to_angles import angles_of
+from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.windows import cut_windows
@@ -60,6 +54,7 @@ __all__ = [
     "JOINTS",
     "PARENTS",
     "POSITIONS",
+    "RATE",
     "TURN",
     "VELOCITY",
     "AngleSequence",

@@ -14,10 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.motion.io.expmap_rigs import HUMAN36M
+from numpy_cae.motion.expmap_rigs import HUMAN36M
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.retarget.rigs import Mappings, find_joints
-from numpy_cae.motion.skeleton import Skeleton
 
 TRANSLATION = slice(0, 3)
 """The root's translation, metres, relative to the first frame of a clip. Then come the angles."""
@@ -67,19 +65,6 @@ class AngleTable:
             nearest.append(parent)
         return tuple(nearest)
 
-    def find(self, skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
-        """The indices of the joints in a skeleton; UnknownRigError if any is missing."""
-        if self is HUMAN36M_TABLE:
-            return [skeleton.index(joint) for joint in self.joints]
-        found = dict(zip(JOINTS, find_joints(skeleton, mapping), strict=True))
-        # The neck, whatever its name: the first joint from the chest to the head. In rigs without
-        # one that is the head itself; their neck then rotates for both, and the head not at all.
-        neck = found["head"]
-        while skeleton.parents[neck] not in (found["chest"], -1):
-            neck = skeleton.parents[neck]
-        found["neck"] = neck
-        return [found[joint] for joint in self.joints]
-
 
 def _table(name: str, above: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
     """The table of joints, each with the one above it, of which some rotate about some axes."""
@@ -112,8 +97,3 @@ HUMAN36M_TABLE = _table(
 )
 
 TABLES = {table.name: table for table in (SEVENTEEN, HUMAN36M_TABLE)}
-
-
-def table_for(skeleton: Skeleton) -> AngleTable:
-    """Human3.6M's own table for its text, the seventeen joints for every other rig."""
-    return HUMAN36M_TABLE if skeleton.names == HUMAN36M.skeleton.names else SEVENTEEN

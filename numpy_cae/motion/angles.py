@@ -1,29 +1,27 @@
-"""A motion as the 54 numbers a frame of jang2018, and back.
+"""A motion as the 54 numbers a frame of jang2018: the sequence of numbers, and back to a motion.
 
-A joint's rotation is relative to its nearest ancestor in the table, so that the rotations of the
-joints between (a second bone of the spine, a collar) are included and every joint of the table
-keeps its orientation:
+A joint's rotation is relative to its nearest ancestor in the table (`angles_of`).
 
-    R_j = G_ancestorᵀ · G_j
+The angles have no jumps. v and v - 2πk v/|v| are the same rotation for every integer k, and a
+conversion returns the vector shorter than π. When a joint rotates through π, its vector thus jumps
+to the opposite side of the ball, and a network would have to learn that jump. Here each frame gets
+the equivalent vector nearest to the frame before (as in MBR17 and Grassia, 1998).
 """
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.motion import quaternions
-from numpy_cae.motion.angle_table import TRANSLATION, AngleTable, table_for
-from numpy_cae.motion.io.coordinates import Coordinates
-from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.io.t_pose import without_t_pose
+from numpy_cae.motion.angle_table import TRANSLATION, AngleTable
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
 from numpy_cae.motion.skeleton import Skeleton
-from numpy_cae.motion.unwrap import unwrapped
 
 ANGLE_RATE = 25.0
 """Frames a second, MBR17's rate for Human3.6M: half of its fifty."""
+_PERIOD = 2 * np.pi
+# Below this length the direction of a vector is rounding error.
+_SHORT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -46,54 +44,6 @@ class AngleSequence:
 
     def __len__(self) -> int:
         return len(self.numbers)
-
-
-def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
-    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
-
-    Parameters
-    ----------
-    motion : Motion
-        At the rate of its file.
-    mapping : dict, optional
-        See `find_joints`.
-
-    Raises
-    ------
-    UnknownRigError
-        If joints are missing.
-    """
-    table = table_for(motion.skeleton)
-    found = table.find(motion.skeleton, mapping)
-    motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)
-    positions, rotations = motion.forward_kinematics()
-    vectors = np.zeros((len(motion), len(found), 3))
-    offsets = np.zeros((len(found), 3))
-    for joint, ancestor in enumerate(table.rotating_parents):
-        local = rotations[:, found[joint]]
-        if ancestor >= 0:
-            inverse = quaternions.inverse(rotations[:, found[ancestor]])
-            offset = positions[:, found[joint]] - positions[:, found[ancestor]]
-            offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
-            local = quaternions.product(inverse, local)
-        vectors[:, joint] = quaternions.to_vector(local)
-    angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
-    return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
-
-
-def load_angles(
-    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
-) -> AngleSequence:
-    """`angles_of` any motion file. A floor is not looked for: clips are relative to their start.
-
-    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
-    if joints are missing.
-    """
-    try:
-        known = vars(coordinates or Coordinates())
-        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}), mapping)
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{path}: {error}") from None
 
 
 def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Motion:
@@ -128,3 +78,39 @@ def on_floor(motion: Motion) -> Motion:
     translations = motion.translations.copy()
     translations[:, 0, 1] -= motion.positions()[..., 1].min()
     return replace(motion, translations=translations)
+
+
+def unwrapped(vectors: np.ndarray) -> np.ndarray:
+    """The same rotations, continuous in time: rotation vectors (F, …, 3) in radians, of which each
+    but the first frame is replaced by the equivalent vector nearest to the frame before.
+    """
+    smooth = np.array(vectors, dtype=np.float64)
+    for frame in range(1, len(smooth)):
+        smooth[frame] = _nearest(smooth[frame], smooth[frame - 1])
+    return smooth
+
+
+def _nearest(vector: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Of the vectors (…, 3) equivalent to `vector`, the one nearest to `before`."""
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    # Equivalent vectors lie on one line. For no rotation that line may have any direction (2π
+    # about any axis); the direction of the frame before keeps the trajectory straight.
+    axis = np.where(angle > _SHORT, vector, before)
+    length = np.linalg.norm(axis, axis=-1, keepdims=True)
+    axis = axis / np.where(length > _SHORT, length, 1.0)
+    turns = np.round((np.sum(before * axis, axis=-1, keepdims=True) - angle) / _PERIOD)
+    return vector + _PERIOD * turns * axis
+
+
+def shortest_clips(vectors: np.ndarray) -> np.ndarray:
+    """Continuous rotation vectors (…, F, J, 3) of clips, shifted by whole turns to the shortest.
+
+    After a person has turned round once, every vector is longer by 2π; later clips should not
+    differ from earlier ones. The shift is one number for each joint and clip, so that the clip
+    stays continuous.
+    """
+    angle = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    turns = np.round(angle.mean(axis=-3, keepdims=True) / _PERIOD)
+    if not turns.any():
+        return vectors
+    return vectors * (1 - _PERIOD * turns / np.where(angle > _SHORT, angle, 1.0))

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from numpy_cae.motion.angle_table import ANGLES, TRANSLATION
-from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.unwrap import shortest_clips
+from numpy_cae.motion.angles import AngleSequence, shortest_clips
 
 CLIP = 50
 """Frames, two seconds."""

@@ -6,12 +6,10 @@ of the legs, so that a short person takes the mean person's steps and the feet s
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.motion.features import positions_to_features
-from numpy_cae.motion.io.error import MotionFileError
 from numpy_cae.motion.joints import JOINTS, PARENTS
 
 _LEGS = [
@@ -20,8 +18,6 @@ _LEGS = [
 _NO_LENGTH = 1e-6  # metres; the CMU BVH files have both collars exactly at the chest
 LEGS = (0.05, 20.0)
 """Range of the length of both legs in metres; an adult has about 1.7."""
-MAX_STEP = 30.0
-"""Metres that the hips may move in a 30th of a second, and that a joint may be away from them."""
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
@@ -51,18 +47,6 @@ def problem_of(positions: np.ndarray) -> str:
         if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):
             return f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
     return ""
-
-
-def require_steady(path: str | Path, positions: np.ndarray) -> None:
-    """Raise MotionFileError if positions (F, 20, 3) jump so far that a network which learns from
-    them would learn nothing else."""
-    hips = positions[:, 0]
-    steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
-    apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
-    for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
-        if far.size and not far.max() <= MAX_STEP:
-            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} of 30 a second"
-            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")
 
 
 def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:

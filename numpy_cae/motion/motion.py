@@ -18,6 +18,9 @@ import numpy as np
 from numpy_cae.motion import quaternions
 from numpy_cae.motion.skeleton import Skeleton
 
+RATE = 30.0
+"""Frames a second of holden2015, section 4: every motion is resampled to it before a network."""
+
 
 @dataclass(frozen=True)
 class Motion:

@@ -4,8 +4,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.beyond import constraints, project_constrained
-from numpy_cae.manifold import learn_manifold
 from numpy_cae.evaluation import position_error
+from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of, features_to_positions
 from numpy_cae.motion.contacts import find_contacts
 from numpy_cae.training import Schedule, Stage

@@ -9,7 +9,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.motion import JOINTS, find_joints, load_motion, write_bvh
-from numpy_cae.motion.io.coordinates import as_in_file
+from numpy_cae.motion.axes import as_in_file
 
 WALK = make_take("walk", 5, 3.0, 30.0).motion
 

@@ -8,7 +8,7 @@ import pytest
 from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
 from numpy_cae.experiments.published.protocol import GROUPS, read_protocol
 from numpy_cae.motion import MotionFileError
-from numpy_cae.motion.io.amc import amc_values
+from numpy_cae.motion.formats.amc import amc_values
 
 PUBLISHED = {
     ("leg", "standardised"): (13.5, 4.44),

@@ -5,7 +5,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.motion import UnknownRigError, body_of, body_positions, bone_lengths
-from numpy_cae.motion.body import Body
+from numpy_cae.motion.retarget.body import Body
 
 
 @pytest.mark.parametrize("rate", [20.0, 25.0, 30.0, 59.94, 120.0])

@@ -9,7 +9,7 @@ from plain_bvh import about
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import MotionFileError, load_motion, read_amc
-from numpy_cae.motion.io.units import CMU_UNIT
+from numpy_cae.motion.units import CMU_UNIT
 
 ASF = """# a leg and a stump
 :version 1.10

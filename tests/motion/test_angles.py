@@ -17,7 +17,7 @@ from numpy_cae.motion import (
     read_expmap,
 )
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
-from numpy_cae.motion.io.expmap_rigs import HUMAN36M
+from numpy_cae.motion.expmap_rigs import HUMAN36M
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,8 @@ from numpy_cae.motion import (
     write_bvh,
     write_like,
 )
-from numpy_cae.motion.io.coordinates import TO_Y_UP, as_in_file, in_y_up
+from numpy_cae.motion.axes import TO_Y_UP, as_in_file
+from numpy_cae.motion.read.coordinates import in_y_up
 
 
 def in_file(motion, up, floor):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plain_bvh import PlainJoint, bvh_text, plain_positions
 
 from numpy_cae.motion import MotionFileError, read_bvh
-from numpy_cae.motion.io import text_file
+from numpy_cae.motion.formats import text_file
 
 numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))
 CHANNELS = [axis + kind for kind in ("position", "rotation") for axis in "XYZ"]
@@ -160,11 +160,11 @@ def test_a_unit_must_be_a_length(read_text, unit):
 
 def test_guesses_are_logged_and_unlikely_ones_are_warnings(data_folder, read_text, caplog):
     path = data_folder / "cmu" / "bvh" / "02_03_first_frames.bvh"
-    with caplog.at_level(logging.INFO, logger="numpy_cae.motion.io.bvh"):
+    with caplog.at_level(logging.INFO, logger="numpy_cae.motion.formats.bvh"):
         motion = read_bvh(path)
     assert str(path) in caplog.text and motion.unit_note in caplog.text
     assert "guessed" in motion.unit_note
-    with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.io.bvh"):
+    with caplog.at_level(logging.WARNING, logger="numpy_cae.motion.formats.bvh"):
         motion = read_text(TIDY)  # one leg alone has no two limbs to measure
     assert "assumed" in motion.unit_note and motion.unit_note in caplog.text
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.motion import MotionFileError, load_motion, read_expmap
-from numpy_cae.motion.io.expmap import cmu_root
-from numpy_cae.motion.io.expmap_rigs import CMU, HUMAN36M
+from numpy_cae.motion.expmap_rigs import CMU, HUMAN36M
+from numpy_cae.motion.formats.expmap import cmu_root
 
 seeds = st.integers(0, 2**32 - 1)
 

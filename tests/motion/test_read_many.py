@@ -11,7 +11,7 @@ from acclaim_files import write_acclaim
 from data_synth import make_take
 from numpy_cae.array_file import save_arrays
 from numpy_cae.motion import Coordinates, Motion, load_body, load_motion, write_bvh
-from numpy_cae.motion.io.cache import VERSION, default_cache, read_bodies
+from numpy_cae.motion.read.many import VERSION, default_cache, read_bodies
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_an_unexpected_exception_names_the_file_and_the_others_are_read(paths, m
     def broken(path, *_):
         raise IndexError("index 7 is out of bounds")
 
-    monkeypatch.setattr("numpy_cae.motion.io.load.read_bvh", broken)
+    monkeypatch.setattr("numpy_cae.motion.read.load.read_bvh", broken)
     problems = [body.problem for body in read_bodies(paths)]
     assert sum(problem is None for problem in problems) == 1
     assert "0.bvh: cannot be read: IndexError: index 7" in str(problems[0])

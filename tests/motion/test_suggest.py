@@ -20,7 +20,7 @@ from numpy_cae.motion import (
     retarget,
     write_bvh,
 )
-from numpy_cae.motion.io.coordinates import TO_Y_UP
+from numpy_cae.motion.axes import TO_Y_UP
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.suggest import suggest_mapping
 

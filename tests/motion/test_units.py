@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.motion import Skeleton, load_motion, write_bvh
-from numpy_cae.motion.io.units import TIP_TO_TIP, UNITS, guess_unit, stated_unit, stature
+from numpy_cae.motion.units import TIP_TO_TIP, UNITS, guess_unit, stated_unit, stature
 
 
 def test_the_longest_way_from_tip_to_tip():

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion.unwrap import shortest_clips, unwrapped
+from numpy_cae.motion.angles import shortest_clips, unwrapped
 
 seeds = st.integers(0, 2**32 - 1)
 

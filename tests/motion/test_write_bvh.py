@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from numpy_cae.errors import FileError
 from numpy_cae.motion import Motion, Skeleton, read_bvh, write_bvh
-from numpy_cae.motion.io import bvh_writer
-from numpy_cae.motion.io.units import CMU_UNIT
+from numpy_cae.motion.formats import bvh_writer
+from numpy_cae.motion.units import CMU_UNIT
 
 
 def drawn_motion(seed: int, joints: int = 6, frames: int = 5, unit: float = 0.01) -> Motion:

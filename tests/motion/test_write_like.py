@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.motion import MotionFileError, load_motion, write_bvh, write_like
-from numpy_cae.motion.io.fixed import fixed
+from numpy_cae.motion.formats.fixed import fixed
 
 HIERARCHY = """HIERARCHY
 ROOT Hips {

@@ -23,7 +23,7 @@ from numpy_cae.motion import (
     fit_motion,
     load_body,
 )
-from numpy_cae.motion.body import hold_first_pose
+from numpy_cae.motion.retarget.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
 MAX_DRAWN, SECONDS = 5, 5.0

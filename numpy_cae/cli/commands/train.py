@@ -22,7 +22,7 @@ from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.lock import lock
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
-from numpy_cae.motion.io.cache import default_cache, is_worthwhile
+from numpy_cae.motion.read.many import default_cache, is_worthwhile
 from numpy_cae.training import Checkpoint
 
 

@@ -14,7 +14,7 @@ from numpy_cae.experiments.ablation.evaluation import Evaluation
 from numpy_cae.experiments.material import LabelledTake, Material, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.motion import body_of
-from numpy_cae.motion.retarget.to_body import RATE
+from numpy_cae.motion.motion import RATE
 
 OUTPUT = Path("ablation")
 SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4

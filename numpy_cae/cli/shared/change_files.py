@@ -25,8 +25,8 @@ from numpy_cae.motion import (
     write_like,
     write_motion,
 )
-from numpy_cae.motion.io.amc import find_skeleton
-from numpy_cae.motion.io.write import WRITERS, require_writer
+from numpy_cae.motion.formats.amc import find_skeleton
+from numpy_cae.motion.formats.write import WRITERS, require_writer
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor
 
 Change = Callable[[Motion, Mappings], Repaired]

@@ -9,7 +9,7 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.motion import JOINTS, PARENTS, Motion, write_motion
-from numpy_cae.motion.io.write import require_writer
+from numpy_cae.motion.formats.write import require_writer
 from numpy_cae.viz import Actor, save_gif, save_viewer
 
 RATE = 30.0

@@ -9,7 +9,7 @@ import numpy as np
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import Coordinates, Mappings
-from numpy_cae.motion.io.cache import Body, read_bodies
+from numpy_cae.motion.read.many import ReadResult, read_bodies
 
 
 def read_takes(
@@ -66,7 +66,7 @@ def usable_bodies(
     coordinates: Coordinates | None,
     strict: bool = False,
     cache: Path | None = None,
-) -> Iterator[Body]:
+) -> Iterator[ReadResult]:
     """The bodies that `read_bodies` can read. A file that cannot be used is an error if `strict` or
     if it is the only one, otherwise it is reported and skipped; ValueError if all are.
     """

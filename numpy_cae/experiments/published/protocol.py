@@ -14,7 +14,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from numpy_cae.motion.io.amc import amc_values
+from numpy_cae.motion.formats.amc import amc_values
 
 GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
 """Columns of the 59 that are hidden, from 0: the right leg, the upper body."""

@@ -15,7 +15,7 @@ from numpy_cae.manifold.holes import at_thirty
 from numpy_cae.manifold.repaired import change_joints
 from numpy_cae.manifold.smooth import filter_motion
 from numpy_cae.motion import POSITIONS, Motion
-from numpy_cae.motion.body import Body
+from numpy_cae.motion.retarget.body import Body
 
 PCA_TAKES, EXPLAINED = 60, 0.95
 """PCA is fitted to every third frame of so many takes at most, with as many axes as explain this

@@ -56,15 +56,3 @@ def completed(motion: Motion, mapping: Mappings = None) -> Motion:
     rotations = np.concatenate([motion.rotations, still], axis=1)
     translations = np.concatenate([motion.translations, places], axis=1)
     return replace(motion, skeleton=longer, rotations=rotations, translations=translations)
-
-
-def without_added(motion: Motion) -> Motion:
-    """The motion of the joints that the file has."""
-    skeleton = motion.skeleton
-    if not skeleton.added:
-        return motion
-    own = slice(len(skeleton.names) - skeleton.added)
-    names, parents, offsets = skeleton.names[own], skeleton.parents[own], skeleton.offsets[own]
-    shorter = replace(skeleton, names=names, parents=parents, offsets=offsets, added=0)
-    rotations, translations = motion.rotations[:, own], motion.translations[:, own]
-    return replace(motion, skeleton=shorter, rotations=rotations, translations=translations)

@@ -1,17 +1,9 @@
 """From a motion of any rig to the input of a network: twenty joints, thirty frames a second."""
 
-from pathlib import Path
-
 import numpy as np
 
-from numpy_cae.motion.io.coordinates import Coordinates
-from numpy_cae.motion.io.error import naming
-from numpy_cae.motion.io.load import load_motion
-from numpy_cae.motion.motion import Motion, blocks
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, body_positions
-
-RATE = 30.0
-"""Frames a second of holden2015, section 4."""
+from numpy_cae.motion.motion import RATE, Motion, blocks
+from numpy_cae.motion.retarget.rigs import Mappings, body_positions
 
 
 def body_of(motion: Motion, mapping: Mappings = None) -> np.ndarray:
@@ -66,25 +58,3 @@ def at_rate_of(
         own = step * (max(first, 0) + np.arange(len(near)))
         found[part] = Akima1DInterpolator(own, near, method="makima")(frames[part])
     return found
-
-
-def load_body(
-    path: str | Path,
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
-    max_rate: float | None = None,
-) -> tuple[np.ndarray, Motion]:
-    """The twenty joints of a file at `RATE`, and the motion at the rate of the file.
-
-    What `coordinates` leaves open is detected; `max_rate` is as in `load_motion`.
-
-    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
-    if joints are missing.
-    """
-    known = vars(coordinates or Coordinates())
-    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
-    try:
-        with naming(path):
-            return body_of(motion, mapping), motion
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{path}: {error}") from None

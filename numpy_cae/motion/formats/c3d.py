@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import bone_lengths
 from numpy_cae.motion.motion import Motion

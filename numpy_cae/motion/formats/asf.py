@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.channels import Channels
-from numpy_cae.motion.io.text_file import TextFile, quoted
-from numpy_cae.motion.io.units import INCH, require_unit
+from numpy_cae.motion.formats.channels import Channels
+from numpy_cae.motion.formats.text_file import TextFile, quoted
 from numpy_cae.motion.quaternions import IDENTITY, from_angles
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.units import INCH, require_unit
 
 MAX_BYTES = 1_000_000
 """Of an .asf file; those of CMU have 6,000."""

@@ -19,8 +19,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.text_file import MAX_JOINTS, TextFile, quoted, whole_number
+from numpy_cae.motion.formats.text_file import (
+    MAX_JOINTS,
+    MotionFileError,
+    TextFile,
+    quoted,
+    whole_number,
+)
 
 CHANNELS = {
     f"{axis}{kind}".lower(): f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ"

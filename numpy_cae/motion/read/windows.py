@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.load import find_motion_files
+from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.lengths import features_on_mean_skeleton
-from numpy_cae.motion.retarget.to_body import RATE, load_body
+from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.read.load import find_motion_files, load_body
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 

@@ -21,12 +21,12 @@ import numpy as np
 
 from numpy_cae.array_file import ModelFileError, checked, load_arrays, save_arrays, word
 from numpy_cae.errors import FileError
-from numpy_cae.motion.io.amc import find_skeleton
-from numpy_cae.motion.io.coordinates import Coordinates
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.lengths import require_steady
+from numpy_cae.motion.formats.amc import find_skeleton
+from numpy_cae.motion.formats.text_file import MotionFileError
+from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.read.coordinates import Coordinates
+from numpy_cae.motion.read.load import load_body
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
-from numpy_cae.motion.retarget.to_body import RATE, load_body
 
 log = logging.getLogger(__name__)
 
@@ -35,9 +35,12 @@ VERSION = "numpy_cae take 5"
 WORTHWHILE = 20e6
 """Total bytes below which reading takes less than starting processes or looking into a cache."""
 
+MAX_STEP = 30.0
+"""Metres that the hips may move in a 30th of a second, and that a joint may be away from them."""
+
 
 @dataclass(frozen=True)
-class Body:
+class ReadResult:
     """The result of reading one file.
 
     World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; a note on the
@@ -74,7 +77,7 @@ def read_bodies(
     coordinates: Coordinates | None = None,
     cache: Path | None = None,
     processes: int | None = None,
-) -> Iterator[Body]:
+) -> Iterator[ReadResult]:
     """Each file as twenty joints at 30 frames a second, in the order of `paths`.
 
     The folder `cache` is created if missing; one that belongs to another user or cannot be written
@@ -118,7 +121,9 @@ def is_worthwhile(paths: Sequence[Path]) -> bool:
     return sum(path.stat().st_size for path in paths if path.exists()) >= WORTHWHILE
 
 
-def _read(path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path | None) -> Body:
+def _read(
+    path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path | None
+) -> ReadResult:
     try:
         cached = None if cache is None else cache / f"{_hash(path, mapping, coordinates)}.npz"
         body = None if cached is None else _load(path, cached)
@@ -127,13 +132,25 @@ def _read(path: Path, mapping: Mappings, coordinates: Coordinates, cache: Path |
         positions, motion = load_body(path, mapping, coordinates, RATE)
         require_steady(path, positions)
     except (MotionFileError, UnknownRigError) as problem:
-        return Body(path, None, "", problem)
+        return ReadResult(path, None, "", problem)
     if cached is not None:
         note = np.array(motion.unit_note)
         arrays = {"format": np.array(VERSION), "positions": positions, "note": note}
         with suppress(OSError, FileError):  # the take has been read already
             save_arrays(arrays, cached, compressed=False)
-    return Body(path, positions, motion.unit_note)
+    return ReadResult(path, positions, motion.unit_note)
+
+
+def require_steady(path: str | Path, positions: np.ndarray) -> None:
+    """Raise MotionFileError if positions (F, 20, 3) jump so far that a network which learns from
+    them would learn nothing else."""
+    hips = positions[:, 0]
+    steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
+    apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
+    for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
+        if far.size and not far.max() <= MAX_STEP:
+            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} of 30 a second"
+            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")
 
 
 def _hash(path: Path, mapping: Mappings, coordinates: Coordinates) -> str:
@@ -167,13 +184,13 @@ def _usable(cache: Path | None) -> Path | None:
     return None if problem else cache
 
 
-def _load(path: Path, cached: Path) -> Body | None:
+def _load(path: Path, cached: Path) -> ReadResult | None:
     """The cached result; None if there is none, or, with a warning, if its file is damaged."""
 
-    def body(arrays: dict[str, np.ndarray]) -> Body:
+    def body(arrays: dict[str, np.ndarray]) -> ReadResult:
         frames = len(arrays["positions"])
         positions = checked(arrays, "positions", (frames, 20, 3))
-        return Body(path, positions, word(arrays, "note"))
+        return ReadResult(path, positions, word(arrays, "note"))
 
     try:
         return load_arrays(cached, {VERSION: body}) if os.path.lexists(cached) else None

@@ -15,25 +15,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from numpy_cae.motion.io.units import require_unit
+from numpy_cae.motion.axes import TO_Y_UP, to_y_up
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.quaternions import nearest, product
-from numpy_cae.motion.retarget.completed import without_added
 from numpy_cae.motion.retarget.rigs import Mappings, match_rig
 from numpy_cae.motion.retarget.suggest import suggest_mapping
+from numpy_cae.motion.units import require_unit
 
 log = logging.getLogger(__name__)
-
-TO_Y_UP = {
-    "y": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "z": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    "x": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
-    "-y": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
-    "-z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
-    "-x": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
-}
-"""The rotation of a file with this axis up to Y up, as rows of a matrix."""
 
 UPRIGHT = 0.8
 """Least component of the mean direction from the ankles to the head along the axis that is up."""
@@ -150,39 +139,3 @@ def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) 
     if changes:
         log.info("%s", note)
     return replace(to_y_up(motion, up, floor), unit_note=note)
-
-
-def to_y_up(motion: Motion, up: str, floor: float) -> Motion:
-    """The motion of a file turned to Y up, with its floor at 0; `as_in_file` is the inverse."""
-    if up == "y" and floor == 0:
-        return motion
-    rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
-    translations[:, 0, 1] -= floor
-    return replace(motion, rotations=rotations, translations=translations, up=up, floor=floor)
-
-
-def points_to_y_up(points: np.ndarray, motion: Motion) -> np.ndarray:
-    """Points (N, 3) of the file's world in metres in the world of the motion; NaN stays alone."""
-    matrix = np.array(TO_Y_UP[motion.up])
-    moved = points[:, np.abs(matrix).argmax(axis=1)] * matrix.sum(axis=1)
-    return moved - [0.0, motion.floor, 0.0]
-
-
-def as_in_file(motion: Motion) -> Motion:
-    """The motion in the axes, at the height and with the joints of its file, for a writer."""
-    motion = without_added(motion)
-    if motion.up == "y" and motion.floor == 0:
-        return motion
-    translations = motion.translations.copy()
-    translations[:, 0, 1] += motion.floor
-    moved = replace(motion, translations=translations)
-    rotations, translations = _turned(moved, np.array(TO_Y_UP[motion.up], dtype=float).T)
-    return replace(motion, rotations=rotations, translations=translations, up="y", floor=0.0)
-
-
-def _turned(motion: Motion, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rotations and translations of the motion with its root turned."""
-    rotations, translations = motion.rotations.copy(), motion.translations.copy()
-    rotations[:, 0] = product(nearest(matrix), rotations[:, 0])
-    translations[:, 0] = translations[:, 0] @ matrix.T
-    return rotations, translations

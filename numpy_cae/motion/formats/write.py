@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.io.bvh_writer import write_bvh
-from numpy_cae.motion.io.gltf_writer import write_glb
+from numpy_cae.motion.axes import without_added
+from numpy_cae.motion.formats.bvh_writer import write_bvh
+from numpy_cae.motion.formats.gltf_writer import write_glb
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.completed import without_added
 
 
 def write_npz(motion: Motion, path: str | Path) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 
 from numpy_cae.motion.features import RootTransform, features_to_positions, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.retarget.rigs import Mappings, body_positions
-from numpy_cae.motion.retarget.to_body import RATE, at_rate_of, body_of
+from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
 from numpy_cae.motion.retarget.to_rig import retarget
 
 

@@ -11,12 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.asf import AcclaimSkeleton, read_asf, statements
-from numpy_cae.motion.io.channels import Channels, read_pose
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
-from numpy_cae.motion.io.units import stated_unit, stature
+from numpy_cae.motion.formats.asf import AcclaimSkeleton, read_asf, statements
+from numpy_cae.motion.formats.channels import Channels, read_pose
+from numpy_cae.motion.formats.text_file import (
+    HEADER_SIZE,
+    MIN_RATE,
+    MotionFileError,
+    TextFile,
+    quoted,
+    whole_number,
+)
 from numpy_cae.motion.motion import Motion, whole_step
+from numpy_cae.motion.units import stated_unit, stature
 
 log = logging.getLogger(__name__)
 

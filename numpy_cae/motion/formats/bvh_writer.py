@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.io.channels import continuous_angles, nearest_angles
-from numpy_cae.motion.io.coordinates import as_in_file
-from numpy_cae.motion.io.units import require_unit
+from numpy_cae.motion.axes import as_in_file
+from numpy_cae.motion.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.units import require_unit
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]

@@ -1,17 +1,25 @@
 """Read any supported motion file, chosen by its suffix."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from numpy_cae.motion.io.amc import read_amc
-from numpy_cae.motion.io.bvh import read_bvh
-from numpy_cae.motion.io.c3d import read_c3d
-from numpy_cae.motion.io.coordinates import Coordinates, in_y_up
-from numpy_cae.motion.io.error import MotionFileError, naming
-from numpy_cae.motion.io.expmap import is_expmap_text, read_expmap
+import numpy as np
+
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.motion.angles import AngleSequence
+from numpy_cae.motion.formats.amc import read_amc
+from numpy_cae.motion.formats.bvh import read_bvh
+from numpy_cae.motion.formats.c3d import read_c3d
+from numpy_cae.motion.formats.expmap import is_expmap_text, read_expmap
+from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.read.coordinates import Coordinates, in_y_up
 from numpy_cae.motion.retarget.completed import completed
-from numpy_cae.motion.retarget.rigs import Mappings
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
+from numpy_cae.motion.retarget.to_angles import angles_of
+from numpy_cae.motion.retarget.to_body import body_of
 
 SUPPORTED = (
     "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it), .txt "
@@ -67,7 +75,7 @@ def load_motion(
     if problem:
         raise MotionFileError(path, None, problem)
     coordinates = Coordinates(unit, up, floor)
-    with naming(path):
+    with _naming(path):
         if suffix == ".amc":
             motion = read_amc(path, unit=unit, max_rate=max_rate)
         elif suffix == ".c3d":
@@ -75,6 +83,56 @@ def load_motion(
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
         return in_y_up(completed(motion, mapping), coordinates, mapping)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turn any unexpected exception of the block into a `MotionFileError` that names the file, so
+    that one strange file does not end the reading of thousands."""
+    try:
+        yield
+    except NumpyCaeError:
+        raise
+    except Exception as error:
+        problem = f"cannot be read: {type(error).__name__}: {error}"
+        raise MotionFileError(path, None, " ".join(problem.split())) from error
+
+
+def load_body(
+    path: str | Path,
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
+    max_rate: float | None = None,
+) -> tuple[np.ndarray, Motion]:
+    """The twenty joints of a file at `RATE`, and the motion at the rate of the file.
+
+    What `coordinates` leaves open is detected; `max_rate` is as in `load_motion`.
+
+    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
+    if joints are missing.
+    """
+    known = vars(coordinates or Coordinates())
+    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
+    try:
+        with _naming(Path(path)):
+            return body_of(motion, mapping), motion
+    except UnknownRigError as error:
+        raise UnknownRigError(f"{path}: {error}") from None
+
+
+def load_angles(
+    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
+) -> AngleSequence:
+    """`angles_of` any motion file. A floor is not looked for: clips are relative to their start.
+
+    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
+    if joints are missing.
+    """
+    try:
+        known = vars(coordinates or Coordinates())
+        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}), mapping)
+    except UnknownRigError as error:
+        raise UnknownRigError(f"{path}: {error}") from None
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.error import MotionFileError
+from numpy_cae.errors import FileError
+from numpy_cae.motion.motion import RATE
 
 MAX_VALUE = 1e12
 """Above every length and angle of a motion; sums and products of smaller numbers are finite."""
@@ -20,10 +21,12 @@ HEADER_SIZE = 1 << 22
 """Bytes, above those before the first frame of every motion file."""
 MIN_RATE = 1.0
 """Frames a second. At lower rates a few frames would last hours and, resampled, fill the memory."""
-NETWORK_RATE = 30.0
-"""Frames a second that every motion is resampled to."""
 MAX_BYTES, MAX_LINE, MAX_JOINTS = 1 << 30, 1_000_000, 5_000
 """Of a file, of a line of it, and of a skeleton."""
+
+
+class MotionFileError(FileError):
+    """A motion file that cannot be read: which file, which line, what was expected."""
 
 
 @dataclass(frozen=True)
@@ -157,13 +160,13 @@ class TextFile:
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
         """Reject more poses than a file of this size can describe, before they are parsed: a joint
         without channels takes memory but no space in the file, and so does a frame of a low rate,
-        which becomes many at `NETWORK_RATE`.
+        which becomes many at `RATE`.
         """
-        poses = frames * joints * max(1.0, NETWORK_RATE / rate)
+        poses = frames * joints * max(1.0, RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
         if poses > most:
             found = f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f}"
-            expected = f"at {NETWORK_RATE:g} a second or more, expected at most {most}"
+            expected = f"at {RATE:g} a second or more, expected at most {most}"
             raise self.error(None, f"{found} poses {expected} in a file of this size")
 
 

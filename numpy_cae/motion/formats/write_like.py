@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.io.amc import amc_channels
-from numpy_cae.motion.io.bvh import bvh_channels
-from numpy_cae.motion.io.channels import Channels
-from numpy_cae.motion.io.coordinates import as_in_file
-from numpy_cae.motion.io.error import MotionFileError
-from numpy_cae.motion.io.fixed import fixed
-from numpy_cae.motion.io.write import write_motion
+from numpy_cae.motion.axes import as_in_file
+from numpy_cae.motion.formats.amc import amc_channels
+from numpy_cae.motion.formats.bvh import bvh_channels
+from numpy_cae.motion.formats.channels import Channels
+from numpy_cae.motion.formats.fixed import fixed
+from numpy_cae.motion.formats.text_file import MotionFileError
+from numpy_cae.motion.formats.write import write_motion
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.units import CMU_UNIT
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.units import CMU_UNIT
 
 
 @dataclass(frozen=True)

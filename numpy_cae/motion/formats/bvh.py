@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.io.bvh_hierarchy import BvhJoint, read_hierarchy
-from numpy_cae.motion.io.channels import Channels, read_pose
-from numpy_cae.motion.io.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
-from numpy_cae.motion.io.units import guess_unit, is_plausible, require_unit, stated_unit, stature
+from numpy_cae.motion.formats.bvh_hierarchy import BvhJoint, read_hierarchy
+from numpy_cae.motion.formats.channels import Channels, read_pose
+from numpy_cae.motion.formats.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
 from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stated_unit, stature
 
 log = logging.getLogger(__name__)
 

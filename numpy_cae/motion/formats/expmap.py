@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.motion import quaternions
-from numpy_cae.motion.io.channels import continuous_angles
-from numpy_cae.motion.io.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
-from numpy_cae.motion.io.text_file import MAX_LINE, TextFile
-from numpy_cae.motion.io.units import require_unit, unit_name
+from numpy_cae.motion.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
+from numpy_cae.motion.formats.channels import continuous_angles
+from numpy_cae.motion.formats.text_file import MAX_LINE, TextFile
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.units import require_unit, unit_name
 
 _MIN_COMMAS = 40
 """In a line; no sentence has as many."""

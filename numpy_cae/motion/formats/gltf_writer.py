@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.io.bvh_writer import require_writable
+from numpy_cae.motion.formats.bvh_writer import require_writable
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton
 

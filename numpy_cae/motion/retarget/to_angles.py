@@ -1,0 +1,72 @@
+"""From a motion of any rig to the 54 numbers a frame of jang2018.
+
+A joint's rotation is relative to its nearest ancestor in the table, so that the rotations of the
+joints between (a second bone of the spine, a collar) are included and every joint of the table
+keeps its orientation:
+
+    R_j = G_ancestorᵀ · G_j
+"""
+
+import numpy as np
+
+from numpy_cae.motion import quaternions
+from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, AngleTable
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
+from numpy_cae.motion.expmap_rigs import HUMAN36M
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import Mappings, find_joints
+from numpy_cae.motion.retarget.t_pose import without_t_pose
+from numpy_cae.motion.skeleton import Skeleton
+
+
+def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
+    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
+
+    Parameters
+    ----------
+    motion : Motion
+        At the rate of its file.
+    mapping : dict, optional
+        See `find_joints`.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+    """
+    table = table_for(motion.skeleton)
+    found = joints_in(table, motion.skeleton, mapping)
+    motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)
+    positions, rotations = motion.forward_kinematics()
+    vectors = np.zeros((len(motion), len(found), 3))
+    offsets = np.zeros((len(found), 3))
+    for joint, ancestor in enumerate(table.rotating_parents):
+        local = rotations[:, found[joint]]
+        if ancestor >= 0:
+            inverse = quaternions.inverse(rotations[:, found[ancestor]])
+            offset = positions[:, found[joint]] - positions[:, found[ancestor]]
+            offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
+            local = quaternions.product(inverse, local)
+        vectors[:, joint] = quaternions.to_vector(local)
+    angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
+    return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
+
+
+def table_for(skeleton: Skeleton) -> AngleTable:
+    """Human3.6M's own table for its text, the seventeen joints for every other rig."""
+    return HUMAN36M_TABLE if skeleton.names == HUMAN36M.skeleton.names else SEVENTEEN
+
+
+def joints_in(table: AngleTable, skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
+    """The indices of the joints of a table in a skeleton; UnknownRigError if any is missing."""
+    if table is HUMAN36M_TABLE:
+        return [skeleton.index(joint) for joint in table.joints]
+    found = dict(zip(JOINTS, find_joints(skeleton, mapping), strict=True))
+    # The neck, whatever its name: the first joint from the chest to the head. In rigs without
+    # one that is the head itself; their neck then rotates for both, and the head not at all.
+    neck = found["head"]
+    while skeleton.parents[neck] not in (found["chest"], -1):
+        neck = skeleton.parents[neck]
+    found["neck"] = neck
+    return [found[joint] for joint in table.joints]
