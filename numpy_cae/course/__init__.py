@@ -1,9 +1,10 @@
 """The course: exercises and their checks, and the lessons as notebooks.
 
-One source gives the instructor's copy, executed, and the student's, and a picture of each for the
-gallery. `report`, `solved` and `example` are for the cells of a notebook.
+The source of a lesson is the instructor's notebook, stored with its outputs; the student's notebook
+is made from it. `load_mine`, `report`, `solved` and `example` are for the cells of a notebook.
 """
 
 from numpy_cae.course.catalogue import example, report, solved
+from numpy_cae.course.mine import load_mine
 
-__all__ = ["example", "report", "solved"]
+__all__ = ["example", "load_mine", "report", "solved"]

@@ -1,14 +1,13 @@
-"""`mine.py` beside the notebooks: a student's solved functions, which later lessons import.
+"""`mine.py`, in the folder of the notebooks: a student's solved functions, for later lessons.
 
+    course.load_mine()
     from mine import conv1d, max_pool
 
-imports the student's own where they are solved, and else the package's. It has to follow the import
-of `numpy_cae.course`. Where there is no `mine.py`, or it cannot be run, all are the package's.
+The first line runs the file `mine.py` and makes the module `mine` of it. The second line imports
+the student's functions; for those that `mine.py` lacks, it imports the package's own.
 """
 
 import ast
-import importlib.abc
-import importlib.machinery
 import linecache
 import os
 import re
@@ -31,7 +30,7 @@ FILE = "mine.py"
 IMPORTS = (ast.Import, ast.ImportFrom)
 EMPTY = '''"""My functions. course.solved() writes a function here when all its properties hold.
 
-In a lesson, after importing numpy_cae.course:    from mine import conv1d
+In a lesson, after course.load_mine():    from mine import conv1d
 """
 
 import numpy as np
@@ -78,8 +77,37 @@ def save(name: str, function: Callable) -> bool:
         raise NotSavedError(f"{problem}. Define what it needs in its own cell")
     with atomic_write(FILE) as beside:
         beside.write_text(after, encoding="utf-8")
-    sys.modules.pop("mine", None)  # the next import reads the file again
+    if "mine" in sys.modules:
+        load_mine()
     return True
+
+
+def load_mine() -> None:
+    """Make the module `mine` of the file mine.py in the current folder.
+
+    All functions are the package's own where there is no mine.py, where it cannot be run, and while
+    nbgrader runs the notebook, since marks do not depend on earlier lessons. Prints which of these
+    is the case, and the name of each function that is imported but not in mine.py.
+    """
+    module, usable = ModuleType("mine"), False
+    if not os.environ.get("NBGRADER_EXECUTION"):
+        try:
+            vars(module).update(run(Path(FILE).read_text(encoding="utf-8")))
+            usable = True
+        except FileNotFoundError:
+            print(f"There is no {FILE} in this folder: the package's own functions are used.")
+        except (NotSavedError, UnicodeDecodeError) as error:
+            print(f"{error}\nUntil this is repaired, the package's own functions are used.")
+
+    def package_own(name: str) -> Callable:
+        if name not in CATALOGUE:
+            raise AttributeError(f"no operation or exercise is called {name!r}")
+        if usable:
+            print(f"{name} is not in {FILE} yet: the package's own is used.")
+        return stand_in(name)
+
+    module.__getattr__ = package_own  # called for a name that the module lacks
+    sys.modules["mine"] = module
 
 
 def mine_before(lesson: Path) -> str:
@@ -125,35 +153,6 @@ def run(text: str) -> dict[str, object]:
     return {name: v for name, v in space.items() if not hasattr(v, "stands_in")}
 
 
-class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports `mine`; a file that cannot be run is reported, and the package's own are used."""
-
-    def find_spec(self, name, path=None, target=None):
-        return importlib.machinery.ModuleSpec(name, self) if name == "mine" else None
-
-    def exec_module(self, module: ModuleType) -> None:
-        usable = False
-        if os.environ.get("NBGRADER_EXECUTION"):
-            pass  # marks do not depend on earlier lessons
-        elif not Path(FILE).is_file():
-            print(f"There is no {FILE} in this folder: the package's own functions are used.")
-        else:
-            try:
-                vars(module).update(run(Path(FILE).read_text(encoding="utf-8")))
-                usable = True
-            except (NotSavedError, UnicodeDecodeError) as error:
-                print(f"{error}\nUntil this is repaired, the package's own functions are used.")
-
-        def package_own(name: str) -> Callable:
-            if name not in CATALOGUE:
-                raise AttributeError(f"no operation or exercise is called {name!r}")
-            if usable:
-                print(f"{name} is not in {FILE} yet: the package's own is used.")
-            return stand_in(name)
-
-        module.__getattr__ = package_own
-
-
 def _names(node: ast.stmt) -> set[str]:
     """The names of a function, a class or constants; of any other statement, none."""
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -173,6 +172,3 @@ def _first(node: ast.stmt) -> int:
 
 def _source(node: ast.stmt, text: str) -> str:
     return "\n".join(text.splitlines()[_first(node) - 1 : node.end_lineno])
-
-
-sys.meta_path.insert(0, _Finder())

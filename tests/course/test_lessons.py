@@ -1,10 +1,13 @@
 """Every lesson from a fresh kernel: the instructor's copy, and the student's, nothing solved."""
 
+import hashlib
 import json
 import re
+import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from numpy_cae.course.copies import student_copy
 from numpy_cae.course.executed import execute, source_hash
@@ -18,7 +21,9 @@ COURSE = "numpy_cae.course.catalogue"
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
-LARGEST = 1_500_000
+LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
+sys.path.append(str(FOLDER.parent / "docs"))
+from make_gallery import MADE_OF, picture_of, picture_path  # noqa: E402
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 
@@ -70,6 +75,17 @@ def test_stored_as_executed(path):
     )
     for cell in checks(notebook):
         assert_all_points(cell)
+
+
+@every_lesson
+def test_its_picture_in_the_gallery_is_of_its_outputs(path):
+    picture, number = picture_path(path), path.name[:2]
+    shown = hashlib.sha256(picture_of(read_notebook(path))).hexdigest()
+    with Image.open(picture) as stored:
+        assert stored.info[MADE_OF] == shown, f"run: python docs/make_gallery.py {number}"
+    assert picture.stat().st_size < LARGEST_PICTURE
+    listed = f'<a href="{path.name}"><img src="pictures/{number}.png"'
+    assert listed in FOLDER.joinpath("README.md").read_text(encoding="utf-8")
 
 
 @every_lesson

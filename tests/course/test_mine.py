@@ -53,16 +53,17 @@ def mine(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = Path("mine.py")
     path.write_text(EMPTY)
-    sys.modules.pop("mine", None)
-    yield path
-    sys.modules.pop("mine", None)
+    monkeypatch.setitem(sys.modules, "mine", None)
+    return path
 
 
 def test_a_solved_function_is_imported_by_later_lessons(mine, capsys):
     course.solved("unpool_even", in_cell("unpool_even", CELL))
     course.solved("sgd_step", sgd_step)
     assert "later lessons (mine.py) use your function" in capsys.readouterr().out
-    from mine import conv1d, unpool_even as saved  # noqa: I001
+    course.load_mine()
+    from mine import conv1d
+    from mine import unpool_even as saved
 
     assert capsys.readouterr().out == "conv1d is not in mine.py yet: the package's own is used.\n"
     assert conv1d.stands_in and saved.__module__ == "mine"
@@ -91,6 +92,7 @@ def test_a_later_version_replaces_the_earlier_one(mine):
 )
 def test_a_broken_file_is_kept_and_the_packages_own_are_used(text, message, mine, capsys):
     mine.write_text(text)
+    course.load_mine()
     from mine import sgd_step as imported
 
     assert imported.stands_in and message in capsys.readouterr().out
@@ -122,10 +124,9 @@ def test_what_would_not_work_is_not_written(function, problem, mine, capsys):
 def test_without_mine_py_nothing_is_written(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     course.solved("sgd_step", sgd_step)
-    sys.modules.pop("mine", None)
+    course.load_mine()
     from mine import sgd_step as imported
 
-    sys.modules.pop("mine")
     assert "There is no mine.py" in capsys.readouterr().out
     assert imported.stands_in and not list(tmp_path.iterdir())
 
@@ -133,6 +134,7 @@ def test_without_mine_py_nothing_is_written(tmp_path, monkeypatch, capsys):
 def test_nbgrader_takes_the_packages_own(mine, monkeypatch):
     course.solved("sgd_step", sgd_step)
     monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
+    course.load_mine()
     from mine import sgd_step as imported
 
     assert imported.stands_in

@@ -99,7 +99,7 @@ def test_the_package_has_the_students_copies_of_all_lessons(tmp_path):
     assert main(["lessons", str(tmp_path)]) == 0
     assert [path.name for path in find_lessons(tmp_path)] == [path.name for path in LESSONS]
     for path in LESSONS:
-        again = f"numpy-cae lessons --gallery --only {path.name[:2]} writes the package's copy"
+        again = f"numpy-cae lessons --store --only {path.name[:2]} writes the package's copy"
         assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path)), again
         assert "BEGIN SOLUTION" not in (tmp_path / path.name).read_text(encoding="utf-8")
 

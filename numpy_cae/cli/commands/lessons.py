@@ -6,9 +6,9 @@ examples: numpy-cae lessons student/                     every lesson
           numpy-cae lessons student/ --only 03           one lesson
           numpy-cae lessons --release week3.zip 03 04    two lessons, for nbgrader
 
-In a clone, --execute runs the instructor's copies in a fresh kernel and stores their outputs, their
-points, the pictures of the gallery and the package's copies for students; --gallery does the same
-without running them.
+In a clone, --execute runs the instructor's copies in a fresh kernel, stores their outputs and
+points, and writes the package's copies for students. --store does the same without running the
+lessons, for instance after a change of their text.
 
 example: numpy-cae lessons --execute --only 03
 """
@@ -30,19 +30,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("folder", type=Path, nargs="?", help="folder for the students' copies")
     release = "write a release for nbgrader of the lessons with these numbers (default: all)"
     add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
-    source = "folder of the lessons (default: the package's, or lessons with --execute, --gallery)"
+    source = "folder of the lessons (default: the package's, or lessons with --execute, --store)"
     add("--from", dest="source", **arguments.FOLDER, help=source)
     add("--execute", **arguments.FLAG, help="execute the instructor's copies")
-    add("--gallery", **arguments.FLAG, help="use stored outputs, without execution")
+    add("--store", **arguments.FLAG, help="as --execute, but keep the outputs that are stored")
     add("--only", metavar="NN", help="number of the only lesson to process")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write copies or a release, or execute or make pictures, and print each file."""
-    tasks = [args.execute, args.gallery, args.folder is not None, args.release is not None]
+    """Write copies or a release, or execute or store the lessons, and print each file."""
+    tasks = [args.execute, args.store, args.folder is not None, args.release is not None]
     if tasks.count(True) != 1:
-        raise ValueError("give a folder for students, --release, --execute or --gallery")
-    in_clone = args.execute or args.gallery
+        raise ValueError("give a folder for students, --release, --execute or --store")
+    in_clone = args.execute or args.store
     source = args.source or (Path("lessons") if in_clone else copies.PACKAGED)
     file, *numbers = args.release or [None]
     lessons = copies.choose_lessons(source, [*numbers, *([args.only] if args.only else [])])
@@ -62,9 +62,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _store(path: Path, executed: bool) -> None:
-    """Make a lesson's picture and the package's copy and, if requested, execute it before that."""
+    """Store a lesson's points and the package's copy and, if requested, new outputs."""
     from numpy_cae.course.executed import execute
-    from numpy_cae.course.gallery import write_picture
 
     notebook = read_notebook(path)
     set_points(notebook)
@@ -75,4 +74,3 @@ def _store(path: Path, executed: bool) -> None:
         print(f"{path}: run in {time.monotonic() - began:.0f} s")
     write_notebook(notebook, path)
     copies.write_package_copy(path)
-    print(write_picture(notebook, path))

@@ -1,17 +1,22 @@
-"""One small picture for each lesson, from the outputs of its execution.
+"""Write one small picture for each lesson, made from the outputs that the lesson stores.
 
-It is the picture of the cell tagged "gallery", or the last one of the lesson. It is stored with a
-hash of the original, by which a test finds out whether it is current.
+The picture is that of the cell tagged "gallery", or else the last one of the lesson. It is stored
+with a hash of the original picture; a test compares the hash with the lesson's present outputs.
+
+example: python docs/make_gallery.py 03        (without numbers: every lesson)
 """
 
 import base64
 import hashlib
 import io
+import sys
 from pathlib import Path
 
 from PIL import Image, PngImagePlugin
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.copies import choose_lessons
+from numpy_cae.course.notebook import read_notebook
 
 TAG, MADE_OF = "gallery", "made of"
 WIDTH, HEIGHT = 480, 320  # pixels at most
@@ -50,3 +55,8 @@ def picture_path(lesson: str | Path) -> Path:
     """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
     lesson = Path(lesson)
     return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
+
+
+if __name__ == "__main__":
+    for path in choose_lessons(Path(__file__).parents[1] / "lessons", sys.argv[1:]):
+        print(write_picture(read_notebook(path), path))
