@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.hints import with_hint
 from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
-from numpy_cae.verify.catalogue import find_task
-from numpy_cae.verify.trial import example_of
+from numpy_cae.verify.operations.catalogue import find_task
+from numpy_cae.verify.operations.trial import example_of
 
 if TYPE_CHECKING:
-    from numpy_cae.verify.reporting import Report
+    from numpy_cae.verify.grading.report import Report
 
 ASSIGNMENTS = {number: tuple(each.name for each in made) for number, made in LESSONS.items()}
 """The exercises of each lesson, by its number."""
@@ -30,7 +30,7 @@ def report(name: str, function: Callable, hint: int = 0) -> Report | int:
     `hint` is 1 for a hint, 2 for a second one, after a first attempt. Raises ValueError if there is
     no such operation or exercise, or no such hint.
     """
-    from numpy_cae.verify.reporting import report_on
+    from numpy_cae.verify.grading.report import report_on
 
     task, called = find_task(CATALOGUE, name), None
     if hasattr(function, "stands_in"):
@@ -53,7 +53,7 @@ def solved(name: str, function: Callable) -> Callable:
     The student's is saved to mine.py, for later lessons, if there is one beside the notebook.
     Prints what is done; raises ValueError if there is no such exercise.
     """
-    from numpy_cae.verify.reporting import holds
+    from numpy_cae.verify.grading.report import holds
 
     if name not in EXERCISES:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")

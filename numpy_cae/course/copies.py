@@ -11,7 +11,7 @@ from pathlib import Path
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.mine import EMPTY, FILE
 from numpy_cae.course.notebook import as_text, find_lessons, read_notebook, write_notebook
-from numpy_cae.verify.submission import is_exercise
+from numpy_cae.verify.grading.submission import is_exercise
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")

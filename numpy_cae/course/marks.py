@@ -9,8 +9,8 @@ from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
-from numpy_cae.verify.grading import FileReport
-from numpy_cae.verify.reporting import Report
+from numpy_cae.verify.grading.report import Report
+from numpy_cae.verify.grading.student_file import FileReport
 
 OWN_LESSON = re.compile(r"^\d\d_")
 FORMULA = ("=", "+", "-", "@", "\t", "\r")

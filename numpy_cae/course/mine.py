@@ -23,8 +23,8 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.exercises import CATALOGUE, EXERCISES
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.submission import MAGIC, is_exercise
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.grading.submission import MAGIC, is_exercise
+from numpy_cae.verify.operations.trial import try_property
 
 FILE = "mine.py"
 IMPORTS = (ast.Import, ast.ImportFrom)

@@ -9,8 +9,8 @@ from pathlib import Path
 from nbformat import v4
 
 from numpy_cae.course.notebook import write_notebook
-from numpy_cae.verify.grading import grade
-from numpy_cae.verify.reporting import Report
+from numpy_cae.verify.grading.report import Report
+from numpy_cae.verify.grading.student_file import grade
 
 
 def grade_notebook(notebook, resources):

@@ -5,10 +5,10 @@ An operation is a function that returns its value and its pullback. `check_gradi
 it, and `numpy-cae verify student.py` does the same to a file, in a process of its own.
 """
 
-from numpy_cae.verify.adjoint import check_adjoint
-from numpy_cae.verify.catalogue import properties
-from numpy_cae.verify.gradients import check_gradients
-from numpy_cae.verify.reporting import report
-from numpy_cae.verify.trial import check_property, example
+from numpy_cae.verify.checks.adjoint import check_adjoint
+from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.grading.report import report
+from numpy_cae.verify.operations.catalogue import properties
+from numpy_cae.verify.operations.trial import check_property, example
 
 __all__ = ["check_adjoint", "check_gradients", "check_property", "example", "properties", "report"]

@@ -12,8 +12,8 @@ from numpy_cae.course.exercises import EASY, EXERCISES, HARD, LESSONS
 from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn, require_same
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.hints import read_hints, with_hint
-from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.trial import try_property
 
 OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
 SIZES = {"rows": (1, 2)}

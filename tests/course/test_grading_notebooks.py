@@ -8,7 +8,7 @@ import pytest
 
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.notebook import find_lessons, read_notebook
-from numpy_cae.verify.grading import grade
+from numpy_cae.verify.grading.student_file import grade
 
 COURSE = "numpy_cae.course.catalogue"
 
@@ -62,7 +62,7 @@ def test_from_mine_gives_the_packages_own_of_an_earlier_lesson_alone(tmp_path):
 
 @pytest.mark.parametrize("tanh", [(), ("def tanh(",), ("def tanh(x):\n    while True: pass",)])
 def test_a_mark_does_not_depend_on_an_earlier_exercise_of_the_lesson(tanh, tmp_path, monkeypatch):
-    monkeypatch.setattr("numpy_cae.verify.grading.EXERCISE_SECONDS", 4.0)
+    monkeypatch.setattr("numpy_cae.verify.grading.student_file.EXERCISE_SECONDS", 4.0)
     graded = grade(notebook(tmp_path, *tanh, ENCODE), COURSE, lesson="05")
     points = {report.operation: report.points for report in graded.reports}
     assert points["tanh"] == 0 and points["encode_layer"] == 20

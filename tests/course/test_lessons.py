@@ -14,8 +14,8 @@ from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.exercises import EXERCISES, Exercise
 from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
-from numpy_cae.verify.grading import grade
-from numpy_cae.verify.submission import is_exercise
+from numpy_cae.verify.grading.student_file import grade
+from numpy_cae.verify.grading.submission import is_exercise
 
 COURSE = "numpy_cae.course.catalogue"
 

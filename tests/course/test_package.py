@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from numpy_cae.course.notebook import find_lessons, read_notebook
-from numpy_cae.verify.submission import is_exercise
+from numpy_cae.verify.grading.submission import is_exercise
 
 ROOT = Path(__file__).parents[2]
 LESSONS = find_lessons(ROOT / "lessons")

@@ -11,12 +11,11 @@ import pytest
 import values_by_loops
 
 from numpy_cae import ops
-from numpy_cae.verify.catalogue import CATALOGUE
-from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.operation_properties import operation_properties
-from numpy_cae.verify.shared_properties import shared_properties
-from numpy_cae.verify.tied import tied_layer
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.operation import OPERATIONS, tied_layer
+from numpy_cae.verify.operations.shared_properties import shared_properties
+from numpy_cae.verify.operations.single_properties import operation_properties
+from numpy_cae.verify.operations.trial import try_property
 
 
 def by_loops(operation):

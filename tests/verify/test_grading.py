@@ -6,7 +6,7 @@ import textwrap
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.verify import grading
+from numpy_cae.verify.grading import student_file as grading
 
 RIGHT = """
 import numpy as np

@@ -6,11 +6,11 @@ import sys
 
 import pytest
 
-from numpy_cae.verify import grading
-from numpy_cae.verify.sandbox.apart import do_apart
-from numpy_cae.verify.sandbox.child import reply_to
-from numpy_cae.verify.sandbox.confinement import adopt_orphans
-from numpy_cae.verify.submission import read_submission
+from numpy_cae.verify.grading import student_file as grading
+from numpy_cae.verify.grading.sandbox.apart import do_apart
+from numpy_cae.verify.grading.sandbox.child import reply_to
+from numpy_cae.verify.grading.sandbox.confinement import adopt_orphans
+from numpy_cae.verify.grading.submission import read_submission
 
 COURSE = "numpy_cae.course.catalogue"
 IMPORTS = "import atexit, builtins, ctypes, json, os, socket, subprocess, sys, threading, time\n"

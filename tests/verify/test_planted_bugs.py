@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from numpy_cae.verify.catalogue import CATALOGUE
-from numpy_cae.verify.patch import Patch, PatchError, right_operation
-from numpy_cae.verify.planted_bugs import BUGS, bugs_of
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.patch import BUGS, Patch, PatchError, bugs_of, right_operation
+from numpy_cae.verify.operations.trial import try_property
 
 EXAMPLES_OF_VALUES = 8
 

@@ -1,15 +1,12 @@
 """Every property of every operation: no alarm on what is right, and every class is drawn."""
 
-import numpy as np
 import pytest
-from hypothesis import given, settings
 from written_otherwise import RIGHT
 
 from numpy_cae import ops, verify
-from numpy_cae.verify import strategies
-from numpy_cae.verify.case import VALUES
-from numpy_cae.verify.catalogue import CATALOGUE
-from numpy_cae.verify.conventions import conventions_of
+from numpy_cae.verify.operations.case import VALUES
+from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.patch import conventions_of
 
 
 def test_properties_are_data():
@@ -62,22 +59,6 @@ def test_a_wrong_function_is_right_in_no_convention():
         return value, lambda dy: (*pullback(dy)[:5], 2 * pullback(dy)[5])
 
     assert not verify.report("gru_step", wrong, any_convention=True).held
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_strategies_draw_arguments_and_what_the_definition_makes_of_them(name):
-    @settings(max_examples=15)
-    @given(strategies.examples(name), strategies.arguments(name))
-    def check(example, arguments):
-        value, pullback = CATALOGUE[name].solution(*example.arguments.values())
-        np.testing.assert_allclose(value, example.value, rtol=1e-9, atol=1e-9)
-        gradients = pullback(example.upstream)
-        gradients = gradients if isinstance(gradients, tuple) else (gradients,)
-        for found, expected in zip(gradients, example.gradients.values(), strict=True):
-            np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
-        assert list(arguments) == list(example.arguments)
-
-    check()
 
 
 def test_an_example_is_what_a_report_prints():

@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     from numpy_cae.cli.shared.output import print_json, with_progress
     from numpy_cae.course import marks
-    from numpy_cae.verify.grading import FileReport, grade
+    from numpy_cae.verify.grading.student_file import FileReport, grade
 
     files = {file: path for path in args.files for file in _submissions(path)}
     if not any(file.is_file() for file in files):

@@ -4,8 +4,8 @@ from dataclasses import replace
 from importlib import import_module
 
 from numpy_cae.course.exercises.exercise import Exercise
-from numpy_cae.verify import catalogue as operations
-from numpy_cae.verify.catalogue import Task
+from numpy_cae.verify.operations import catalogue as operations
+from numpy_cae.verify.operations.catalogue import Task
 
 EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
 EASY = frozenset(

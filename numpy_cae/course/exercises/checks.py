@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.gradients import check_gradients
-from numpy_cae.verify.operation import Sizes
-from numpy_cae.verify.property import EXAMPLES, require_equal
+from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import Sizes
+from numpy_cae.verify.operations.property import EXAMPLES, require_equal
 
 Arguments = Callable[[Case], dict[str, object]]
 Check = Callable[[Callable, Case], None]

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterable, Mapping
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Arguments, Claim, Differentiated, same_as, unchanged
-from numpy_cae.verify.catalogue import Task, properties_of
-from numpy_cae.verify.operation import OPERATIONS, Operation, Sizes
-from numpy_cae.verify.operation_properties import operation_properties
-from numpy_cae.verify.property import Property
-from numpy_cae.verify.shared_properties import shared_properties
+from numpy_cae.verify.operations.catalogue import Task, properties_of
+from numpy_cae.verify.operations.operation import OPERATIONS, Operation, Sizes
+from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.shared_properties import shared_properties
+from numpy_cae.verify.operations.single_properties import operation_properties
 
 Exercise = Task
 

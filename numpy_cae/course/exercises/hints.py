@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-from numpy_cae.verify.catalogue import Task
+from numpy_cae.verify.operations.catalogue import Task
 
 
 class Hints(NamedTuple):

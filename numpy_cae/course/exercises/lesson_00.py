@@ -2,7 +2,7 @@
 
 from numpy_cae.course.exercises.checks import drawn
 from numpy_cae.course.exercises.exercise import operation_exercise
-from numpy_cae.verify.operation import WINDOW, Operation
+from numpy_cae.verify.operations.operation import WINDOW, Operation
 
 
 def square(x):

@@ -6,8 +6,8 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
 from numpy_cae.course.exercises.exercise import exercise
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.property import require_equal
 
 TREE_SIZES = {"joints": (1, 2, 3, 4, 6, 8)}
 MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES}

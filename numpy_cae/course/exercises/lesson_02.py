@@ -7,8 +7,8 @@ import numpy as np
 from numpy_cae.course.exercises.checks import Claim, array, claim, copies, drawn, require_same
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.property import require_equal
 
 FRAMES = {"frames": (2, 3, 5, 8)}
 

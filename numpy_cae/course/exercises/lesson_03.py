@@ -7,9 +7,9 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import claim
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import OPERATIONS, definitions
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import OPERATIONS, definitions
+from numpy_cae.verify.operations.property import require_equal
 
 CONV1D = OPERATIONS["conv1d"]
 

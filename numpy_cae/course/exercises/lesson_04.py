@@ -4,7 +4,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
-from numpy_cae.verify.operation import OPERATIONS
+from numpy_cae.verify.operations.operation import OPERATIONS
 
 UNPOOL = OPERATIONS["unpool_random"]
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from numpy_cae.course.exercises.exercise import operation_exercise
 from numpy_cae.models import ConvLayer
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.operation import FILTERS, WINDOW, Operation, definitions
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import FILTERS, WINDOW, Operation, definitions
 
 SIZES = {**WINDOW, **FILTERS, "frames": (1, 2, 3), "taps": (1, 3, 5)}
 BOUND = 0.9

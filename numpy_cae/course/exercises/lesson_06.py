@@ -20,9 +20,9 @@ from numpy_cae.course.exercises.exercise import (
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training import decayed_rate
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.operation import definitions
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import definitions
+from numpy_cae.verify.operations.property import require_equal
 
 P = 0.3
 ALPHA = 0.4  # large beside the paper's 0.01, so that a missing sparsity term is noticed

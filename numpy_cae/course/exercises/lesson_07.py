@@ -8,9 +8,9 @@ from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.lesson_05 import BOUND, decode_by_loops, encode_by_loops, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import definitions
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import definitions
+from numpy_cae.verify.operations.property import require_equal
 
 SIZES = {
     "batch": (1, 2),

@@ -11,7 +11,7 @@ from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.evaluation import retrieval
 from numpy_cae.manifold.compare import G
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
-from numpy_cae.verify.case import Case, spread
+from numpy_cae.verify.operations.case import Case, spread
 
 WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 

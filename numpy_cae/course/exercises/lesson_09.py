@@ -7,8 +7,8 @@ import numpy as np
 from numpy_cae.course.exercises.checks import claim, drawn, require_parts, require_same, size
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.training import clip_norm
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.property import require_equal
 
 
 @dataclass(frozen=True)

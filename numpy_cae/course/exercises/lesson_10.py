@@ -8,8 +8,8 @@ from numpy_cae.course.exercises.exercise import differentiated_exercise, operati
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.sequential_autoencoder import Weights, gru_weights, weight_shapes
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import Operation, definitions
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import Operation, definitions
 
 SIZES = {"batch": (1, 2), "frames": (1, 2, 3), "features": (1, 2), "hidden": (1, 2)}
 WITH_LATENT = {**SIZES, "latent": (1, 2, 3)}

@@ -14,8 +14,8 @@ from numpy_cae.course.exercises.exercise import (
 )
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.verify.case import Case
-from numpy_cae.verify.operation import Operation, definitions
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import Operation, definitions
 
 WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
 

@@ -13,13 +13,12 @@ import numpy as np
 from numpy_cae import ops, verify
 from numpy_cae.course.exercises.checks import Claim, claim, drawn, unchanged
 from numpy_cae.course.exercises.exercise import exercise
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.catalogue import properties_of
-from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.patch import Patch, right_operation
-from numpy_cae.verify.planted_bugs import BUGS, bug_named
-from numpy_cae.verify.property import require_equal
-from numpy_cae.verify.trial import try_property
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.catalogue import properties_of
+from numpy_cae.verify.operations.operation import OPERATIONS
+from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, right_operation
+from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.trial import try_property
 
 SUSPECTS: tuple[Patch, ...] = tuple(
     bug_named(name)

@@ -10,9 +10,9 @@ from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.operation import Operation, definitions
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import Operation, definitions
+from numpy_cae.verify.operations.property import require_equal
 
 
 @dataclass

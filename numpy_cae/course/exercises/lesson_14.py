@@ -13,8 +13,8 @@ from numpy_cae.course.exercises.checks import (
     require_same,
 )
 from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise
-from numpy_cae.verify.case import Case, spread
-from numpy_cae.verify.property import require_equal
+from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.property import require_equal
 
 TREES = {2: (-1, 0), 3: (-1, 0, 1), 4: (-1, 0, 0, 2)}
 RETURNS = ("the loss", PULLBACK)

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from numpy_cae.verify.adjoint import check_adjoint
-from numpy_cae.verify.call import call_of_array
-from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case
-from numpy_cae.verify.gradients import check_gradients
-from numpy_cae.verify.operation import Operation
-from numpy_cae.verify.property import (
+from numpy_cae.verify.checks.adjoint import check_adjoint
+from numpy_cae.verify.checks.call import call_of_array
+from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case
+from numpy_cae.verify.operations.operation import Operation
+from numpy_cae.verify.operations.property import (
     EXACT,
     UPSTREAM,
     Findings,

@@ -19,12 +19,14 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 
 from numpy_cae import ops
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.tied import tied_layer
+from numpy_cae.verify.operations.operation import tied_layer
 
+FOLDER = Path(__file__).parent
 HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
 
 Replacement = tuple[tuple[str, ...], tuple[str, ...]]
@@ -110,3 +112,47 @@ def _compiled(patch: Patch) -> Callable:
     namespace |= {called.operation: called.function() for called in patch.calls}
     exec(compile(patch.source(patch.name), f"<{patch.name}>", "exec"), namespace)
     return namespace[patch.name]
+
+
+BUGS = read_patches(FOLDER / "planted_bugs")
+"""Classic mistakes in derivatives, each caught by the property that it names."""
+CONVENTIONS = read_patches(FOLDER / "conventions")
+"""Other conventions of an operation: right in their own way, but not what the contract says."""
+
+
+def bugs_of(operation: str) -> tuple[Patch, ...]:
+    """The bugs of one operation."""
+    return tuple(bug for bug in BUGS if bug.operation == operation)
+
+
+def bug_named(name: str) -> Patch:
+    """The bug of this name; a KeyError if there is none."""
+    return {bug.name: bug for bug in BUGS}[name]
+
+
+@cache
+def conventions_of(operation: str) -> tuple[Patch, ...]:
+    """The documented conventions of an operation other than ours, those that differ least first.
+
+    Those of `gru_step` can be combined; those of `gru` are those of its step, repeated.
+    """
+    if operation == "gru":
+        steps = conventions_of("gru_step")
+        return tuple(Patch(s.name, "gru", "", s.sentence, (), calls=(s,)) for s in steps)
+    single = tuple(patch for patch in CONVENTIONS if patch.operation == operation)
+    together = len(single) if operation == "gru_step" else 1
+    return tuple(
+        _combined(chosen)
+        for count in range(1, together + 1)
+        for chosen in combinations(single, count)
+    )
+
+
+def _combined(patches: tuple[Patch, ...]) -> Patch:
+    return Patch(
+        "_and_".join(patch.name for patch in patches),
+        patches[0].operation,
+        patches[0].caught_by,
+        "; ".join(patch.sentence for patch in patches),
+        tuple(replacement for patch in patches for replacement in patch.replacements),
+    )

@@ -4,10 +4,15 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from numpy_cae.verify.catalogue import CATALOGUE, CONTRACT, Task, find_task, in_other_conventions
-from numpy_cae.verify.messages import visible
-from numpy_cae.verify.property import Outcome
-from numpy_cae.verify.trial import failing_case, try_property
+from numpy_cae.verify.operations.catalogue import (
+    CATALOGUE,
+    CONTRACT,
+    Task,
+    find_task,
+    in_other_conventions,
+)
+from numpy_cae.verify.operations.property import Outcome
+from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, try_property
 
 WIDTH = 98
 INDENT = 10
@@ -201,3 +206,9 @@ def _report(task: Task, called: str, outcomes: list[Outcome]) -> Report:
 def holds(task: Task, implementation: Callable) -> bool:
     """Whether every property holds; stops at the first that does not."""
     return all(failing_case(tried, implementation) is None for tried in task.properties)
+
+
+def visible(text: str) -> str:
+    """A text of readable length, control characters escaped."""
+    shown = (c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text[:LONGEST_TEXT])
+    return "".join(shown)

@@ -9,12 +9,12 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.messages import described
-from numpy_cae.verify.reporting import holds, report_on
-from numpy_cae.verify.sandbox.apart import do_apart
-from numpy_cae.verify.sandbox.confinement import adopt_orphans, confine
-from numpy_cae.verify.submission import read_submission
+from numpy_cae.verify.grading.report import holds, report_on
+from numpy_cae.verify.grading.sandbox.apart import do_apart
+from numpy_cae.verify.grading.sandbox.confinement import adopt_orphans, confine
+from numpy_cae.verify.grading.submission import read_submission
+from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.trial import described
 
 MAX_NOTES = 5
 
@@ -72,3 +72,7 @@ def _confined(work: Callable[[], dict], request: dict) -> dict:
     del kept
     notes = (f"{described(one.message)} (line {one.lineno})" for one in caught[:MAX_NOTES])
     return {**result, "notes": list(dict.fromkeys(notes))}
+
+
+if __name__ == "__main__":
+    main()

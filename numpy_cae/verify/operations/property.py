@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.call import gradients_of, require_array
-from numpy_cae.verify.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
-from numpy_cae.verify.operation import Operation
+from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
+from numpy_cae.verify.operations.operation import Operation
 
 EXACT = 1e-10
 EXAMPLES = 24

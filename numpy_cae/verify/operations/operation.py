@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.verify.case import ORDINARY, VALUES, Case, Sizes, drawn, spread
-from numpy_cae.verify.tied import tied_layer
+from numpy_cae.ops import conv1d, tanh, transpose_filters
+from numpy_cae.verify.operations.case import ORDINARY, VALUES, Case, Sizes, drawn, spread
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,28 @@ class Operation:
     def floor_of(self, dy: np.ndarray | float) -> float | None:
         """The floor of a gradient, which is proportional to the upstream one."""
         return self.floor and self.floor * max(1.0, float(np.max(np.abs(dy))))
+
+
+def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Callable]:
+    """y = tanh(x * W + b),  x̂ = (y - b) * W̃.
+
+        dL/dW = (as encoding returns it) + (dL/dW̃, transposed back)
+        dL/db = (as encoding returns it) - Σ dL/d(y - b)
+
+    x and x̂ are (B, T, C), w (K, C, D), b (D,); the pullback returns (dx, dw, db). Raises a
+    ValueError if a shape does not fit. holden2015, section 5, equations 1 and 2.
+    """
+    a, of_encoding = conv1d(x, w, b)
+    y, of_tanh = tanh(a)
+    w_tilde, of_transpose = transpose_filters(w)
+    x_hat, of_decoding = conv1d(y - b, w_tilde, np.zeros(x.shape[-1], dtype=x.dtype))
+
+    def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        dy, dw_tilde, _ = of_decoding(dx_hat)
+        dx, dw, db = of_encoding(of_tanh(dy))
+        return dx, dw + of_transpose(dw_tilde), db - dy.sum(axis=(0, 1))
+
+    return x_hat, pullback
 
 
 CLASSES = {"values": tuple(VALUES)}

@@ -10,10 +10,15 @@ import tempfile
 from pathlib import Path
 
 STARTUP_SECONDS = 30.0
-PROJECT = str(Path(__file__).parents[3])
+PROJECT = str(Path(__file__).parents[4])
 KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
-PYTHON = [sys.executable, "-B", "-c", "from numpy_cae.verify.sandbox.child import main; main()"]
+PYTHON = [
+    sys.executable,
+    "-B",
+    "-c",
+    "from numpy_cae.verify.grading.sandbox.child import main; main()",
+]
 BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 
 
@@ -25,7 +30,7 @@ def run(request: dict) -> dict:
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
         try:
             ended = subprocess.run(
-                [*inside, *PYTHON],
+                [*inside, *CHILD],
                 input=json.dumps(request).encode(),
                 capture_output=True,
                 cwd=folder,

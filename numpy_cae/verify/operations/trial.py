@@ -1,21 +1,24 @@
 """One property tried on one implementation, with the smallest case in which it fails."""
 
 import inspect
+import pickle
+import random
+import traceback
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.call import is_pair
-from numpy_cae.verify.case import WORTH_PRINTING, Case, example_call, smallest, written
-from numpy_cae.verify.catalogue import CATALOGUE, find_task
-from numpy_cae.verify.diagnosis import likely_mistake
-from numpy_cae.verify.messages import LONGEST_TEXT, described
-from numpy_cae.verify.property import Outcome, Property, agrees, case_of, right_results
-from numpy_cae.verify.state import call_keeping_state
+from numpy_cae.verify.checks.call import is_pair
+from numpy_cae.verify.operations.case import WORTH_PRINTING, Case, example_call, smallest, written
+from numpy_cae.verify.operations.catalogue import CATALOGUE, find_task
+from numpy_cae.verify.operations.diagnosis import likely_mistake
+from numpy_cae.verify.operations.property import Outcome, Property, agrees, case_of, right_results
 
 WORTH_A_RESULT = 12
+LONGEST_TEXT = 2000
 QUIET = dict.fromkeys(("divide", "over", "under", "invalid"), "ignore")
 WATCHED = 4
 """Of so many cases, one is watched for changes of what the whole program shares: this is slow."""
@@ -183,3 +186,48 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
                 yield f"  expected: {written(other)}"
                 if name == "value":
                     return  # the definition's gradients are those of another value
+
+
+def described(error: BaseException, file: str = "") -> str:
+    """An exception's type, message and line in a file, whatever its class does."""
+    try:
+        text = f"{type(error).__name__}: {error}"[: LONGEST_TEXT // 2]
+    except Exception:
+        text = f"{type(error).__name__}, whose message cannot be printed"
+    if isinstance(error, SystemExit):
+        text = "it calls sys.exit"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == file]
+    return f"{text} (line {lines[-1]})" if lines else text
+
+
+def call_keeping_state(function: Callable, *arguments: object) -> None:
+    """Call a function; raise an AssertionError if it changes what the whole program shares.
+
+    It is called in an unusual state: to set once more what is set already would go unnoticed.
+    """
+    shared = np.random.get_bit_generator()
+    numbers, standard = shared.state, random.getstate()
+    shared.random_raw(), random.random()
+    quiet = np.errstate(all="call", call=lambda *error: None)
+    try:
+        with warnings.catch_warnings(), np.printoptions(precision=17), quiet:
+            warnings.simplefilter("default", ImportWarning)
+            before = _state()
+            function(*arguments)
+            changed = [what for what, now in _state().items() if now != before[what]]
+    finally:
+        shared.state = numbers
+        random.setstate(standard)
+    if changed:
+        raise AssertionError(f"it changes {', '.join(changed)}: the whole program shares that")
+
+
+def _state() -> dict[str, object]:
+    return {
+        "np.seterr": np.geterr(),
+        "np.set_printoptions": np.get_printoptions(),
+        "the state of np.random": pickle.dumps(np.random.get_bit_generator().state),
+        "the state of random": random.getstate(),
+        "the filters of warnings": list(warnings.filters),
+    }

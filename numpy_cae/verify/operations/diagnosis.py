@@ -11,11 +11,10 @@ from itertools import zip_longest
 
 import numpy as np
 
-from numpy_cae.verify.call import copies
-from numpy_cae.verify.conventions import conventions_of
-from numpy_cae.verify.operation import Operation
-from numpy_cae.verify.planted_bugs import bugs_of
-from numpy_cae.verify.property import Property, property_of, results
+from numpy_cae.verify.checks.call import copies
+from numpy_cae.verify.operations.operation import Operation
+from numpy_cae.verify.operations.patch import bugs_of, conventions_of
+from numpy_cae.verify.operations.property import Property, property_of, results
 
 SEVERAL = 2
 GENERAL_CASES = 8

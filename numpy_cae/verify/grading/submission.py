@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from numpy_cae.verify.messages import described
+from numpy_cae.verify.operations.trial import described
 
 LARGEST_PROGRAM = 2**20
 LARGEST_NOTEBOOK = 2**25  # with its pictures

@@ -7,12 +7,11 @@ larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of th
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from numpy_cae.verify.conventions import conventions_of
-from numpy_cae.verify.operation import OPERATIONS
-from numpy_cae.verify.operation_properties import operation_properties
-from numpy_cae.verify.patch import Patch, right_operation
-from numpy_cae.verify.property import Property
-from numpy_cae.verify.shared_properties import shared_properties
+from numpy_cae.verify.operations.operation import OPERATIONS
+from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
+from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.shared_properties import shared_properties
+from numpy_cae.verify.operations.single_properties import operation_properties
 
 CONTRACT = "that of numpy_cae.ops"
 """The convention that an implementation follows unless another one is allowed."""

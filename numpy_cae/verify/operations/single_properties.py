@@ -10,9 +10,9 @@ from itertools import permutations
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.verify.case import ORDINARY, Case, spread
-from numpy_cae.verify.operation import TIED, WITHOUT_TIES, Operation
-from numpy_cae.verify.property import (
+from numpy_cae.verify.operations.case import ORDINARY, Case, spread
+from numpy_cae.verify.operations.operation import TIED, WITHOUT_TIES, Operation
+from numpy_cae.verify.operations.property import (
     UPSTREAM,
     Findings,
     Property,

@@ -6,18 +6,17 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 
-from numpy_cae.verify.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.catalogue import Catalogue, find_task
-from numpy_cae.verify.messages import visible
-from numpy_cae.verify.reporting import WIDTH, Report, report_from_reply
-from numpy_cae.verify.sandbox.process import run
-from numpy_cae.verify.submission import Submission, read_submission
+from numpy_cae.verify.grading.report import WIDTH, Report, report_from_reply, visible
+from numpy_cae.verify.grading.sandbox.process import run
+from numpy_cae.verify.grading.submission import Submission, read_submission
+from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.catalogue import Catalogue, find_task
 
 TIME_LIMIT = 120.0
 EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; twice as much may pass on the clock."""
 MEMORY_LIMIT = 2048
-OPERATIONS_ALONE = "numpy_cae.verify.catalogue"
+OPERATIONS_ALONE = "numpy_cae.verify.operations.catalogue"
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 MISSING = (
     f"no function has an operation's name ({', '.join(OPERATIONS)}); "

@@ -5,9 +5,17 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from numpy_cae.verify.call import call, copies, flat, gradients_of, is_float, parts, require_array
-from numpy_cae.verify.case import WORTH_PRINTING, written
-from numpy_cae.verify.differences import KINK, WRONG, Argument, Verdict, step_scale
+from numpy_cae.verify.checks.call import (
+    call,
+    copies,
+    flat,
+    gradients_of,
+    is_float,
+    parts,
+    require_array,
+)
+from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
+from numpy_cae.verify.operations.case import WORTH_PRINTING, written
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 4
