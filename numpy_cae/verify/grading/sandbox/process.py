@@ -13,12 +13,7 @@ STARTUP_SECONDS = 30.0
 PROJECT = str(Path(__file__).parents[4])
 KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
-PYTHON = [
-    sys.executable,
-    "-B",
-    "-c",
-    "from numpy_cae.verify.grading.sandbox.child import main; main()",
-]
+CHILD = [sys.executable, "-B", "-m", "numpy_cae.verify.grading.sandbox.child"]
 BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 
 
