@@ -6,6 +6,7 @@ Functions are timed alternately, so that a change of the machine's speed affects
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from timeit import repeat
 from typing import Any
 
 import numpy as np
@@ -94,10 +95,17 @@ class Row:
         return f"{1e3 * timing.median / self.batch:7.3f} ± {timing.spread:4.0%}"
 
 
-def header(peak: float) -> str:
-    """The versions, the numbers of threads, and the names of the columns."""
+def matrix_product_peak(size: int = 2048, rounds: int = 12) -> float:
+    """Operations a second of a product of float32 (size, size) matrices, the best of the rounds."""
+    a, b = np.random.default_rng(0).random((2, size, size), dtype=np.float32)
+    out = np.empty_like(a)
+    return 2 * size**3 / min(repeat(lambda: np.matmul(a, b, out=out), number=1, repeat=rounds))
+
+
+def header() -> str:
+    """The versions, the numbers of threads, the speed of a matrix product, the columns' names."""
     versions = f"NumPy {np.__version__}, {blas_threads() or 'unknown'} BLAS threads, "
-    versions += f"matrix-product peak {peak / 1e9:.0f} GFLOP/s"
+    versions += f"matrix-product peak {matrix_product_peak() / 1e9:.0f} GFLOP/s"
     names = ["what            ", "  B", "ms a window   "]
     if torch is not None:
         versions += f"; PyTorch {torch.__version__}, {torch.get_num_threads()} threads"

@@ -5,19 +5,17 @@ ground contact and joint lengths." Each function returns the mean squared error 
 in squared metres, and its pullback to the features (F, 63).
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
 from numpy_cae.motion.heading import rotate_on_floor
 from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.ops.shapes import Pullback
 
 CENTIMETRES = 1e4
 """Squared centimetres in a square metre: multiplied by this, an error of a centimetre is 1."""
 
-Pullback = Callable[..., np.ndarray]
 _X, _Z = (0, 2)
 _ENDS = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
 _STARTS = [PARENTS[joint] for joint in _ENDS]

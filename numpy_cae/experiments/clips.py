@@ -115,7 +115,7 @@ def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) 
 def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
     """Windows (N, T, C) padded with their end frames as far as the network sees."""
     reach = manifold.reach
-    more = -(x.shape[1] + 2 * reach) % manifold.network.frames_per_unit
+    more = -(x.shape[1] + 2 * reach) % manifold.network.stride
     return np.pad(x, ((0, 0), (reach, reach + more), (0, 0)), mode="edge")
 
 

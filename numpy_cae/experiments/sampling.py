@@ -34,7 +34,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = features_of(manifold, material.training)
     testing = features_of(manifold, material.testing)
     encoded = encode_windows(manifold, training)
-    prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.frames_per_unit
+    prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.stride
     drawn = {
         UNIFORM: [sample(manifold, frames, rng) for _ in range(DRAWN)],
         FITTED: [sample(manifold, frames, rng, prior) for _ in range(DRAWN)],

@@ -22,7 +22,7 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     """
     if len(features) == 0:
         raise ValueError("features have no frames to encode")
-    cell = manifold.network.frames_per_unit
+    cell = manifold.network.stride
     own = -(-len(features) // cell)
     before = -(-manifold.reach // cell)
     after = before * cell + own * cell - len(features)

@@ -79,8 +79,8 @@ def learn_manifold(
     schedule = schedule or Schedule()
     rng = np.random.default_rng(seed)
     network = with_engine(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng), engine)
-    if window % network.frames_per_unit:
-        raise ValueError(f"window is {window}, expected a multiple of {network.frames_per_unit}")
+    if window % network.stride:
+        raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
 
     features, lengths = features_on_mean_skeleton(takes, RATE)
     # The features of a large database are gigabytes: keep them once, as views of one array.

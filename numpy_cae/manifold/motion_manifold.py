@@ -86,7 +86,7 @@ class MotionManifold:
     @property
     def shifts(self) -> int:
         """Positions of the pooling grid: the largest useful value of `shifts` in `project`."""
-        return self.network.frames_per_unit
+        return self.network.stride
 
     def encode(self, features: np.ndarray) -> np.ndarray:
         """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · reach) / 8⌉, 256) in [-1, 1].
@@ -121,7 +121,7 @@ class MotionManifold:
 
     def _padded(self, features: np.ndarray) -> np.ndarray:
         """A clip as one normalised window, its first and last frame repeated `reach` times."""
-        more = -(len(features) + 2 * self.reach) % self.network.frames_per_unit
+        more = -(len(features) + 2 * self.reach) % self.network.stride
         ends = ((0, 0), (self.reach, self.reach + more), (0, 0))
         return np.pad(self._rescaled(self.normalise(features)[None]), ends, mode="edge")
 

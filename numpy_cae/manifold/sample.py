@@ -80,7 +80,7 @@ def sample(
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
     network = manifold.network
-    hidden_frames = -(-frames // network.frames_per_unit)
+    hidden_frames = -(-frames // network.stride)
     if prior is None:
         y = draw_uniform(hidden_frames, network.layers[-1].b.size, rng)
     else:
@@ -91,7 +91,7 @@ def sample(
 def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
     """Φ†(Y), features (8 · len(y), 63), the inverse of `hidden_units`: the first and last hidden
     frame are repeated as padding."""
-    cell = manifold.network.frames_per_unit
+    cell = manifold.network.stride
     more = -(-manifold.reach // cell)
     padded = np.pad(y, ((more, more), (0, 0)), mode="edge")
     decoded = manifold.denormalise(manifold.network.decode(padded[None])[0])

@@ -35,7 +35,7 @@ def project_shifted(network: ConvAutoencoder, x: np.ndarray, shifts: int = 1) ->
     differs a little. The errors of the different positions partly cancel in their mean.
 
     Normalised windows (B, T, C) give an array of that shape. One shift is plain projection;
-    `network.frames_per_unit` shifts are all positions of the grid.
+    `network.stride` shifts are all positions of the grid.
     """
     parts = [x[start : start + WINDOWS_AT_ONCE] for start in range(0, len(x), WINDOWS_AT_ONCE)]
     return np.concatenate([_mean_projection(network, part, shifts) for part in parts])
@@ -45,6 +45,6 @@ def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np
     total, frames = network.project(x), x.shape[1]
     for shift in range(1, shifts):
         # Zeros, as the convolution's own padding, to a whole number of hidden frames.
-        around = ((0, 0), (shift, network.frames_per_unit - shift), (0, 0))
+        around = ((0, 0), (shift, network.stride - shift), (0, 0))
         total += network.project(np.pad(x, around))[:, shift : shift + frames]
     return total / shifts

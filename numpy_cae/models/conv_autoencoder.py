@@ -79,7 +79,7 @@ class ConvAutoencoder:
         }
 
     @property
-    def frames_per_unit(self) -> int:
+    def stride(self) -> int:
         """Frames of motion for one hidden frame, a time step of Y; 8 in the paper."""
         return 2 ** len(self.layers)
 
@@ -89,11 +89,11 @@ class ConvAutoencoder:
         Parameters
         ----------
         x : (B, T, features) array of float
-            T is a multiple of `frames_per_unit`.
+            T is a multiple of `stride`.
 
         Returns
         -------
-        y : (B, T / frames_per_unit, filters of the top layer) array, within [-1, 1]
+        y : (B, T / stride, filters of the top layer) array, within [-1, 1]
             Hidden units.
         """
         require_windows("x", x, self.layers)
@@ -104,7 +104,7 @@ class ConvAutoencoder:
     def decode(self, y: np.ndarray) -> np.ndarray:
         """X̂ = Φ†(Y) = Φ_1†(… Φ_n†(Y)), unpooling evenly.
 
-        y : (B, T / frames_per_unit, filters of the top layer); returns x_hat (B, T, features).
+        y : (B, T / stride, filters of the top layer); returns x_hat (B, T, features).
         """
         x_hat, _ = self.decode_with_pullback(y)
         return x_hat

@@ -6,14 +6,12 @@ pullbacks in reverse order.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from numpy_cae import ops
-
-LayerPullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+from numpy_cae.ops.shapes import Pullback
 
 
 @dataclass
@@ -58,7 +56,7 @@ class ConvLayer:
         """The learned arrays by name."""
         return {"w": self.w, "b": self.b}
 
-    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         """Φ_k(X) = tanh(Ψ(X * W_k + b_k)), equation 1.
 
         Parameters
@@ -83,7 +81,7 @@ class ConvLayer:
 
     def decode_with_pullback(
         self, y: np.ndarray, first: np.ndarray | None = None
-    ) -> tuple[np.ndarray, LayerPullback]:
+    ) -> tuple[np.ndarray, Pullback]:
         """Φ_k†(Y) = (Ψ†(tanh⁻¹(Y)) - b_k) * W̃_k, equation 2.
 
         Parameters

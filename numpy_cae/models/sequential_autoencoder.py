@@ -15,18 +15,15 @@ Every value is computed by `numpy_cae.ops`, every gradient by the pullbacks in r
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
-from numpy_cae.ops.shapes import require_shape
+from numpy_cae.ops.shapes import Pullback
 
 Weights = dict[str, np.ndarray]
-EncodePullback = Callable[[np.ndarray], Weights]
-DecodePullback = Callable[[np.ndarray], tuple[np.ndarray, Weights]]
 
 FRAMES = 50
 """Frames of a clip in the paper."""
@@ -130,33 +127,7 @@ class SequentialAutoencoder:
         z = rng.standard_normal((n, self.latent)).astype(self.weights["state_w"].dtype)
         return self.decode(z, frames)
 
-    def interpolate(self, x0: np.ndarray, x1: np.ndarray, shares: np.ndarray) -> np.ndarray:
-        """Clips between x0 and x1, decoded from z = (1 - share) · z_0 + share · z_1.
-
-        Parameters
-        ----------
-        x0, x1 : (B, T, features) arrays of float
-        shares : (S,) array of float
-            0 is x0 as the network reconstructs it, 1 is x1.
-
-        Returns
-        -------
-        (B, S, T, features) array
-        """
-        require_shape("x1", x1, x0.shape)
-        z0, z1 = self.encode(x0)[:, None], self.encode(x1)[:, None]
-        share = np.asarray(shares, z0.dtype)[:, None]
-        z = (1 - share) * z0 + share * z1
-        clips = self.decode(z.reshape(-1, self.latent), x0.shape[1])
-        return clips.reshape(*z.shape[:2], *x0.shape[1:])
-
-    def analogy(self, xa: np.ndarray, xb: np.ndarray, xc: np.ndarray) -> np.ndarray:
-        """The clip that relates to c as a relates to b: clips of z_a - z_b + z_c."""
-        require_shape("xb", xb, xa.shape)
-        require_shape("xc", xc, xa.shape)
-        return self.decode(self.encode(xa) - self.encode(xb) + self.encode(xc), xa.shape[1])
-
-    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, EncodePullback]:
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         """z = h_T · W + b, where h_1, …, h_T are the GRU's states over the clip and h_0 = 0.
 
         z depends on the clip through the last state alone, so its gradient enters there:
@@ -191,7 +162,7 @@ class SequentialAutoencoder:
 
     def decode_with_pullback(
         self, z: np.ndarray, frames: int = FRAMES
-    ) -> tuple[np.ndarray, DecodePullback]:
+    ) -> tuple[np.ndarray, Pullback]:
         """Decode z into a clip. The input of each step is the frame that the previous step wrote.
 
             h_0 = z · W_state + b_state,   y_0 = 0

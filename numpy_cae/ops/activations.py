@@ -6,13 +6,9 @@ a decoding layer is unbounded, so it takes a bound: see "Where equation 2 breaks
 docs/lab_book/arctanh_bound.md. The gates of jang2018's recurrent networks are sigmoids.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-Pullback = Callable[[np.ndarray], np.ndarray]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
 def tanh(x: np.ndarray) -> tuple[np.ndarray, Pullback]:

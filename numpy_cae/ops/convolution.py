@@ -9,9 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
 def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:

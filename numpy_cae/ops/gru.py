@@ -6,15 +6,11 @@ each frame, and its pullback applies the pullbacks from the last frame to the fi
 backpropagation through time.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from numpy_cae.ops.activations import sigmoid
 from numpy_cae.ops.linear import linear
-from numpy_cae.ops.shapes import require_shape
-
-Pullback = Callable[[np.ndarray], tuple[np.ndarray, ...]]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
 def gru_step(

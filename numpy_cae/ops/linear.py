@@ -1,12 +1,8 @@
 """The affine map along the last axis, used inside a GRU and for its input and output."""
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-Pullback = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
 def linear(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:

@@ -6,16 +6,12 @@ and N_Y of Y, our α corresponds to the paper's times N_Y / N. A loss is a scala
 takes a number: 1 by default, the weight of the loss where it is one term of a sum.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-ScalarPullback = Callable[..., np.ndarray]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
-def mean_squared_error(x_hat: np.ndarray, x: np.ndarray) -> tuple[float, ScalarPullback]:
+def mean_squared_error(x_hat: np.ndarray, x: np.ndarray) -> tuple[float, Pullback]:
     """L = mean((x_hat - x)²) over every element.   dL/dx_hat = 2 (x_hat - x) / N
 
     Parameters
@@ -49,7 +45,7 @@ def mean_squared_error(x_hat: np.ndarray, x: np.ndarray) -> tuple[float, ScalarP
     return loss, pullback
 
 
-def mean_absolute(y: np.ndarray) -> tuple[float, ScalarPullback]:
+def mean_absolute(y: np.ndarray) -> tuple[float, Pullback]:
     """L = mean(|y|) over every element.   dL/dy = sign(y) / N, and 0 at y = 0
 
     Parameters

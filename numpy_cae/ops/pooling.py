@@ -6,13 +6,9 @@ other gets 0. Pooling this again returns max(y, 0). In fine tuning and afterward
 each frame gets half of the value, which is smooth over time. Pooling this again returns y / 2.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-Pullback = Callable[[np.ndarray], np.ndarray]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 
 def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:

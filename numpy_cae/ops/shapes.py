@@ -1,10 +1,18 @@
-"""The check of an argument's shape.
+"""The type of a pullback, and the check of an argument's shape.
 
 A wrong shape that broadcasts gives wrong results without an error, so every operation checks first
 and names the argument, the shape it has and the expected shape.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+
+Pullback = Callable[..., Any]
+"""Takes dL/dy, which has the shape of y, and returns dL/dx for each array that is differentiated:
+one array, or a tuple in the order of the arguments. The pullback of a number takes 1.0 by default.
+"""
 
 
 def require_shape(name: str, array: np.ndarray, expected: tuple) -> None:

@@ -8,13 +8,9 @@ the smallest and so on; in more dimensions the sets are projected onto direction
 one-dimensional costs are averaged.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.ops.shapes import require_shape
-
-ScalarPullback = Callable[..., np.ndarray]
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 UNIT_TOLERANCE = 1e-4
 """Allowed deviation of a direction's length from 1; the rounding of float32 is far smaller."""
@@ -22,7 +18,7 @@ UNIT_TOLERANCE = 1e-4
 
 def sliced_wasserstein(
     z: np.ndarray, prior: np.ndarray, directions: np.ndarray
-) -> tuple[float, ScalarPullback]:
+) -> tuple[float, Pullback]:
     """The squared 2-Wasserstein distance of the projections, mean over directions and points.
 
         p = z · θᵀ,   q = prior · θᵀ             both (N, L), each column then sorted

@@ -42,7 +42,7 @@ def train_autoencoder(
     """Train a `ConvAutoencoder`, or what `fast.accelerate` makes of it, in place.
 
     `windows` (N, T, C) are normalised, in the dtype of the model; T is a multiple of
-    `model.frames_per_unit`. `rng` draws their order, the corruption and the unpooling: runs from
+    `model.stride`. `rng` draws their order, the corruption and the unpooling: runs from
     the same seed on the same number of threads are equal to the bit. The state is saved in
     `checkpoint`, from which an interrupted run continues, to the same bits.
 

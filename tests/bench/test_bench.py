@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from numpy_cae.bench import convolutional, paper, table
+from numpy_cae.bench import convolutional, table
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.table import Timing, time_alternately
@@ -99,7 +99,7 @@ def test_different_computations_are_not_timed(monkeypatch):
 @pytest.mark.parametrize("with_torch", [True, False])
 def test_the_table_has_a_row_for_each_case(monkeypatch, capsys, with_torch):
     monkeypatch.setattr(table, "ConvAutoencoder", small)
-    monkeypatch.setattr(bench, "matrix_product_peak", lambda: 1e11)
+    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
     if not with_torch:
         monkeypatch.setattr(table, "torch", None)
     batches = ["1", "2"] if with_torch else ["1"]
@@ -112,7 +112,7 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, capsys, with_torch):
 
 
 def test_the_table_has_a_row_for_each_width(monkeypatch, capsys):
-    monkeypatch.setattr(bench, "matrix_product_peak", lambda: 1e11)
+    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
     monkeypatch.setattr(table, "HIDDEN", (4, 6))
     assert main(["bench", "--sequential", "--batch", "2", "3", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
@@ -124,16 +124,6 @@ def test_the_table_has_a_row_for_each_width(monkeypatch, capsys):
 def test_a_busy_machine_gives_a_warning(monkeypatch, capsys, load, warned):
     monkeypatch.setattr(bench.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
     monkeypatch.setattr(bench.table, "rows", lambda *arguments: iter(()))
-    monkeypatch.setattr(bench, "matrix_product_peak", lambda: 1e11)
+    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
     assert main(["bench"]) == 0
     assert ("other programs use the processor" in capsys.readouterr().err) == warned
-
-
-def test_the_papers_run_names_its_stages_and_scales_to_25_epochs(monkeypatch):
-    monkeypatch.setattr(paper, "ConvAutoencoder", lambda: ConvAutoencoder(filters=(4, 5, 6)))
-    run = paper.run_paper(4, windows=8, show_progress=False)
-    assert list(run.minutes) == list(paper.MINUTES)
-    assert run.once > 0
-    text = run.text()
-    assert "batch 4, 8 windows, scaled from 1 to 25 epochs" in text
-    assert "|                  304 |" in text

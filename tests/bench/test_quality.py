@@ -8,7 +8,6 @@ import pytest
 
 from numpy_cae.bench import quality, trainings
 from numpy_cae.bench.convolutional import torch
-from numpy_cae.bench.paper import synthetic_windows
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
 from numpy_cae.cli.shared.train_options import SEQUENCE_RECIPES
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -73,7 +72,8 @@ def test_all_networks_learn(monkeypatch):
     torch.set_num_threads(1)  # no time is compared here
     usual = replace(trainings.USUAL, epochs=9, batch=2)
     monkeypatch.setattr(trainings, "USUAL", usual)
-    x = synthetic_windows(6)
+    phases = np.random.default_rng(3).uniform(0, 6, (6, 1, 63))
+    x = (np.sin(np.arange(160)[:, None] / 8 + phases) / 4).astype(np.float32)
     lost = zero_values(x, 0.5, np.random.default_rng(0))
     made = trainings.trainings(x, STAGE, lambda f: np.mean((f(lost) - x) ** 2))
     train_in_turns(made)

@@ -52,7 +52,7 @@ def test_ends_held_equals_the_manifold_projection(small_manifold, clips):
     )[0]
     np.testing.assert_allclose(ours, shifted, atol=1e-5)
     held = hold_ends(small_manifold, clips.x)
-    assert held.shape[1] % small_manifold.network.frames_per_unit == 0
+    assert held.shape[1] % small_manifold.network.stride == 0
     np.testing.assert_array_equal(held[:, 0], clips.x[:, 0])
     assert not np.allclose(project_shifted(small_manifold.network, clips.x[:1]), ours)
 

@@ -26,7 +26,7 @@ def drawn(seed, batch, filters, taps, length, unpooling, dtype=np.float64, featu
     for layer in model.layers:
         layer.w = rng.normal(scale=0.3, size=layer.w.shape).astype(dtype)
         layer.b = rng.normal(scale=0.2, size=layer.b.shape).astype(dtype)
-    frames = length * model.frames_per_unit
+    frames = length * model.stride
     x = rng.normal(scale=0.5, size=(batch, frames, features)).astype(dtype)
     corrupted = x * (rng.random(x.shape) > 0.1)
     first = None
@@ -212,7 +212,7 @@ def test_the_accelerated_model_shares_layers_and_attributes():
     assert isinstance(fast, FastConvAutoencoder)
     assert accelerate(fast) is fast
     assert fast.layers is model.layers
-    assert fast.frames_per_unit == model.frames_per_unit == 4
+    assert fast.stride == model.stride == 4
     for name, array in model.parameters.items():
         assert fast.parameters[name] is array
     assert_same([model.project(x)], [fast.project(x)], 1e-10)

@@ -38,7 +38,7 @@ def test_one_shift_is_projection_and_all_shifts_commute_with_a_shift(network):
     middle = np.zeros((1, 96, 63), np.float32)
     middle[:, 32:64] = X[:1]
     later = np.roll(middle, 1, axis=1)
-    for shifts, same in ((1, False), (network.frames_per_unit, True)):
+    for shifts, same in ((1, False), (network.stride, True)):
         moved = project_shifted(network, later, shifts)[:, 9:88]
         still = project_shifted(network, middle, shifts)[:, 8:87]
         assert np.allclose(moved, still, atol=1e-5) == same

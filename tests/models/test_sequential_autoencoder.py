@@ -127,27 +127,6 @@ def test_the_loss_is_the_sum_of_its_parts():
     assert losses.total == pytest.approx(losses.reconstruction + 0.25 * losses.discrepancy)
 
 
-def test_interpolation_starts_and_ends_at_the_given_clips():
-    rng = np.random.default_rng(13)
-    model = drawn_model(rng)
-    x0, x1 = rng.normal(size=(2, 2, 4, 3))
-    between = model.interpolate(x0, x1, [0.0, 0.5, 1.0])
-    assert between.shape == (2, 3, 4, 3)
-    np.testing.assert_allclose(between[:, 0], model.denoise(x0), atol=1e-12)
-    np.testing.assert_allclose(between[:, 2], model.denoise(x1), atol=1e-12)
-    half = model.decode((model.encode(x0) + model.encode(x1)) / 2, 4)
-    np.testing.assert_allclose(between[:, 1], half, atol=1e-12)
-
-
-def test_an_analogy_is_z_a_minus_z_b_plus_z_c():
-    rng = np.random.default_rng(14)
-    model = drawn_model(rng)
-    xa, xb, xc = rng.normal(size=(3, 2, 4, 3))
-    z = model.encode(xa) - model.encode(xb) + model.encode(xc)
-    np.testing.assert_allclose(model.analogy(xa, xb, xc), model.decode(z, 4), atol=1e-12)
-    np.testing.assert_allclose(model.analogy(xa, xb, xb), model.denoise(xa), atol=1e-12)
-
-
 def test_samples_are_clips_of_the_prior():
     model = SequentialAutoencoder(5, 6, 3)
     samples = model.sample(4, np.random.default_rng(1), frames=7)
@@ -165,7 +144,6 @@ def test_samples_are_clips_of_the_prior():
         (lambda m: m.encode(np.zeros((2, 0, 3))), "at least one frame"),
         (lambda m: m.decode(np.zeros((2, 3)), 5), r"z has shape \(2, 3\)"),
         (lambda m: m.decode(np.zeros((2, 2)), 0), "frames is 0"),
-        (lambda m: m.interpolate(np.zeros((2, 5, 3)), np.zeros((1, 5, 3)), [0.5]), "x1 has shape"),
         (
             lambda m: m.loss_and_gradients(
                 np.zeros((2, 5, 3)), np.zeros((3, 2)), np.eye(2), weight=1.0

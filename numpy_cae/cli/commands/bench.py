@@ -13,8 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae.bench import paper, quality, table
-from numpy_cae.bench.peak import matrix_product_peak
+from numpy_cae.bench import quality, table
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, print_json
 
@@ -25,15 +24,12 @@ SEQUENCE_MINUTES = 180.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to measure, and how often."""
     add = parser.add_argument
-    sizes = "batch sizes (default: 1 4 16 64; with --paper 1 16, with --sequential 16 64)"
+    sizes = "batch sizes (default: 1 4 16 64; with --sequential 16 64)"
     add("--batch", type=arguments.positive_number, nargs="+", metavar="B", help=sizes)
     rounds = "number of measurements of each time in the table (default: 21)"
     add("--rounds", **arguments.COUNT, default=21, help=rounds)
-    instead = parser.add_mutually_exclusive_group().add_argument
     sequential = "time training steps of the sequential autoencoder of three sizes instead"
-    instead("--sequential", **arguments.FLAG, help=sequential)
-    stages = "train the paper's four stages for one epoch each instead, scaled to its 25 epochs"
-    instead("--paper", **arguments.FLAG, help=stages)
+    add("--sequential", **arguments.FLAG, help=sequential)
     arguments.add_shared(parser, "json quiet")
     add = parser.add_argument_group("time to a given quality").add_argument
     trainings = (
@@ -52,26 +48,18 @@ def run(args: argparse.Namespace) -> int:
     if args.quality:
         return _quality(args)
     _warn_if_busy()
-    header = "" if args.paper else table.header(matrix_product_peak())
-    if args.paper:
-        batches = args.batch or (1, 16)
-        rows = (paper.run_paper(batch, show_progress=not args.quiet) for batch in batches)
-    else:
-        rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
+    rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
     if args.json:
         print_json(list(rows))
         return 0
-    if header:
-        print(header, flush=True)
+    print(table.header(), flush=True)
     for row in rows:
-        print(row.text(), end="\n\n" if args.paper else "\n", flush=True)
+        print(row.text(), flush=True)
     return 0
 
 
 def _quality(args: argparse.Namespace) -> int:
     """Train in turns; print the table."""
-    if args.paper:
-        raise ValueError("--quality and --paper are two measurements: give one of them")
     quality.require_torch()
     _warn_if_busy()
     trainings = _sequential_trainings(args) if args.sequential else _trainings(args)

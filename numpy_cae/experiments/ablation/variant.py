@@ -12,7 +12,7 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.models.conv_autoencoder import loss_and_shares
-from numpy_cae.models.conv_layer import LayerPullback
+from numpy_cae.ops.shapes import Pullback
 
 
 def average_pool(x: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
@@ -25,7 +25,7 @@ def average_pool(x: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.n
 class AverageLayer(ConvLayer):
     """A layer that pools by the mean."""
 
-    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, LayerPullback]:
+    def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         """tanh(Ψ(X * W + b)): (B, T, C) to (B, T/2, D), and dy -> (dx, dw, db)."""
         convolved, convolve_back = ops.conv1d(x, self.w, self.b)
         pooled, pool_back = average_pool(convolved)
@@ -51,7 +51,7 @@ class UntiedLayer(ConvLayer):
 
     def decode_with_pullback(
         self, y: np.ndarray, first: np.ndarray | None = None
-    ) -> tuple[np.ndarray, LayerPullback]:
+    ) -> tuple[np.ndarray, Pullback]:
         """(Ψ†(tanh⁻¹(Y)) - c) * Ṽ, as `ConvLayer`, and dx -> (dy, dv, dc)."""
         return ConvLayer(self.v, self.c, self.bound).decode_with_pullback(y, first)
 

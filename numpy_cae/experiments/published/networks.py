@@ -87,7 +87,7 @@ def convolutional(draw: Draw, seed: int) -> Project:
     """Train a `ConvAutoencoder`."""
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
-    optimiser, unit = Adam(network.parameters), network.frames_per_unit
+    optimiser, unit = Adam(network.parameters), network.stride
     for step in range(STEPS):
         x, corrupted = draw(rng, WINDOW)
         _, gradients = network.loss_and_gradients(x, corrupted)
