@@ -1,4 +1,4 @@
-"""The result of an experiment, as text, JSON, PNG, GIF and a viewer; `page` makes HTML of it."""
+"""The result of an experiment, as text, JSON, PNG and a viewer; `page` makes HTML of it."""
 
 from __future__ import annotations
 
@@ -64,9 +64,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Animation:
-    """Motions side by side, for the viewer or a GIF; the parameters are those of
-    `numpy_cae.viz.save_gif`.
-    """
+    """Motions side by side, for the viewer."""
 
     actors: list[Actor]
     rate: float
@@ -141,12 +139,6 @@ class Result:
         from numpy_cae.viz import save_figure
 
         save_figure(self.figure(), path)
-
-    def save_gif(self, path: str | Path) -> None:
-        """Write the animation, which there must be, as a GIF file."""
-        from numpy_cae.viz import save_gif
-
-        save_gif(**vars(self.animation), path=path)
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -11,7 +11,6 @@ from numpy_cae.viz.actor import (
     motion_actor,
     world_actors,
 )
-from numpy_cae.viz.animation import save_gif
 from numpy_cae.viz.curves import (
     Curve,
     bars_figure,
@@ -42,7 +41,6 @@ __all__ = [
     "matrix_figure",
     "motion_actor",
     "save_figure",
-    "save_gif",
     "save_viewer",
     "strip_figure",
     "world_actors",

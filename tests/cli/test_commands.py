@@ -147,10 +147,10 @@ def test_train_refuses_options_that_do_not_fit(walks, tmp_path, error_of, option
     assert not list(tmp_path.iterdir())
 
 
-def test_show_draws_a_strip_and_a_gif(walks, tmp_path, run):
+def test_show_draws_a_strip(walks, tmp_path, run):
     run("show", walks / "walk_1.bvh", "-o", tmp_path / "new")
     names = sorted(path.name for path in (tmp_path / "new").iterdir())
-    assert names == ["walk_1.gif", "walk_1.png"]
+    assert names == ["walk_1.png"]
 
 
 def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
@@ -162,7 +162,7 @@ def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     for method in ("as damaged", "PCA on frames", "PCA on windows", "the network"):
         assert f"| {method} " in out
     motions = {"corrupted.bvh", "projected.bvh", "truth.bvh"}
-    expected = {"motions", "model.npz", "figure_1.png", "figure_1.gif", "index.html", *motions}
+    expected = {"motions", "model.npz", "figure_1.png", "index.html", *motions}
     assert {path.name for path in (tmp_path / "demo").iterdir()} == expected
     command = re.search(r"made by `numpy-cae (.*)`", out)[1].split()
     projected = Path(command[-1]).read_bytes()

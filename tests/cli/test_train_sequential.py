@@ -47,7 +47,7 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     assert said.count("held: ") == len(claims)
     assert all(claim["sentence"] in said and claim["figures"] in said for claim in claims)
     written = {path.name for path in out.iterdir()}
-    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.gif", "walking.npz"} <= written
+    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.html", "walking.npz"} <= written
 
 
 def test_a_study_needs_motions_to_test_on(walks, tmp_path, error_of):

@@ -1,8 +1,7 @@
-"""Strips, animations, curves and bars, and pictures written atomically."""
+"""Strips, curves and bars, and pictures written atomically."""
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from numpy_cae.errors import FileError
 from numpy_cae.motion import JOINTS, PARENTS
@@ -13,7 +12,6 @@ from numpy_cae.viz import (
     curves_figure,
     matrix_figure,
     save_figure,
-    save_gif,
     strip_figure,
 )
 from numpy_cae.viz.camera import bones, camera_view
@@ -66,30 +64,10 @@ def test_nothing_drawn_is_cut_off():
     assert low < points[:, 1].min() and points[:, 1].max() < high
 
 
-@pytest.mark.parametrize("overlaid", [False, True])
-def test_a_gif_plays_at_the_right_speed(tmp_path, overlaid):
-    file = tmp_path / "a.gif"
-    said = save_gif([actor(60), actor(60)], file, rate=30, seconds=1.0, overlaid=overlaid)
-    assert said == "the first 1.0 s of 2.0 s"
-    with Image.open(file) as picture:
-        assert picture.n_frames * picture.info["duration"] == 1000
-        assert picture.size[1] >= 400
-    assert list(tmp_path.iterdir()) == [file]
-
-
 def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
     with pytest.raises(FileError, match="no folder"):
         save_figure(strip_figure([actor()], 30), tmp_path / "no" / "a.png")
     assert not list(tmp_path.iterdir())
-
-
-def test_an_animation_is_as_wide_as_a_body_that_lies_down(tmp_path):
-    lying = np.zeros((2, len(JOINTS), 3))
-    lying[:, -1, 0] = 1.3
-    for name, positions in (("narrow", 0.5 * lying), ("wide", lying)):
-        save_gif([Actor(positions, PARENTS)], tmp_path / f"{name}.gif", rate=30, azimuth=0)
-    widths = [Image.open(tmp_path / f"{name}.gif").size[0] for name in ("narrow", "wide")]
-    assert widths[1] == pytest.approx(widths[0] * 1.4 / 0.9, abs=2)
 
 
 def test_curves_and_bars_have_their_values():

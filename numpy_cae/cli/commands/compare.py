@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
-    manifold = one_motion.load_model(args, motion=False)
+    manifold = one_motion.load_model(args)
     files = _named_files(args.motions)
     if len(files) < 2:
         raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")

@@ -43,7 +43,6 @@ def run(args: argparse.Namespace) -> int:
     print(f"\n{half_zeroed.run(manifold, material, args.seed).text()}\n")
     figure = half_zeroed.figure_1(manifold, material, args.seed)
     figure.save_picture(out / "figure_1.png")
-    figure.save_gif(out / "figure_1.gif")
     save_viewer(figure.animation.actors, out / "index.html", figure.animation.rate, "numpy_cae")
     take = half_zeroed.typical(manifold, material.testing).positions
     for name, positions in half_zeroed.half_lost_positions(manifold, take, args.seed).items():
@@ -53,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     write_like(out / "corrupted.bvh", corrupted, projected, out / "projected.bvh")
     print(
         f"{out}/index.html: open it in a browser; orange lost half of its values, path included, "
-        f"blue is its projection, green the truth\n{out}/figure_1.png and .gif: the same, drawn\n"
+        f"blue is its projection, green the truth\n{out}/figure_1.png: the same, drawn\n"
         f"{out}/truth.bvh and corrupted.bvh: the same for Blender, both on the true path\n"
         f"{out}/projected.bvh: made by `numpy-cae repair {out}/corrupted.bvh -m {out}/model.npz "
         f"--project -o {out}/projected.bvh`"

@@ -1,9 +1,8 @@
-"""Interpolate between two motions along a learned manifold and write the result as BVH, with the
-rig, frame rate and unit of the first. The longer one is truncated.
+"""Interpolate between two motions along a learned manifold. The result has the rig, the frame rate
+and the unit of the first motion; the longer motion is truncated.
 
 example:
-  numpy-cae interpolate press_ups.bvh walk.bvh -o between.bvh \\
-      --share transition --gif between.gif
+  numpy-cae interpolate press_ups.bvh walk.bvh -o between.bvh --share transition --html
 """
 
 import argparse
@@ -14,6 +13,7 @@ from numpy_cae.cli.shared.output import note, working
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
+from numpy_cae.motion.formats.write import require_writer
 from numpy_cae.viz import PROJECTED, TRUTH
 
 
@@ -22,7 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("first", type=Path, help="first motion file (.bvh or .amc)")
     add("second", type=Path, help="second motion file, of any rig")
-    one_motion.add_model_arguments(parser, "path of an animation of the three motions")
+    one_motion.add_output_arguments(parser)
+    one_motion.add_model_arguments(parser)
     add(
         "--share",
         type=lambda text: text if text == TRANSITION else arguments.fraction(text),
@@ -34,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
+    require_writer(args.output)
     manifold, mapping = one_motion.load_model(args), arguments.chosen_mapping(args)
     paths, coordinates = (args.first, args.second), arguments.chosen_coordinates(args)
     with working(f"{args.first} and {args.second}"):
@@ -44,10 +46,15 @@ def run(args: argparse.Namespace) -> int:
     frames = len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
     one_motion.write(made, args.output)
-    actors = [
-        one_motion.body_actor(first.positions[:frames], args.first.stem, TRUTH),
-        one_motion.body_actor(body_of(made, mapping)[:frames], "between", PROJECTED),
-        one_motion.body_actor(second.positions[:frames], args.second.stem, TRUTH),
-    ]
-    one_motion.draw(args, args.output, "both and the one between", actors)
+    if args.html:
+        positions = {
+            args.first.stem: (first.positions, TRUTH),
+            "between": (body_of(made, mapping), PROJECTED),
+            args.second.stem: (second.positions, TRUTH),
+        }
+        actors = [
+            one_motion.body_actor(body[:frames], label, colour)
+            for label, (body, colour) in positions.items()
+        ]
+        one_motion.write_page(args.output, "both motions and the one between", actors)
     return 0

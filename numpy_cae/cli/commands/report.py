@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material, dict[str, str]]:
     """The model, the takes, and what a reader of the report must know of both."""
-    manifold = one_motion.load_model(args, motion=False)
+    manifold = one_motion.load_model(args)
     patterns = _test_patterns(manifold, args)
     known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
     with working(f"reading {data}"):

@@ -23,6 +23,7 @@ from numpy_cae.motion import (
     fit_motion,
     load_body,
 )
+from numpy_cae.motion.formats.write import require_writer
 from numpy_cae.motion.retarget.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
@@ -31,7 +32,8 @@ MAX_DRAWN, SECONDS = 5, 5.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The model, the prior, and the number and length of the motions."""
-    one_motion.add_model_arguments(parser, f"path of an animation of up to {MAX_DRAWN} motions")
+    one_motion.add_output_arguments(parser)
+    one_motion.add_model_arguments(parser)
     add = parser.add_argument
     add("--data", **arguments.FOLDERS, help="folders of motions that the prior is fitted to")
     priors = ("fitted", "uniform")
@@ -45,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
+    require_writer(args.output)
     manifold = one_motion.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
     mapping = arguments.chosen_mapping(args) if args.like else None
@@ -70,12 +73,12 @@ def run(args: argparse.Namespace) -> int:
     for number, motion in enumerate(made, start=1):
         stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
-    if args.gif or args.html:
+    if args.html:
         actors = [
             one_motion.body_actor(body_of(motion, mapping), str(number), PROJECTED)
             for number, motion in enumerate(made[:MAX_DRAWN], start=1)
         ]
-        one_motion.draw(args, args.output, "what was drawn", actors)
+        one_motion.write_page(args.output, "motions drawn from the prior", actors)
     return 0
 
 

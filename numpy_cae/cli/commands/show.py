@@ -1,5 +1,5 @@
-"""Draw motion files: a strip of poses (PNG) and an animation (GIF) of each, named after the file;
-or with --html one page that plays them in 3D, side by side or overlaid, in any browser.
+"""Draw motion files: a strip of poses of each as a PNG file, named after the motion file; or with
+--html one page that plays all motions in 3D, side by side or overlaid, in any browser.
 
 examples:
   numpy-cae show walk.bvh -o pictures
@@ -59,13 +59,11 @@ def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
 
 
 def _write_pictures(args: argparse.Namespace, actor: Actor, rate: float) -> None:
-    from numpy_cae.viz import save_figure, save_gif, strip_figure
+    from numpy_cae.viz import save_figure, strip_figure
 
-    stem = Path(actor.label).stem
-    strip, gif = (args.output / f"{stem}.{suffix}" for suffix in ("png", "gif"))
-    save_figure(strip_figure([actor], rate), strip)
-    print(f"{strip}: a strip of poses")
-    print(f"{gif}: {save_gif([actor], gif, rate)}")
+    path = args.output / f"{Path(actor.label).stem}.png"
+    save_figure(strip_figure([actor], rate), path)
+    print(f"{path}: a strip of poses")
 
 
 def _write_page(args: argparse.Namespace, drawn: list[tuple[Actor, float]]) -> int:

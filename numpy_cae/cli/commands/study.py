@@ -1,6 +1,6 @@
 """Train jang2018's network on each action, with its regulariser and without, and write study.txt
-(the tables, and each claim with whether it held), figure 2, samples as strips and GIFs, and the
-models. Without --data the motions are made by data_synth.
+(the tables, and each claim with whether it is confirmed), figure 2, samples as strips and as pages
+that play them, and the models. Without --data the motions are made by data_synth.
 
 examples:
   numpy-cae study -o study
@@ -14,6 +14,7 @@ from numpy_cae.cli.shared.output import print_json, write_texts
 from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
+from numpy_cae.viz import save_viewer
 
 ACTIONS = ("walking", "waiting", "walking_dog")
 
@@ -53,7 +54,9 @@ def run(args: argparse.Namespace) -> int:
         if result.figure:
             result.save_picture(args.output / f"{name}.png")
         if result.animation:
-            result.save_gif(args.output / f"{name}.gif")
+            save_viewer(
+                result.animation.actors, args.output / f"{name}.html", result.animation.rate
+            )
     for name, manifold in manifolds.items():
         save_manifold(manifold, args.output / f"{name}.npz")
     if args.json:

@@ -1,9 +1,10 @@
-"""Change one motion file, or every one in some folders, and report what was changed."""
+"""What `repair` and `fill` share: which files they read and write, and the report about them."""
 
 import argparse
 import shutil
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,6 @@ from numpy_cae.experiments.result import text_table
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import (
     JOINTS,
-    Mappings,
     Motion,
     UnknownRigError,
     body_of,
@@ -27,136 +27,165 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.formats.amc import find_skeleton
 from numpy_cae.motion.formats.write import WRITERS, require_writer
-from numpy_cae.viz import CORRUPTED, PROJECTED, Actor
+from numpy_cae.viz import CORRUPTED, PROJECTED
 
-Change = Callable[[Motion, Mappings], Repaired]
-LIKE = (".bvh", ".amc")
-"""Suffixes of files whose text is kept where nothing changed."""
+KEPT = (".bvh", ".amc")
+"""KEPT: a file with one of these suffixes is written in its own format, and what did not change
+keeps its text."""
 MOST_STRETCHES = 5
-HEADER = ("file", "joints", "touched, %", "moved, cm", "at most, cm", "result")
+HEADER = ("file", "joints", "changed, %", "mean, cm", "at most, cm", "result")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The files, the model, the output and the pictures."""
+    """The files, the model, the output and the page."""
     add = parser.add_argument
     files = "motion files, or folders that are searched with their subfolders"
     add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=files)
-    output = "file to write, for one motion (its own format keeps the text of what is unchanged; "
-    output += "or .bvh, .glb, .npz, .csv); otherwise folder, created if it does not exist"
+    output = "for one motion the file to write: in the same format, where unchanged text is kept, "
+    output += "or .bvh, .npz, .csv. For several motions a folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
     add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
     add("--overwrite", **arguments.FLAG, help="allow -o to be the file or the folder that is read")
+    arguments.add_shared(parser, "html")
     one_motion.add_model_arguments(parser)
-    one_motion.add_pictures(parser, "path of an animation of the motion before and after, overlaid")
 
 
-def change_files(args: argparse.Namespace, change: Change) -> int:
-    """Read, change and write every file; 0 if all could be used, 1 if some, 2 if none."""
-    targets = _targets(args)
-    if len(targets) == 1 and not args.files[0].is_dir():
-        ((source, target),) = targets.items()
-        with working(str(source)):
-            repaired = _change(args, change, source, target)
-        for line in changes(repaired):
-            print(f"  {line}")
-        return 0
-    if args.gif:
-        raise ValueError("--gif draws one motion; --html writes a page for each")
-    rows, unusable = [], []
-    for source, target in with_progress(targets.items(), len(targets), "files done"):
-        name = str(source.relative_to(args.files[0])) if args.files[0].is_dir() else source.name
+class ChangedFiles:
+    """The files of a command, and what was changed in them.
+
+    A command loads, changes and writes each file under `reported`:
+
+        changed = ChangedFiles(args)
+        for source, target in changed.files():
+            with changed.reported(source):
+                motion = changed.load(source)
+                changed.write(motion, repair(motion, manifold), source, target)
+        return changed.status()
+
+    One file is reported in lines, and an error in it ends the command. Several files are reported
+    in a table, with a list of those that could not be used.
+    """
+
+    def __init__(self, args: argparse.Namespace):
+        self.args = args
+        self.mapping = arguments.chosen_mapping(args)
+        self.single = len(args.files) == 1 and not args.files[0].is_dir()
+        self.targets = self._targets()
+        self.rows: list[list[str]] = []
+        self.unusable: list[str] = []
+
+    def files(self) -> Iterator[tuple[Path, Path | None]]:
+        """Each motion file with the file to write, None in a dry run."""
+        return with_progress(self.targets.items(), len(self.targets), "files done")
+
+    @contextmanager
+    def reported(self, source: Path) -> Iterator[None]:
+        """Of several files, list one that cannot be used instead of ending with its error."""
         try:
-            rows.append(row(name, _change(args, change, source, target, quiet=True)))
+            if self.single:
+                with working(str(source)):
+                    yield
+            else:
+                yield
+        except UnknownRigError as error:
+            self._refuse(UnknownRigError(f"{source}: {error}"))
         except (NumpyCaeError, ValueError, OSError) as error:
-            unusable.append(str(error))
-    print(text_table(HEADER, rows))
-    if unusable:
-        print(f"\n{len(unusable)} of {len(targets)} files could not be used:")
-        print("\n".join(unusable))
-    return 0 if not unusable else 1 if rows else 2
+            self._refuse(error)
+
+    def load(self, source: Path) -> Motion:
+        """The motion in a file."""
+        coordinates = vars(arguments.chosen_coordinates(self.args))
+        motion = load_motion(source, mapping=self.mapping, **coordinates)
+        if self.single:
+            note(f"{source}: {len(motion)} frames, {motion.unit_note}")
+        return motion
+
+    def write(self, motion: Motion, repaired: Repaired, source: Path, target: Path | None) -> None:
+        """Write the changed motion, unless in a dry run, and report what was changed."""
+        if target is not None:
+            self._write(motion, repaired, source, target)
+        if self.single:
+            print("\n".join(f"  {line}" for line in changes(repaired)))
+        else:
+            folder = self.args.files[0]
+            name = str(source.relative_to(folder)) if folder.is_dir() else source.name
+            self.rows.append(row(name, repaired))
+
+    def status(self) -> int:
+        """Print the table of several files; 0 if all could be used, 1 if some, 2 if none."""
+        if self.single:
+            return 0
+        print(text_table(HEADER, self.rows))
+        if self.unusable:
+            print(f"\n{len(self.unusable)} of {len(self.targets)} files could not be used:")
+            print("\n".join(self.unusable))
+        return 0 if not self.unusable else 1 if self.rows else 2
+
+    def _refuse(self, error: Exception) -> None:
+        if self.single:
+            raise error from None
+        self.unusable.append(str(error))
+
+    def _targets(self) -> dict[Path, Path | None]:
+        args = self.args
+        names = {}
+        for path in args.files:
+            for source in find_motion_files(path) if path.is_dir() else [path]:
+                names[source] = source.relative_to(path if path.is_dir() else path.parent)
+        if args.dry_run:
+            return dict.fromkeys(names)
+        if args.output is None:
+            raise ValueError("name the file or folder to write with -o, or use --dry-run")
+        if self.single and not args.output.is_dir():
+            targets = {args.files[0]: args.output}
+            if not _keeps_format(args.files[0], args.output):
+                require_writer(args.output)
+        else:
+            if args.output.suffix.lower() in (*KEPT, *WRITERS) and not args.output.is_dir():
+                problem = "is a file's name, expected a folder for the motions"
+                raise ValueError(f"{args.output}: {problem}")
+            targets = {
+                source: args.output / (name if source.suffix.lower() in KEPT else f"{name}.bvh")
+                for source, name in names.items()
+            }
+            if len(set(targets.values())) < len(targets):
+                raise ValueError("several files have one name: give their folder or other outputs")
+        for source, target in targets.items():
+            if not args.overwrite and target.exists() and target.samefile(source):
+                raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
+        return targets
+
+    def _write(self, motion: Motion, repaired: Repaired, source: Path, target: Path) -> None:
+        if not self.single:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        if _keeps_format(source, target):
+            write_like(source, motion, repaired.motion, target)
+            if target.suffix.lower() == ".amc":
+                skeleton = find_skeleton(source)
+                if not target.with_name(skeleton.name).exists():
+                    shutil.copyfile(skeleton, target.with_name(skeleton.name))
+        else:
+            write_motion(repaired.motion, target)
+        if self.single:
+            one_motion.print_written(repaired.motion, target)
+        if self.args.html:
+            self._write_page(motion, repaired, target)
+
+    def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
+        before, after = body_of(motion, self.mapping), body_of(repaired.motion, self.mapping)
+        before = before[-len(after) :]
+        frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
+        touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
+        moved = np.linalg.norm(after - before, axis=-1)
+        actors = [
+            replace(one_motion.body_actor(before, "before", CORRUPTED), damaged=touched),
+            replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
+        ]
+        one_motion.write_page(target, "before and after", actors, overlaid=True)
 
 
-def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
-    """Each motion file with the file to write, None in a dry run."""
-    single = len(args.files) == 1 and not args.files[0].is_dir()
-    found = {}
-    for path in args.files:
-        for source in find_motion_files(path) if path.is_dir() else [path]:
-            found[source] = source.relative_to(path if path.is_dir() else path.parent)
-    if args.dry_run:
-        return dict.fromkeys(found)
-    if args.output is None:
-        raise ValueError("name the file or folder to write with -o, or use --dry-run")
-    if single and not args.output.is_dir():
-        targets = {args.files[0]: args.output}
-        if _like(args.files[0], args.output) is False:
-            require_writer(args.output)
-    else:
-        if args.output.suffix.lower() in (*LIKE, *WRITERS) and not args.output.is_dir():
-            raise ValueError(f"{args.output}: is a file's name, expected a folder for the motions")
-        targets = {
-            source: args.output / (name if source.suffix.lower() in LIKE else f"{name}.bvh")
-            for source, name in found.items()
-        }
-        if len(set(targets.values())) < len(targets):
-            raise ValueError("several files have one name: give their folder or other outputs")
-    for source, target in targets.items():
-        if not args.overwrite and target.exists() and target.samefile(source):
-            raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
-    return targets
-
-
-def _like(source: Path, target: Path) -> bool:
-    return source.suffix.lower() == target.suffix.lower() in LIKE
-
-
-def _change(
-    args: argparse.Namespace, change: Change, source: Path, target: Path | None, quiet: bool = False
-) -> Repaired:
-    """Change one file."""
-    mapping = arguments.chosen_mapping(args)
-    motion = load_motion(source, mapping=mapping, **vars(arguments.chosen_coordinates(args)))
-    if not quiet:
-        note(f"{source}: {len(motion)} frames, {motion.unit_note}")
-    try:
-        repaired = change(motion, mapping)
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{source}: {error}") from None
-    if target is None:
-        return repaired
-    if quiet:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    if _like(source, target):
-        write_like(source, motion, repaired.motion, target)
-        if target.suffix.lower() == ".amc":
-            _copy_skeleton(source, target)
-    else:
-        write_motion(repaired.motion, target)
-    if not quiet:
-        one_motion.print_written(repaired.motion, target)
-    if args.gif or args.html:
-        one_motion.draw(args, target, "before and after", _actors(motion, repaired, mapping), True)
-    return repaired
-
-
-def _copy_skeleton(source: Path, target: Path) -> None:
-    """Put the skeleton of an .amc file beside its changed copy."""
-    skeleton = find_skeleton(source)
-    beside = target.with_name(skeleton.name)
-    if not beside.exists():
-        shutil.copyfile(skeleton, beside)
-
-
-def _actors(motion: Motion, repaired: Repaired, mapping: Mappings) -> list[Actor]:
-    before, after = body_of(motion, mapping), body_of(repaired.motion, mapping)
-    before = before[-len(after) :]
-    frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
-    touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
-    moved = np.linalg.norm(after - before, axis=-1)
-    return [
-        replace(one_motion.body_actor(before, "before", CORRUPTED), damaged=touched),
-        replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
-    ]
+def _keeps_format(source: Path, target: Path) -> bool:
+    return source.suffix.lower() == target.suffix.lower() in KEPT
 
 
 def changes(repaired: Repaired) -> list[str]:
@@ -178,7 +207,7 @@ def changes(repaired: Repaired) -> list[str]:
 
 
 def row(name: str, repaired: Repaired) -> list[str]:
-    """The cells of a table with `HEADER`; centimetres are those of the touched joints."""
+    """The cells of a table with `HEADER`; centimetres are those of the changed joints."""
     touched = repaired.touched
     if not repaired.known:
         return [name, "", "", "", "", "unknown motion, unchanged"]
@@ -191,7 +220,7 @@ def row(name: str, repaired: Repaired) -> list[str]:
 
 
 def _frames(touched: np.ndarray) -> str:
-    """The stretches of frames (F,) bool, such as "frames 30 to 45, 102"."""
+    """The stretches of frames (frames,) bool, such as "frames 30 to 45, 102"."""
     ends = np.flatnonzero(np.diff(touched, prepend=False, append=False)).reshape(-1, 2)
     texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_STRETCHES]]
     more = f" and {len(ends) - MOST_STRETCHES} more" if len(ends) > MOST_STRETCHES else ""

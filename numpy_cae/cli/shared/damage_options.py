@@ -1,5 +1,4 @@
-"""The joints and frames that the user says are damaged or missing: --joint, --limb, --frames and
---mask.
+"""The options --joint, --limb, --frames and --mask: which joints and frames are damaged or missing.
 
 A mask file is a JSON list of objects with a joint (our name or the rig's) or a limb, and frames,
 first and last, counted from 0. Without a joint or limb all joints are meant, without frames all.
@@ -20,22 +19,27 @@ from numpy_cae.motion.retarget.to_rig import moves_alone
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
 
-def add_arguments(parser: argparse.ArgumentParser, damaged: str) -> None:
-    """The options; `damaged` is what they name, "damaged" or "missing"."""
-    add = parser.add_argument_group(f"what is {damaged}").add_argument
+def add_arguments(
+    parser: argparse.ArgumentParser, damaged: str, default: str = ""
+) -> argparse._ArgumentGroup:
+    """The options, which say which joints and frames are `damaged` ("damaged" or "missing")."""
+    usual = f" (default: {default})" if default else ""
+    group = parser.add_argument_group(f"which joints and frames are {damaged}{usual}")
+    add = group.add_argument
     joints = f"{damaged} joints, such as left_wrist, by our names or the rig's"
     add("--joint", nargs="+", metavar="NAME", default=[], help=joints)
     limbs = f"{damaged} limbs: {', '.join(LIMBS)}"
     add("--limb", nargs="+", choices=LIMBS, metavar="LIMB", default=[], help=limbs)
-    frames = "first and last frame, counted from 0 (default: all frames), of these joints or, "
-    frames += "without --joint and --limb, of all joints"
+    frames = "first and last frame, counted from 0, of these joints, or of all joints without "
+    frames += "--joint and --limb (default: all frames)"
     add("--frames", type=arguments.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
     mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
     add("--mask", type=Path, metavar="JSON", help=mask)
+    return group
 
 
 def is_chosen(args: argparse.Namespace) -> bool:
-    """Whether any of the options was used."""
+    """Whether any of the options is given."""
     return bool(args.joint or args.limb or args.frames or args.mask)
 
 
