@@ -210,7 +210,7 @@ def find_stretched(positions: np.ndarray) -> np.ndarray:
 def _turns(body: Body) -> np.ndarray:
     """How much the rotation that moves each joint changes until the next frame: (F, 20), the
     difference of quaternions in units of which `SAME_ROTATION` is as still as `STILL`."""
-    rig = find_joints(body.motion.skeleton, body.mapping)
+    rig = find_joints(body.motion.skeleton)
     rotations = body.motion.resampled(RATE).rotations
     parents = [body.motion.skeleton.parents[joint] for joint in rig]
     return np.abs(_steps(rotations[:, parents])).max(axis=-1) * (STILL / SAME_ROTATION)

@@ -81,7 +81,6 @@ def fill_motion(
     motion: Motion,
     manifold: MotionManifold,
     missing: np.ndarray,
-    mapping: dict[str, str] | None = None,
 ) -> Repaired:
     """Fill in the joints of a motion that are missing, ignoring where the file has them.
 
@@ -98,7 +97,6 @@ def fill_motion(
     manifold : MotionManifold
     missing : (frames, 20) array of bool
         In the frames of the file; `keyframe_mask` makes that of keyframes.
-    mapping : dict of joint name to the rig's joint name, optional
 
     Returns
     -------
@@ -111,7 +109,7 @@ def fill_motion(
     """
     missing = _checked(missing, len(motion))
     whole = np.asarray(missing.all(axis=1))
-    body = manifold.body(_interpolated(motion, whole), mapping)
+    body = manifold.body(_interpolated(motion, whole))
     target = fill_positions(manifold, body, at_thirty(motion, missing))
     return change_joints(body, motion, target, missing)
 

@@ -60,9 +60,9 @@ class MotionManifold:
     rescales: bool = False
     window: int = LENGTH
 
-    def body(self, motion: Motion, mapping: dict[str, str] | None = None) -> Body:
+    def body(self, motion: Motion) -> Body:
         """A motion of any rig with its features on this manifold's mean skeleton."""
-        return Body(motion, self.lengths, mapping)
+        return Body(motion, self.lengths)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """Convert world positions (F, 20, 3), with any bone lengths, in metres and at `rate`, to

@@ -32,7 +32,6 @@ that of any take of a source left out of training (docs/lab_book/detection.md)."
 def repair(
     motion: Motion,
     manifold: MotionManifold,
-    mapping: dict[str, str] | None = None,
     damaged: np.ndarray | None = None,
     strength: float = 1.0,
     smooth: bool = False,
@@ -57,11 +56,11 @@ def repair(
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")
     motion, wrong = finite_motion(motion)
-    body = manifold.body(motion, mapping)
+    body = manifold.body(motion)
     nothing = np.zeros((len(motion), len(JOINTS)), bool)
     if damaged is None:
         damaged = in_file(motion, find_damage(manifold, body)) | direct_damage(body)
-    damaged = damaged | wrong[:, find_joints(motion.skeleton, mapping)]
+    damaged = damaged | wrong[:, find_joints(motion.skeleton)]
     missing = at_thirty(motion, damaged)
     features, _ = whole_features(body, missing)
     distance = np.linalg.norm(residual(manifold, features, missing), axis=-1)
@@ -72,15 +71,13 @@ def repair(
     repaired = change_joints(body, motion, target, damaged, strength, middle)
     if smooth:
         smoothed_motion = smooth_motion(repaired.motion)
-        moved = distances(motion, smoothed_motion, mapping)
+        moved = distances(motion, smoothed_motion)
         # Every joint that moves counts as touched.
         repaired = replace(repaired, motion=smoothed_motion, touched=moved > 0, moved=moved)
     return repaired
 
 
-def project_motion(
-    motion: Motion, manifold: MotionManifold, mapping: dict[str, str] | None = None
-) -> Motion:
+def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     """The motion projected onto the manifold, in its own rig: the paper's repair.
 
     The projection is the mean over all positions of the pooling grid. Frames between two poses at
@@ -95,8 +92,8 @@ def project_motion(
         Of the same skeleton, rate, unit and length.
     """
     # Of an hour, each array at 30 frames a second takes 50 MB: here only the poses are left.
-    poses = _projected_poses(manifold.body(motion, mapping), manifold)
-    return retarget(motion, partial(at_rate_of, motion, poses), mapping)
+    poses = _projected_poses(manifold.body(motion), manifold)
+    return retarget(motion, partial(at_rate_of, motion, poses))
 
 
 def _projected_poses(body: Body, manifold: MotionManifold) -> np.ndarray:

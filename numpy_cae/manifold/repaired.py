@@ -7,7 +7,7 @@ import numpy as np
 from numpy_cae.manifold.holes import spline
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.retarget.body import Body
-from numpy_cae.motion.retarget.rigs import Mappings, find_joints
+from numpy_cae.motion.retarget.rigs import find_joints
 
 
 @dataclass(frozen=True)
@@ -72,16 +72,14 @@ def change_joints(
             positions[:, column] += spline(miss, touched[:, column])
         positions[:, joint] = own[:, joint] + strength * (positions[:, joint] - own[:, joint])
     motion = body.retarget(positions, touched)
-    moved = distances(original, motion, body.mapping, np.asarray(touched.any(axis=1)))
+    moved = distances(original, motion, np.asarray(touched.any(axis=1)))
     return Repaired(motion, touched, moved, residual)
 
 
-def distances(
-    before: Motion, after: Motion, mapping: Mappings, changed: np.ndarray | None = None
-) -> np.ndarray:
+def distances(before: Motion, after: Motion, changed: np.ndarray | None = None) -> np.ndarray:
     """How far each of the twenty joints moved, (frames, 20) in metres. With a mask `changed`
     (frames) only its frames are compared. If `after` is shorter, it is the end of `before`."""
-    joints = find_joints(after.skeleton, mapping)
+    joints = find_joints(after.skeleton)
     before = before.at(slice(len(before) - len(after), None))
     moved = np.zeros((len(after), len(joints)))
     for frames in blocks(np.arange(len(after)) if changed is None else np.flatnonzero(changed)):

@@ -24,6 +24,9 @@ class Skeleton:
         in metres from the joint at its base.
     added : int
         The number of joints at the end that the file does not have; no writer writes them.
+    joint_names : dict of str to str
+        The names here of some of the twenty joints, as the user gives them where a rig is unknown
+        (`load_motion(path, mapping=...)`); the others are found by the names of known rigs.
     """
 
     names: tuple[str, ...]
@@ -31,6 +34,7 @@ class Skeleton:
     offsets: np.ndarray
     end_sites: dict[int, np.ndarray] = field(default_factory=dict)
     added: int = 0
+    joint_names: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         joints = len(self.names)

@@ -17,7 +17,7 @@ def take():
 
 @pytest.mark.parametrize("kind", DAMAGES)
 def test_damage_is_where_its_mask_says(take, kind):
-    damaged, mask = DAMAGES[kind](take, None, np.random.default_rng(2))
+    damaged, mask = DAMAGES[kind](take, np.random.default_rng(2))
     assert mask.shape == (len(take), 20) and mask.any()
     off = np.linalg.norm(body_positions(damaged) - body_positions(take), axis=-1)
     assert off[mask].mean() > 0.01
@@ -25,7 +25,7 @@ def test_damage_is_where_its_mask_says(take, kind):
 
 
 def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
-    damaged, mask = DAMAGES["frozen in the world"](take, None, np.random.default_rng(2))
+    damaged, mask = DAMAGES["frozen in the world"](take, np.random.default_rng(2))
     frames, wrist = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))[-1]
     positions = body_positions(damaged)
     reached = np.linalg.norm(positions[:, wrist] - positions[:, wrist - 2], axis=-1)
@@ -38,7 +38,7 @@ def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
 
 def test_told_fillings_and_filters_keep_what_they_should(take, small_manifold):
     material = [LabelledTake(None, body_of(take))]
-    _, mask = DAMAGES["twisted leg"](take, None, np.random.default_rng(2))
+    _, mask = DAMAGES["twisted leg"](take, np.random.default_rng(2))
     body = small_manifold.body(take)
     fillings = damage_methods.spline(small_manifold), damage_methods.pca(small_manifold, material)
     for filling in fillings:

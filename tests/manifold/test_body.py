@@ -1,5 +1,7 @@
 """Body: features of a motion on the mean skeleton, and the way back into its rig."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,8 @@ def test_features_are_those_of_the_manifold(untrained_manifold):
 
 
 def test_a_missing_joint_is_named_when_the_body_is_used(untrained_manifold):
-    body = untrained_manifold.body(make_take("walk", 0, 1.0).motion, {"left_wrist": "tentacle"})
+    motion = make_take("walk", 0, 1.0).motion
+    skeleton = replace(motion.skeleton, joint_names={"left_wrist": "tentacle"})
+    body = untrained_manifold.body(replace(motion, skeleton=skeleton))
     with pytest.raises(UnknownRigError, match="tentacle"):
         _ = body.features

@@ -20,6 +20,7 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.retarget.rig_names import RIGS
+from numpy_cae.motion.retarget.rigs import with_joint_names
 
 
 def skeleton_of(names):
@@ -57,12 +58,14 @@ def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
     file.write_text(json.dumps({"left_wrist": "paw"}))
     skeleton = skeleton_of(names)
     for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
-        found = find_joints(skeleton, mapping)
+        found = find_joints(with_joint_names(skeleton, mapping))
         assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
     with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
-        find_joints(skeleton, {"left_wrist": "claw"})
+        find_joints(with_joint_names(skeleton, {"left_wrist": "claw"}))
     known = skeleton_of(names_in("Mixamo"))
-    assert find_joints(known, [{"head": "x"}, {"head": "y"}]) == find_joints(known)
+    assert find_joints(with_joint_names(known, [{"head": "x"}, {"head": "y"}])) == find_joints(
+        known
+    )
 
 
 def test_a_joint_is_named_as_ours_or_as_the_rigs():

@@ -23,6 +23,7 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
 from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.retarget.rigs import with_joint_names
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 
 LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
@@ -217,7 +218,8 @@ def test_what_cannot_be_followed_is_said():
     with pytest.raises(ValueError, match="not finite"):
         retarget(motion, lost)
     with pytest.raises(UnknownRigError, match=r"left_hip .*descends from none"):
-        retarget(motion, body_positions(motion), {"left_hip": "floor"})
+        skeleton = with_joint_names(motion.skeleton, {"left_hip": "floor"})
+        retarget(replace(motion, skeleton=skeleton), body_positions(motion))
 
 
 def test_two_trials_of_one_cmu_subject(data_folder):

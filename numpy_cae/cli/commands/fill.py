@@ -31,9 +31,9 @@ def run(args: argparse.Namespace) -> int:
     for source, target in changed.files():
         with changed.reported(source):
             motion = changed.load(source)
-            missing = damage_options.chosen_mask(args, motion, changed.mapping)
+            missing = damage_options.chosen_mask(args, motion)
             if missing is None:
                 missing = keyframe_mask(len(motion), args.keyframes)
-            filled = fill_motion(motion, manifold, missing, changed.mapping)
+            filled = fill_motion(motion, manifold, missing)
             changed.write(motion, filled, source, target)
     return changed.status()

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     paths, coordinates = (args.first, args.second), arguments.chosen_coordinates(args)
     with working(f"{args.first} and {args.second}"):
         motions = [load_body(path, mapping, coordinates)[1] for path in paths]
-        first, second = (manifold.body(motion, mapping) for motion in motions)
+        first, second = (manifold.body(motion) for motion in motions)
         between = interpolate(manifold, first.features, second.features, args.share)
         made = first.to_rig(between)
     frames = len(between)
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     if args.html:
         positions = {
             args.first.stem: (first.positions, TRUTH),
-            "between": (body_of(made, mapping), PROJECTED),
+            "between": (body_of(made), PROJECTED),
             args.second.stem: (second.positions, TRUTH),
         }
         actors = [

@@ -17,7 +17,7 @@ from numpy_cae.cli.shared import arguments, change_files, damage_options, one_mo
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import MotionManifold, Repaired, project_motion, repair
 from numpy_cae.manifold.repaired import distances
-from numpy_cae.motion import Mappings, Motion
+from numpy_cae.motion import Motion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,21 +44,21 @@ def run(args: argparse.Namespace) -> int:
         with changed.reported(source):
             motion = changed.load(source)
             if args.project:
-                repaired = _projected(motion, manifold, changed.mapping)
+                repaired = _projected(motion, manifold)
             else:
-                damaged = damage_options.chosen_mask(args, motion, changed.mapping)
+                damaged = damage_options.chosen_mask(args, motion)
                 options = args.strength, args.smooth, args.force
-                repaired = repair(motion, manifold, changed.mapping, damaged, *options)
+                repaired = repair(motion, manifold, damaged, *options)
                 if changed.single and damaged is None and not args.smooth:
                     _advise(repaired)
             changed.write(motion, repaired, source, target)
     return changed.status()
 
 
-def _projected(motion: Motion, manifold: MotionManifold, mapping: Mappings) -> Repaired:
+def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:
     """The motion on the manifold: every joint is changed in every frame."""
-    projected = project_motion(motion, manifold, mapping)
-    moved = distances(motion, projected, mapping)
+    projected = project_motion(motion, manifold)
+    moved = distances(motion, projected)
     return Repaired(projected, np.ones(moved.shape, bool), moved)
 
 

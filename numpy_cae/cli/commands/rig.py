@@ -35,14 +35,14 @@ def run(args: argparse.Namespace) -> int:
 
     mapping, known = arguments.chosen_mapping(args), vars(arguments.chosen_coordinates(args))
     motion = load_motion(args.file, mapping=mapping, **known)
-    rig, found = match_rig(motion.skeleton, mapping)
+    rig, found = match_rig(motion.skeleton)
     names = {joint: motion.skeleton.names[index] for joint, index in found.items()}
     if len(names) < len(JOINTS):
         suggested = suggest_mapping(motion.skeleton)
         # A few names that a known rig has too may mean other joints here.
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
         motion = load_motion(args.file, mapping=mapping, **known)
-        found = match_rig(motion.skeleton, mapping)[1]
+        found = match_rig(motion.skeleton)[1]
         rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
     skeleton = motion.skeleton
     joints = len(skeleton.names) - skeleton.added

@@ -50,7 +50,6 @@ def run(args: argparse.Namespace) -> int:
     require_writer(args.output)
     manifold = one_motion.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
-    mapping = arguments.chosen_mapping(args) if args.like else None
     numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like or args.seconds:
@@ -61,8 +60,10 @@ def run(args: argparse.Namespace) -> int:
         frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
         prior, made = _prior(args, manifold), []
         if args.like:
-            like = load_body(args.like, mapping, arguments.chosen_coordinates(args))[1]
-            body = manifold.body(hold_first_pose(like, frames), mapping)
+            like = load_body(
+                args.like, arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
+            )[1]
+            body = manifold.body(hold_first_pose(like, frames))
         for _ in numbers:
             features = sample(manifold, frames, rng, prior)
             if args.like:
@@ -75,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
         one_motion.write(motion, args.output.with_stem(stem))
     if args.html:
         actors = [
-            one_motion.body_actor(body_of(motion, mapping), str(number), PROJECTED)
+            one_motion.body_actor(body_of(motion), str(number), PROJECTED)
             for number, motion in enumerate(made[:MAX_DRAWN], start=1)
         ]
         one_motion.write_page(args.output, "motions drawn from the prior", actors)

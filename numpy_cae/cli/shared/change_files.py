@@ -172,7 +172,7 @@ class ChangedFiles:
             self._write_page(motion, repaired, target)
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        before, after = body_of(motion, self.mapping), body_of(repaired.motion, self.mapping)
+        before, after = body_of(motion), body_of(repaired.motion)
         before = before[-len(after) :]
         frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
         touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.motion import JOINTS, Mappings, Motion, MotionFileError
+from numpy_cae.motion import JOINTS, Motion, MotionFileError
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.rigs import joint_index
 from numpy_cae.motion.retarget.to_rig import moves_alone
@@ -43,7 +43,7 @@ def is_chosen(args: argparse.Namespace) -> bool:
     return bool(args.joint or args.limb or args.frames or args.mask)
 
 
-def chosen_mask(args: argparse.Namespace, motion: Motion, mapping: Mappings) -> np.ndarray | None:
+def chosen_mask(args: argparse.Namespace, motion: Motion) -> np.ndarray | None:
     """The joints and frames of a motion that the options name, (frames, 20) bool; None without
     options.
 
@@ -54,12 +54,12 @@ def chosen_mask(args: argparse.Namespace, motion: Motion, mapping: Mappings) -> 
         return None
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     if args.joint or args.limb or args.frames:
-        mask |= _mask(args.joint, args.limb, args.frames, motion, mapping)
+        mask |= _mask(args.joint, args.limb, args.frames, motion)
     if args.mask:
         for number, entry in enumerate(_entries(args.mask), start=1):
             try:
                 joints, limbs = ([entry[key]] if key in entry else [] for key in ("joint", "limb"))
-                mask |= _mask(joints, limbs, entry.get("frames"), motion, mapping)
+                mask |= _mask(joints, limbs, entry.get("frames"), motion)
             except ValueError as error:
                 raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
     return mask
@@ -70,10 +70,9 @@ def _mask(
     limbs: list[str],
     frames: list[int] | None,
     motion: Motion,
-    mapping: Mappings,
 ) -> np.ndarray:
-    chosen = [JOINTS[joint_index(name, motion.skeleton, mapping)] for name in joints]
-    if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0], mapping):
+    chosen = [JOINTS[joint_index(name, motion.skeleton)] for name in joints]
+    if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
         raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
     for limb in limbs:
         if limb not in LIMBS:

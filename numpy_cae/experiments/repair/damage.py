@@ -82,23 +82,23 @@ class _Trial:
         )
 
     def _positions(self, motion: Motion) -> np.ndarray:
-        return body_positions(motion, self.material.mapping)
+        return body_positions(motion)
 
     def _repair(self, motion: Motion, mask: np.ndarray | None = None, **how: bool) -> Repaired:
-        return repair(motion, self.manifold, self.material.mapping, mask, **how)
+        return repair(motion, self.manifold, mask, **how)
 
     def add(self, truth: Motion, kind: str, number: int) -> list[Actor]:
         """Damage a take and repair it by every method; of a twisted leg what is to be drawn."""
         rng = np.random.default_rng([self.seed, number])
-        damaged, mask = DAMAGES[kind](truth, self.material.mapping, rng)
+        damaged, mask = DAMAGES[kind](truth, rng)
         blind = self._repair(damaged, smooth=kind == JITTER)
         made = {DAMAGED: damaged, BLIND: blind.motion}
         if not mask.all():
-            body = self.manifold.body(damaged, self.material.mapping)
+            body = self.manifold.body(damaged)
             made[TOLD] = self._repair(damaged, mask, force=True).motion
             made |= {name: methods.filled(body, mask, x) for name, x in self.fillings.items()}
         made |= {name: methods.filtered(damaged, name) for name in methods.FILTERS}
-        made[PLAIN_ROW] = project_motion(damaged, self.manifold, self.material.mapping)
+        made[PLAIN_ROW] = project_motion(damaged, self.manifold)
         true, before = self._positions(truth), self._positions(damaged)
         for name, motion in made.items():
             after = self._positions(motion)
@@ -110,7 +110,7 @@ class _Trial:
             self.found["of the rest"][kind].append(100 * blind.touched[~mask].mean())
         drawn = ("damaged", damaged, CORRUPTED), ("repaired", blind.motion, PROJECTED)
         return [
-            Actor(body_of(motion, self.material.mapping), PARENTS, name, colour)
+            Actor(body_of(motion), PARENTS, name, colour)
             for name, motion, colour in (*drawn, ("truth", truth, TRUTH))
             if kind == "twisted leg"
         ]
@@ -124,13 +124,13 @@ class _Trial:
         values = (change, touched, *slides, 100.0 * repaired.known)
         for column, value in zip(CLEAN, values, strict=True):
             self.clean[BLIND][column].append(value)
-        plain = project_motion(truth, self.manifold, self.material.mapping)
+        plain = project_motion(truth, self.manifold)
         self.clean[PLAIN_ROW][CLEAN[0]].append(_distance(self._positions(plain), before).mean())
 
     def add_holes(self, take: LabelledTake, number: int) -> None:
         """Fill holes in a take without damage, told; where it is too short, none."""
         motion = self.material.motion(take)
-        true, body = self._positions(motion), self.manifold.body(motion, self.material.mapping)
+        true, body = self._positions(motion), self.manifold.body(motion)
         for frames in HOLES:
             if motion.seconds < frames / 30 + 1:
                 continue

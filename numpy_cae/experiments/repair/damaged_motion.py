@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion import JOINTS, Mappings, Motion, body_positions, find_joints, retarget
+from numpy_cae.motion import JOINTS, Motion, body_positions, find_joints, retarget
 from numpy_cae.motion.joints import LIMBS, joint_mask
 
 Rng = np.random.Generator
@@ -29,20 +29,20 @@ def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
     return slice(first, first + count)
 
 
-def frozen_in_channels(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
     """The rotations of a shoulder and an elbow stop for a stretch."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
-    rig, rotations = find_joints(motion.skeleton, mapping), motion.rotations.copy()
+    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     for name in ("shoulder", "elbow"):
         joint = rig[JOINTS.index(f"{side}_{name}")]
         rotations[frames, joint] = rotations[frames.start, joint]
     return replace(motion, rotations=rotations), _limb(motion, f"{side}_arm", frames)
 
 
-def frozen_in_world(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
-    positions = body_positions(motion, mapping)
+    positions = body_positions(motion)
     shoulder, elbow, wrist = (
         JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")
     )
@@ -50,36 +50,36 @@ def frozen_in_world(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
     bent = _bend(*chain, positions[frames.start, wrist])
     positions[frames, elbow], positions[frames, wrist] = bent
     mask = _limb(motion, f"{side}_arm", frames)
-    return retarget(motion, positions, mapping, mask), mask
+    return retarget(motion, positions, mask), mask
 
 
-def spikes(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def spikes(motion: Motion, rng: Rng) -> Damaged:
     """One or two frames in which a limb turns by 20 to 60 degrees, about once a second."""
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     for first in rng.integers(1, len(motion) - 2, max(1, round(motion.seconds))):
         frames = slice(int(first), int(first + rng.integers(1, 3)))
-        motion, spike = _turned(motion, mapping, frames, rng.uniform(*SPIKE), rng)
+        motion, spike = _turned(motion, frames, rng.uniform(*SPIKE), rng)
         mask |= spike
     return motion, mask
 
 
-def twisted_limb(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def twisted_limb(motion: Motion, rng: Rng) -> Damaged:
     """A leg turns by 50 degrees at the hip for a stretch."""
     leg = f"{rng.choice(['left', 'right'])}_leg"
-    return _turned(motion, mapping, stretch(motion, SECONDS, rng), TWIST, rng, leg)
+    return _turned(motion, stretch(motion, SECONDS, rng), TWIST, rng, leg)
 
 
-def missing_marker(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def missing_marker(motion: Motion, rng: Rng) -> Damaged:
     """A forearm is as in the rest pose for a stretch, as where the wrist was not seen."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
     rotations = motion.rotations.copy()
-    elbow = find_joints(motion.skeleton, mapping)[JOINTS.index(f"{side}_elbow")]
+    elbow = find_joints(motion.skeleton)[JOINTS.index(f"{side}_elbow")]
     rotations[frames, elbow] = (0.0, 0.0, 0.0, 1.0)
     mask = joint_mask(len(motion), [f"{side}_wrist"], frames)
     return replace(motion, rotations=rotations), mask
 
 
-def dropped_frames(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def dropped_frames(motion: Motion, rng: Rng) -> Damaged:
     """The last pose is held for a quarter to half of a second, twice."""
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     for _ in range(2):
@@ -91,10 +91,10 @@ def dropped_frames(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
     return motion, mask
 
 
-def jitter(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
+def jitter(motion: Motion, rng: Rng) -> Damaged:
     """Noise on the position of the root and on the rotations of all twenty joints."""
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
-    for joint in find_joints(motion.skeleton, mapping):
+    for joint in find_joints(motion.skeleton):
         noise = Rotation.from_rotvec(JITTER * rng.normal(size=(len(motion), 3)))
         rotations[:, joint] = (Rotation.from_quat(rotations[:, joint]) * noise).as_quat()
     translations[:, 0] += ROOT_JITTER * rng.normal(size=(len(motion), 3))
@@ -102,7 +102,7 @@ def jitter(motion: Motion, mapping: Mappings, rng: Rng) -> Damaged:
     return replace(motion, rotations=rotations, translations=translations), everything
 
 
-DAMAGES: dict[str, Callable[[Motion, Mappings, Rng], Damaged]] = {
+DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
     "frozen in channels": frozen_in_channels,
     "frozen in the world": frozen_in_world,
     "spikes": spikes,
@@ -119,7 +119,6 @@ def _limb(motion: Motion, limb: str, frames: slice) -> np.ndarray:
 
 def _turned(
     motion: Motion,
-    mapping: Mappings,
     frames: slice,
     degrees: float,
     rng: Rng,
@@ -128,7 +127,7 @@ def _turned(
     """A limb turned at its hip or shoulder, about a random axis across the bone."""
     limb = limb or str(rng.choice(list(LIMBS)))
     names = LIMBS[limb]
-    rig, rotations = find_joints(motion.skeleton, mapping), motion.rotations.copy()
+    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     first = JOINTS.index(names[0])
     joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another
     axis = np.cross(motion.skeleton.offsets[child], rng.normal(size=3))

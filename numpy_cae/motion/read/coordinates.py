@@ -18,7 +18,7 @@ import numpy as np
 from numpy_cae.motion.axes import TO_Y_UP, to_y_up
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import Mappings, match_rig
+from numpy_cae.motion.retarget.rigs import match_rig
 from numpy_cae.motion.retarget.suggest import suggest_mapping
 from numpy_cae.motion.units import require_unit
 
@@ -115,7 +115,7 @@ def detect_floor(body: np.ndarray) -> float:
     return level if found else 0.0
 
 
-def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) -> Motion:
+def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
     """The motion as a file has it, turned to Y up and moved to a floor at 0.
 
     What `coordinates` leaves open is detected; in a rig in which the twenty joints cannot be found
@@ -123,9 +123,10 @@ def in_y_up(motion: Motion, coordinates: Coordinates, mapping: Mappings = None) 
     """
     up, floor = coordinates.up, coordinates.floor
     reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
-    found = match_rig(motion.skeleton, mapping)[1]
+    found = match_rig(motion.skeleton)[1]
     if len(found) < len(JOINTS):
-        found = match_rig(motion.skeleton, suggest_mapping(motion.skeleton))[1]
+        suggested = replace(motion.skeleton, joint_names=suggest_mapping(motion.skeleton))
+        found = match_rig(suggested)[1]
     if len(found) == len(JOINTS) and (up is None or floor is None):
         joints = [found[joint] for joint in JOINTS]
         body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)

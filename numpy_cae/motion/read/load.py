@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read.coordinates import Coordinates, in_y_up
 from numpy_cae.motion.retarget.completed import completed
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, with_joint_names
 from numpy_cae.motion.retarget.to_angles import angles_of
 from numpy_cae.motion.retarget.to_body import body_of
 
@@ -40,7 +41,7 @@ def load_motion(
 
     The motion is turned to Y up and its floor moved to 0; `Motion.up` and `Motion.floor` say how
     the file has them, and the writers restore that. Joints that the rig lacks and whose place is
-    known are added (`completed`); `mapping` is as in `find_joints`.
+    known are added (`completed`).
 
     Parameters
     ----------
@@ -53,6 +54,9 @@ def load_motion(
     up, floor : str, float, optional
         The axis that is up in the file (x, y, z, -x, -y or -z), and the height of the floor along
         it in metres. By default detected.
+    mapping : dict of joint name to the rig's joint name, or several, optional
+        Names of the twenty joints in an unknown rig, which the motion's skeleton then knows; of
+        several mappings the first all of whose names the file has.
 
     Raises
     ------
@@ -82,7 +86,8 @@ def load_motion(
             motion = read_c3d(path, unit)
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
-        return in_y_up(completed(motion, mapping), coordinates, mapping)
+        named = replace(motion, skeleton=with_joint_names(motion.skeleton, mapping))
+        return in_y_up(completed(named), coordinates)
 
 
 @contextmanager
@@ -115,7 +120,7 @@ def load_body(
     motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
     try:
         with _naming(Path(path)):
-            return body_of(motion, mapping), motion
+            return body_of(motion), motion
     except UnknownRigError as error:
         raise UnknownRigError(f"{path}: {error}") from None
 
@@ -130,7 +135,7 @@ def load_angles(
     """
     try:
         known = vars(coordinates or Coordinates())
-        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}), mapping)
+        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}))
     except UnknownRigError as error:
         raise UnknownRigError(f"{path}: {error}") from None
 

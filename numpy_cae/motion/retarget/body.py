@@ -11,7 +11,7 @@ import numpy as np
 from numpy_cae.motion.features import RootTransform, features_to_positions, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import RATE, Motion
-from numpy_cae.motion.retarget.rigs import Mappings, body_positions
+from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
 from numpy_cae.motion.retarget.to_rig import retarget
 
@@ -29,22 +29,20 @@ class Body:
         Of any rig in which the twenty joints can be found, at any rate.
     mean_lengths : (20,) array of float
         Bone lengths of the mean skeleton, which the features are on, metres.
-    mapping : dict of joint name to the rig's joint name, optional
     """
 
     motion: Motion
     mean_lengths: np.ndarray
-    mapping: Mappings = None
 
     @cached_property
     def positions(self) -> np.ndarray:
         """World positions at 30 frames a second on the motion's own bones, (F, 20, 3) in metres."""
-        return body_of(self.motion, self.mapping)
+        return body_of(self.motion)
 
     @cached_property
     def positions_in_file(self) -> np.ndarray:
         """World positions in each frame of the file, (frames, 20, 3) in metres."""
-        return body_positions(self.motion, self.mapping)
+        return body_positions(self.motion)
 
     @cached_property
     def lengths(self) -> np.ndarray:
@@ -84,7 +82,7 @@ class Body:
     def retarget(self, positions: np.ndarray, touched: np.ndarray | None = None) -> Motion:
         """The motion, changed so that its joints, or those that are `touched` (frames, 20), follow
         positions (frames, 20, 3) of the file."""
-        return retarget(self.motion, positions, self.mapping, touched)
+        return retarget(self.motion, positions, touched)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
         """The motion, changed so that its twenty joints follow features.
@@ -108,7 +106,7 @@ class Body:
             motion = motion.at(slice(int(np.ceil(source[len(features)]))))
         # Below 30 frames a second the last pose can lie after the last frame.
         poses = self.positions_of(features, root)[: len(motion.source_frames(RATE))]
-        return retarget(motion, partial(at_rate_of, motion, poses), self.mapping)
+        return retarget(motion, partial(at_rate_of, motion, poses))
 
 
 def hold_first_pose(motion: Motion, frames: int) -> Motion:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import IDENTITY
-from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig
+from numpy_cae.motion.retarget.rigs import ADDED, match_rig
 
 _BETWEEN = {
     "spine": ("chest", 0.5),
@@ -22,13 +22,13 @@ _BETWEEN = {
 """The other end of a bone on which a missing joint is, and its part of the way, as in CMU's rig."""
 
 
-def completed(motion: Motion, mapping: Mappings = None) -> Motion:
+def completed(motion: Motion) -> Motion:
     """The motion with the missing ones of the twenty joints added at its end.
 
     It is returned as it is if nothing is missing or the place of a missing joint is not known.
     """
     skeleton = motion.skeleton
-    found = match_rig(skeleton, mapping)[1]
+    found = match_rig(skeleton)[1]
     missing = [joint for joint in JOINTS if joint not in found]
     parents = [found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
     offsets = []

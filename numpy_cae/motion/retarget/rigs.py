@@ -1,4 +1,4 @@
-"""Find the twenty joints in a rig: by a user's mapping, by the names of known rigs, by hierarchy.
+"""Find the twenty joints in a rig: by the user's names, by the names of known rigs, by hierarchy.
 
 Names are compared without case, blanks and punctuation and without a prefix up to a colon
 ("mixamorig:Hips"). Every rig's `chest` is the joint that carries the collars; its `spine` is the
@@ -8,7 +8,8 @@ joint nearest to the middle between hips and chest.
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +22,10 @@ from numpy_cae.motion.retarget.rig_names import RIGS
 from numpy_cae.motion.retarget.suggest import add_trunk, suggest_mapping
 from numpy_cae.motion.skeleton import Skeleton
 
-Mapping = dict[str, str]
-"""Some of our joint names, each with the name in a rig."""
-Mappings = Mapping | Sequence[Mapping] | None
-"""One mapping, or several of which each rig takes the first that fits."""
+JointNames = dict[str, str]
+"""Some of our joint names, each with the joint's name in a rig."""
+Mappings = JointNames | Sequence[JointNames] | None
+"""One mapping to the names in a rig, or several of which each rig takes the first that fits."""
 
 _LISTED = 80
 """Names in a message; some rigs have hundreds of joints."""
@@ -36,19 +37,29 @@ class UnknownRigError(NumpyCaeError, ValueError):
     """A skeleton in which some of the twenty joints could not be found, or are no person's."""
 
 
-def find_joints(skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
+def with_joint_names(skeleton: Skeleton, mapping: Mappings) -> Skeleton:
+    """The skeleton with the user's names of the twenty joints.
+
+    Of several mappings the skeleton takes the first all of whose names it has, or none.
+    """
+    if not isinstance(mapping, dict):
+        index = _finder(skeleton)
+        fitting = (names for names in mapping or [] if None not in map(index, names.values()))
+        mapping = next(fitting, {})
+    return replace(skeleton, joint_names=mapping)
+
+
+def find_joints(skeleton: Skeleton) -> list[int]:
     """Indices of the twenty joints in a skeleton, in the order of `JOINTS`.
 
-    A mapping takes precedence over the known rigs; joints that it omits are looked up in the rig
-    that fits best. Of several mappings the first all of whose names the skeleton has is taken, or
-    none. Raises UnknownRigError, with the joints that are missing, the joints that the rig has and
-    a mapping that its hierarchy suggests.
+    `Skeleton.joint_names` take precedence over the known rigs; joints that they omit are looked up
+    in the rig that fits best. Raises UnknownRigError, with the joints that are missing, the joints
+    that the rig has and a mapping that its hierarchy suggests.
     """
-    rig, found = match_rig(skeleton, mapping)
+    rig, found = match_rig(skeleton)
     if len(found) == len(JOINTS):
         return [found[joint] for joint in JOINTS]
-    single = mapping if isinstance(mapping, dict) else {}
-    names = {joint: RIGS[rig].get(joint, (joint,))[0] for joint in JOINTS} | single
+    names = {joint: RIGS[rig].get(joint, (joint,))[0] for joint in JOINTS} | skeleton.joint_names
     sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in JOINTS if joint not in found)
     listed = ", ".join([*skeleton.names[:_LISTED], *(["…"] if skeleton.names[_LISTED:] else [])])
     problem = f"the rig has no {sought}; it has {listed}. "
@@ -59,17 +70,11 @@ def find_joints(skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
     raise UnknownRigError(problem + "--mapping")
 
 
-def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[str, int]]:
+def match_rig(skeleton: Skeleton) -> tuple[str, dict[str, int]]:
     """The known rig that fits best, and the indices of those of the twenty that are found."""
-    exact = {name: index for index, name in reversed(list(enumerate(skeleton.names)))}
-    plain = {_plain(name): index for name, index in exact.items()}
-    mapped: dict[str, int] = {}
-    for one in [mapping] if isinstance(mapping, dict) else mapping or []:
-        places = {joint: exact.get(name, plain.get(_plain(name))) for joint, name in one.items()}
-        present = {joint: index for joint, index in places.items() if index is not None}
-        if len(present) == len(one) or isinstance(mapping, dict):
-            mapped = present
-            break
+    named, index = skeleton.joint_names, _finder(skeleton)
+    present = {joint: at for joint, name in named.items() if (at := index(name)) is not None}
+    plain = _plain_names(skeleton)
     known = {
         # Of several names of a joint that the skeleton has, the first: the last to be set.
         rig: {joint: plain[n] for joint, names in table.items() for n in names[::-1] if n in plain}
@@ -77,12 +82,23 @@ def match_rig(skeleton: Skeleton, mapping: Mappings = None) -> tuple[str, dict[s
     }
     # The fewest joints missing and, of equals, the most found.
     best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(known[rig]), -len(known[rig])))
-    named = mapping if isinstance(mapping, dict) else {}
-    found = {joint: index for joint, index in known[best].items() if joint not in named} | mapped
+    found = {joint: at for joint, at in known[best].items() if joint not in named} | present
     add_trunk(skeleton, found, set(named))
     for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
-        found[name.removesuffix(ADDED)] = exact[name]
+        found[name.removesuffix(ADDED)] = skeleton.names.index(name)
     return best, found
+
+
+def _finder(skeleton: Skeleton) -> Callable[[str], int | None]:
+    """A function that returns the index of the joint of a name, exact or plain, or None."""
+    exact = {name: joint for joint, name in enumerate(skeleton.names)}
+    plain = _plain_names(skeleton)
+    return lambda name: exact.get(name, plain.get(_plain(name)))
+
+
+def _plain_names(skeleton: Skeleton) -> dict[str, int]:
+    """The first joint of each plain name."""
+    return {_plain(name): joint for joint, name in reversed(list(enumerate(skeleton.names)))}
 
 
 def _plain(name: str) -> str:
@@ -96,14 +112,14 @@ _PLAIN_RIGS = {
 }
 
 
-def joint_index(name: str, skeleton: Skeleton, mapping: Mappings = None) -> int:
+def joint_index(name: str, skeleton: Skeleton) -> int:
     """The index in `JOINTS` of a joint that a user names: our name or the rig's own.
 
     Raises UnknownRigError if it is neither, or a joint of the rig that is not among the twenty.
     """
     if name in JOINTS:
         return JOINTS.index(name)
-    found = [skeleton.names[joint] for joint in find_joints(skeleton, mapping)]
+    found = [skeleton.names[joint] for joint in find_joints(skeleton)]
     for form in (str, str.lower, _plain):
         if form(name) in (forms := [form(each) for each in found]):
             return forms.index(form(name))
@@ -113,7 +129,7 @@ def joint_index(name: str, skeleton: Skeleton, mapping: Mappings = None) -> int:
     raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")
 
 
-def read_mapping(path: str | Path) -> Mapping:
+def read_mapping(path: str | Path) -> JointNames:
     """A user's own rig: a JSON object of {our joint name: name in the file}.
 
     Raises UnknownRigError if the file is not such an object, naming what is wrong in it.
@@ -135,12 +151,12 @@ def read_mapping(path: str | Path) -> Mapping:
     return mapping
 
 
-def body_positions(motion: Motion, mapping: Mappings = None) -> np.ndarray:
+def body_positions(motion: Motion) -> np.ndarray:
     """World positions of the twenty joints, (frames, 20, 3) in metres.
 
     Raises UnknownRigError as `find_joints` does, and if the bones are not a person's.
     """
-    positions = motion.positions(find_joints(motion.skeleton, mapping))
+    positions = motion.positions(find_joints(motion.skeleton))
     problem = problem_of(positions)
     if problem:
         raise UnknownRigError(problem)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
-from numpy_cae.motion.retarget.rigs import Mappings, body_positions
+from numpy_cae.motion.retarget.rigs import body_positions
 
 MIN_COSINE = np.cos(np.radians(20.0))
 """Of the angle between a limb and its direction in a T-pose."""
@@ -26,15 +26,13 @@ _LIMBS = (
 )
 
 
-def without_t_pose(motion: Motion, mapping: Mappings = None) -> Motion:
+def without_t_pose(motion: Motion) -> Motion:
     """The motion without its first frame if that is a T-pose from which the second jumps.
 
     Parameters
     ----------
     motion : Motion
         At the rate of its file: resampling would blend the T-pose with the next frames.
-    mapping : dict, optional
-        See `find_joints`.
 
     Raises
     ------
@@ -43,7 +41,7 @@ def without_t_pose(motion: Motion, mapping: Mappings = None) -> Motion:
     """
     if len(motion) < 3:
         return motion
-    body = body_positions(motion.at(slice(0, 1)), mapping)[0]
+    body = body_positions(motion.at(slice(0, 1)))[0]
     for start, end, direction in _LIMBS:
         limb = body[JOINTS.index(end)] - body[JOINTS.index(start)]
         if limb @ np.array(direction) < MIN_COSINE * np.linalg.norm(limb):

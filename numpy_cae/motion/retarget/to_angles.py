@@ -15,20 +15,18 @@ from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
 from numpy_cae.motion.expmap_rigs import HUMAN36M
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import Mappings, find_joints
+from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.t_pose import without_t_pose
 from numpy_cae.motion.skeleton import Skeleton
 
 
-def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
+def angles_of(motion: Motion) -> AngleSequence:
     """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
 
     Parameters
     ----------
     motion : Motion
         At the rate of its file.
-    mapping : dict, optional
-        See `find_joints`.
 
     Raises
     ------
@@ -36,8 +34,8 @@ def angles_of(motion: Motion, mapping: Mappings = None) -> AngleSequence:
         If joints are missing.
     """
     table = table_for(motion.skeleton)
-    found = joints_in(table, motion.skeleton, mapping)
-    motion = without_t_pose(motion, mapping).resampled(ANGLE_RATE)
+    found = joints_in(table, motion.skeleton)
+    motion = without_t_pose(motion).resampled(ANGLE_RATE)
     positions, rotations = motion.forward_kinematics()
     vectors = np.zeros((len(motion), len(found), 3))
     offsets = np.zeros((len(found), 3))
@@ -58,11 +56,11 @@ def table_for(skeleton: Skeleton) -> AngleTable:
     return HUMAN36M_TABLE if skeleton.names == HUMAN36M.skeleton.names else SEVENTEEN
 
 
-def joints_in(table: AngleTable, skeleton: Skeleton, mapping: Mappings = None) -> list[int]:
+def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:
     """The indices of the joints of a table in a skeleton; UnknownRigError if any is missing."""
     if table is HUMAN36M_TABLE:
         return [skeleton.index(joint) for joint in table.joints]
-    found = dict(zip(JOINTS, find_joints(skeleton, mapping), strict=True))
+    found = dict(zip(JOINTS, find_joints(skeleton), strict=True))
     # The neck, whatever its name: the first joint from the chest to the head. In rigs without
     # one that is the head itself; their neck then rotates for both, and the head not at all.
     neck = found["head"]

@@ -3,12 +3,12 @@
 import numpy as np
 
 from numpy_cae.motion.motion import RATE, Motion, blocks
-from numpy_cae.motion.retarget.rigs import Mappings, body_positions
+from numpy_cae.motion.retarget.rigs import body_positions
 
 
-def body_of(motion: Motion, mapping: Mappings = None) -> np.ndarray:
+def body_of(motion: Motion) -> np.ndarray:
     """World positions of the twenty joints at `RATE`, (F, 20, 3) in metres."""
-    return body_positions(motion.resampled(RATE), mapping)
+    return body_positions(motion.resampled(RATE))
 
 
 def at_rate_of(

@@ -26,7 +26,7 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, find_joints
+from numpy_cae.motion.retarget.rigs import UnknownRigError, find_joints
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.retarget.seams import without_seams
 
@@ -61,7 +61,6 @@ _Bones = dict[int, list[_Bone]]
 def retarget(
     motion: Motion,
     positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
-    mapping: Mappings = None,
     touched: np.ndarray | None = None,
     exact: np.ndarray | None = None,
 ) -> Motion:
@@ -91,7 +90,7 @@ def retarget(
     UnknownRigError
         If joints are missing, or one of the twenty descends from none of the others.
     """
-    joints = find_joints(motion.skeleton, mapping)
+    joints = find_joints(motion.skeleton)
     shape = len(motion), len(JOINTS)
     touched = np.ones(shape, dtype=bool) if touched is None else touched
     for name, array, expected in (
@@ -217,13 +216,13 @@ def _corrected(
     return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
 
 
-def moves_alone(motion: Motion, joint: str, mapping: Mappings = None) -> bool:
+def moves_alone(motion: Motion, joint: str) -> bool:
     """Whether one of the twenty joints can move while all the others keep their positions.
 
     It can if some joint of the rig rotates for its bone alone and at most one bone continues from
     it. A collar or a hip at its fan, and the hips and the chest themselves, cannot.
     """
-    joints = find_joints(motion.skeleton, mapping)
+    joints = find_joints(motion.skeleton)
     bones = _bones_through(motion, joints)
     index = joints[JOINTS.index(joint)]
     outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]
