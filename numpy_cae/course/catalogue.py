@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.hints import with_hint
 from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
-from numpy_cae.verify.operations.catalogue import find_task
-from numpy_cae.verify.operations.trial import example_of
+from numpy_cae.verify.operations.catalogue import find_exercise
+from numpy_cae.verify.operations.trial import example as example_of
 
 if TYPE_CHECKING:
     from numpy_cae.verify.grading.report import Report
@@ -30,21 +30,22 @@ def report(name: str, function: Callable, hint: int = 0) -> Report | int:
     `hint` is 1 for a hint, 2 for a second one, after a first attempt. Raises ValueError if there is
     no such operation or exercise, or no such hint.
     """
-    from numpy_cae.verify.grading.report import report_on
+    from numpy_cae.verify.grading.report import report as report_on
 
-    task, called = find_task(CATALOGUE, name), None
+    exercise, called = find_exercise(name, CATALOGUE), None
     if hasattr(function, "stands_in"):
         print(f"{name} is the package's own now: run the cell with your function again first")
         function, called = _unsolved, name
     if os.environ.get("NBGRADER_EXECUTION"):
         with open(os.devnull, "w") as nothing, redirect_stderr(nothing):  # it would give 0 points
-            made = report_on(task, function, called)
+            made = report_on(exercise, function, called=called)
         print(made)
         return made.points
-    made = report_on(with_hint(task, hint), function, called)
+    made = report_on(with_hint(exercise, hint), function, called=called)
     if not made.unsolved:
         return made
-    return replace(made, hint="a hint is shown after your first attempt" if hint else "")
+    later = "a hint is shown after your first attempt" if hint else ""
+    return replace(made, exercise=replace(made.exercise, hint=later))
 
 
 def solved(name: str, function: Callable) -> Callable:
@@ -74,7 +75,7 @@ def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
 
     Raises ValueError if there is no such operation or exercise, or a size is missing.
     """
-    return example_of(find_task(CATALOGUE, name).properties, seed, sizes).arguments
+    return example_of(find_exercise(name, CATALOGUE), seed, **sizes).arguments
 
 
 def _unsolved(*arguments):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from nbformat import v4
 
+from numpy_cae.course import catalogue
 from numpy_cae.course.notebook import write_notebook
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import grade
@@ -21,7 +22,7 @@ def grade_notebook(notebook, resources):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"{resources['nbgrader']['notebook']}.ipynb")
         write_notebook(notebook, path)
-        graded = grade(path, "numpy_cae.course.catalogue")
+        graded = grade(path, catalogue)
     checks = {}
     for cell in notebook.cells:
         marks = cell.metadata.get("nbgrader", {})

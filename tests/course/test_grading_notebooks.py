@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from numpy_cae.course import catalogue
 from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade
-
-COURSE = "numpy_cae.course.catalogue"
 
 ENCODE = """
 def encode_layer(x, w, b):
@@ -46,7 +45,7 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
     cells = json.loads(path.read_text())["cells"]
     cells.append({"cell_type": "code", "metadata": {}, "source": "import numpy_cae; 1/0"})
     path.write_text(json.dumps({"cells": cells}))
-    graded = grade(path, COURSE)
+    graded = grade(path, catalogue)
     assert graded.held, str(graded)  # the cell that is no exercise is not run
     points = {report.operation: report.points for report in graded.reports}
     assert points == {name: EXERCISES[name].points for name in ("tanh", "encode_layer", "speeds")}
@@ -55,15 +54,15 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
 def test_from_mine_gives_the_packages_own_of_an_earlier_lesson_alone(tmp_path):
     (tmp_path / "mine.py").write_text("def conv1d(x, w, b):\n    raise ValueError")
     imports = "from mine import conv1d, max_pool\n"
-    assert grade(notebook(tmp_path, TANH, imports + ENCODE), COURSE, lesson="05").reports[2].held
+    assert grade(notebook(tmp_path, TANH, imports + ENCODE), catalogue, lesson="05").reports[2].held
     forbidden = notebook(tmp_path, "from mine import tanh")
-    assert "cannot import name 'tanh'" in str(grade(forbidden, COURSE, lesson="05"))
+    assert "cannot import name 'tanh'" in str(grade(forbidden, catalogue, lesson="05"))
 
 
 @pytest.mark.parametrize("tanh", [(), ("def tanh(",), ("def tanh(x):\n    while True: pass",)])
 def test_a_mark_does_not_depend_on_an_earlier_exercise_of_the_lesson(tanh, tmp_path, monkeypatch):
     monkeypatch.setattr("numpy_cae.verify.grading.student_file.EXERCISE_SECONDS", 4.0)
-    graded = grade(notebook(tmp_path, *tanh, ENCODE), COURSE, lesson="05")
+    graded = grade(notebook(tmp_path, *tanh, ENCODE), catalogue, lesson="05")
     points = {report.operation: report.points for report in graded.reports}
     assert points["tanh"] == 0 and points["encode_layer"] == 20
 
@@ -78,7 +77,7 @@ def test_a_mark_does_not_depend_on_an_earlier_exercise_of_the_lesson(tanh, tmp_p
     ],
 )
 def test_a_failing_cell_gets_its_message(tmp_path, cells, message):
-    graded = grade(notebook(tmp_path, *cells), COURSE)
+    graded = grade(notebook(tmp_path, *cells), catalogue)
     assert message in str(graded) and not graded.held
 
 
@@ -89,7 +88,7 @@ def test_a_failing_cell_gets_its_message(tmp_path, cells, message):
 def test_a_file_that_is_no_lesson_is_a_fault(text, fault, tmp_path):
     path = tmp_path / "somebody.ipynb"
     path.write_text(text)
-    assert fault in grade(path, COURSE).faults[0]
+    assert fault in grade(path, catalogue).faults[0]
 
 
 @pytest.mark.parametrize(

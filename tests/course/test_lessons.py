@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from numpy_cae.course import catalogue
 from numpy_cae.course.copies import student_copy
 from numpy_cae.course.executed import execute, source_hash
 from numpy_cae.course.exercises import EXERCISES, Exercise
@@ -16,8 +17,6 @@ from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
-
-COURSE = "numpy_cae.course.catalogue"
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
@@ -158,7 +157,7 @@ def test_the_student_copy_runs_and_every_check_fails(path):
 @pytest.mark.lessons
 @every_lesson
 def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, tmp_path):
-    solved = grade(path, COURSE)
+    solved = grade(path, catalogue)
     assert solved.held and solved.points == solved.possible, str(solved)
     assert {r.operation for r in solved.reports} == {
         cell["metadata"]["nbgrader"]["grade_id"]
@@ -167,5 +166,5 @@ def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, 
     }
     unsolved = tmp_path / path.name
     unsolved.write_text(json.dumps(student_copy(read_notebook(path))), encoding="utf-8")
-    report = grade(unsolved, COURSE)
+    report = grade(unsolved, catalogue)
     assert report.points == 0 and report.possible == solved.possible and not report.faults

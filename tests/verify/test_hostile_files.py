@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
+from numpy_cae.course import catalogue
 from numpy_cae.verify.grading import student_file as grading
 from numpy_cae.verify.grading.sandbox.apart import do_apart
 from numpy_cae.verify.grading.sandbox.child import reply_to
 from numpy_cae.verify.grading.sandbox.confinement import adopt_orphans
 from numpy_cae.verify.grading.submission import read_submission
 
-COURSE = "numpy_cae.course.catalogue"
 IMPORTS = "import atexit, builtins, ctypes, json, os, socket, subprocess, sys, threading, time\n"
 IMPORTS += "import warnings\nimport numpy as np\n"
 TANH = """
@@ -58,7 +58,7 @@ def graded(tmp_path, monkeypatch):
 
         monkeypatch.setattr(grading, "EXERCISE_SECONDS", cpu_seconds)
         monkeypatch.setattr(grading, "run", lambda r: do_apart(lambda: work(r), 100))
-        return grading.grade(path, COURSE, seconds=seconds, megabytes=4096, lesson=lesson)
+        return grading.grade(path, catalogue, seconds=seconds, megabytes=4096, lesson=lesson)
 
     return grade
 

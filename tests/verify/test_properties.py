@@ -10,22 +10,22 @@ from numpy_cae.verify.operations.patch import conventions_of
 
 
 def test_properties_are_data():
-    for name, task in CATALOGUE.items():
-        listed = task.properties
+    for name, exercise in CATALOGUE.items():
+        listed = exercise.properties
         assert len({tried.name for tried in listed}) == len(listed) >= 8
         assert all(tried.operation == name and tried.statement for tried in listed)
 
 
 def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
     seeds = set()
-    for task in CATALOGUE.values():
-        for tried in task.properties:
+    for exercise in CATALOGUE.values():
+        for tried in exercise.properties:
             cases = tried.cases()
             for name, options in tried.sizes.items():
                 assert {case[name] for case in cases} == set(options)
             assert len(tried.sizes["values"]) < len(VALUES) or "ties" in tried.sizes["values"]
             seeds.add(tuple(case.seed for case in cases))
-    assert len(seeds) == sum(len(task.properties) for task in CATALOGUE.values())
+    assert len(seeds) == sum(len(exercise.properties) for exercise in CATALOGUE.values())
 
 
 @pytest.mark.parametrize(
@@ -47,9 +47,9 @@ def test_what_is_written_otherwise_holds(name, function):
 def test_another_convention_fails_unless_it_is_allowed(other):
     name, function = other.operation, other.function()
     strict = verify.report(name, function)
-    assert not strict.held and strict.convention == "that of numpy_cae.ops"
+    assert not strict.held and strict.exercise.convention == "that of numpy_cae.ops"
     allowed = verify.report(name, function, any_convention=True)
-    assert allowed.held and allowed.convention == other.sentence
+    assert allowed.held and allowed.exercise.convention == other.sentence
     assert f"another convention than numpy_cae's: {other.sentence}"[:60] in str(allowed)
 
 

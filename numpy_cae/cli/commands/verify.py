@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     from numpy_cae.cli.shared.output import print_json, with_progress
-    from numpy_cae.course import marks
+    from numpy_cae.course import catalogue, marks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
     files = {file: path for path in args.files for file in _submissions(path)}
@@ -74,9 +74,7 @@ def run(args: argparse.Namespace) -> int:
 
     def graded_file(file: Path) -> FileReport:
         lesson = args.lesson or marks.lesson_of(file)
-        return grade(
-            file, "numpy_cae.course.catalogue", named, *limits, lesson, args.any_convention
-        )
+        return grade(file, catalogue, named, *limits, lesson, args.any_convention)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)

@@ -3,9 +3,8 @@
 from dataclasses import replace
 from importlib import import_module
 
-from numpy_cae.course.exercises.exercise import Exercise
 from numpy_cae.verify.operations import catalogue as operations
-from numpy_cae.verify.operations.catalogue import Task
+from numpy_cae.verify.operations.catalogue import Exercise
 
 EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
 EASY = frozenset(
@@ -19,7 +18,7 @@ HARD = frozenset(
 )
 
 
-def with_points(exercise: Task) -> Task:
+def with_points(exercise: Exercise) -> Exercise:
     """The exercise with the points of its difficulty: easy, hard, or else medium.
 
     Its properties get whole numbers in proportion to the points that they state, at least 1; those

@@ -1,4 +1,4 @@
-"""Claims about an exercise's function, and the checks that recur in the exercises.
+"""Properties of an exercise's function, and the checks that recur in the exercises.
 
 An argument is a number, an array, a dict of arrays by name, a list of arrays, or a list of the
 pairs (w, b) of each layer. Gradients have the structure of the argument that they belong to.
@@ -6,35 +6,22 @@ pairs (w, b) of each layer. Gradients have the structure of the argument that th
 
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from numpy_cae.verify.checks.gradients import check_gradients
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.operation import Sizes
-from numpy_cae.verify.operations.property import EXAMPLES, require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 
 Arguments = Callable[[Case], dict[str, object]]
 Check = Callable[[Callable, Case], None]
 PULLBACK = "the pullback"
 
 
-@dataclass(frozen=True)
-class Claim:
-    """One sentence about an exercise's function, and the check that raises if it is false."""
-
-    name: str
-    statement: str
-    check: Check
-    points: int = 1
-    sizes: Sizes = field(default_factory=dict)  # override those of the exercise
-    examples: int = EXAMPLES
-
-
-def claim(name: str, statement: str, points: int = 1, **options) -> Callable[[Check], Claim]:
-    """Makes a claim of the check that it decorates; the arguments are those of `Claim`."""
-    return lambda check: Claim(name, statement, check, points, **options)
+def states(name: str, statement: str, points: int = 1, **options) -> Callable[[Check], Property]:
+    """Make a property of the check that is decorated; the arguments are those of `Property`."""
+    return lambda check: Property(name, statement, check, points, **options)
 
 
 def drawn(**entries: object) -> Arguments:
@@ -70,7 +57,7 @@ def size(name: str) -> Callable:
 
 @dataclass(frozen=True)
 class Differentiated:
-    """A function that returns a value and its derivatives, and the claims about it.
+    """A function that returns a value and its derivatives, and its properties.
 
     `returns` names the things that it returns, the value first. The second is `PULLBACK`, or the
     others are the gradients of a scalar value.
@@ -81,18 +68,18 @@ class Differentiated:
     inputs: tuple[str, ...]  # the arguments that get a gradient, in the order of the gradients
     returns: tuple[str, ...]
 
-    def value(self, statement: str) -> Claim:
-        """The claim that the value is that of the definition."""
+    def value(self, statement: str) -> Property:
+        """The property that the value is that of the definition."""
 
         def check(function: Callable, case: Case) -> None:
             value = self._call(function, self.arguments(case))[0]
             expected = self.definition(*copies(self.arguments(case)))
             require_same(value, expected, self.returns[:1])
 
-        return Claim("value", statement, check, 2)
+        return Property("value", statement, check, 2)
 
-    def gradient(self, name: str, points: int, only: tuple[str, ...] | None = None) -> Claim:
-        """The claim that gradients agree with differences; `only` names the arrays, default all."""
+    def gradient(self, name: str, points: int, only: tuple[str, ...] | None = None) -> Property:
+        """The property that gradients agree with differences: of all arrays, or `only` of some."""
 
         def check(function: Callable, case: Case) -> None:
             given = self.arguments(case)
@@ -113,10 +100,10 @@ class Differentiated:
                 function(*copies(given))
 
         statement = "it agrees with central differences of the function that you wrote"
-        return Claim(name, statement, check, points)
+        return Property(name, statement, check, points)
 
-    def keeps_float32(self) -> Claim:
-        """The claim that value and gradients of float32 arguments are float32."""
+    def keeps_float32(self) -> Property:
+        """The property that value and gradients of float32 arguments are float32."""
 
         def check(function: Callable, case: Case) -> None:
             given = {name: _narrowed(name, a) for name, a in self.arguments(case).items()}
@@ -129,7 +116,7 @@ class Differentiated:
                     what = "the value" if result is value else "a gradient"
                     raise AssertionError(f"given float32, {what} is {dtype}")
 
-        return Claim("dtype", "float32 stays float32", check)
+        return Property("dtype", "float32 stays float32", check)
 
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
         returned = require_parts(function(*copies(given)), self.returns)
@@ -163,8 +150,8 @@ def same_as(definition: Callable, arguments: Arguments, *names: str) -> Check:
     return check
 
 
-def unchanged(arguments: Arguments) -> Claim:
-    """The claim that a function does not change its arguments."""
+def unchanged(arguments: Arguments) -> Property:
+    """The property that a function does not change its arguments."""
 
     def check(function: Callable, case: Case) -> None:
         before, given = arguments(case), copies(arguments(case))
@@ -175,7 +162,7 @@ def unchanged(arguments: Arguments) -> Claim:
                 if not np.array_equal(now[part], array):
                     raise AssertionError(f"the call changes {part}")
 
-    return Claim("purity", "no argument is changed", check)
+    return Property("purity", "no argument is changed", check)
 
 
 def require_same(found, expected, names: tuple[str, ...] = ()) -> None:

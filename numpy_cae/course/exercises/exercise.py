@@ -5,17 +5,16 @@ Most exercises are operations and have the properties that `verify` states of th
 that all are drawn, shrunk, reported and graded alike. The hints are in `hints.md`.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import Arguments, Claim, Differentiated, same_as, unchanged
-from numpy_cae.verify.operations.catalogue import Task, properties_of
+from numpy_cae.course.exercises.checks import Arguments, Differentiated, same_as, unchanged
+from numpy_cae.verify.operations.catalogue import Exercise, properties_of
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation, Sizes
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
-from numpy_cae.verify.operations.single_properties import operation_properties
-
-Exercise = Task
+from numpy_cae.verify.operations.single_properties import single_properties
 
 
 def operation_exercise(
@@ -32,18 +31,18 @@ def operation_exercise(
     if isinstance(operation, str):
         operation = OPERATIONS[operation]
     if operation.name in OPERATIONS:
-        properties: Iterable[Property] = properties_of(operation.name)
+        properties = properties_of(operation.name)
     else:
-        properties = (*shared_properties(operation), *operation_properties(operation))
+        properties = (*shared_properties(operation), *single_properties(operation))
     solution = solution or getattr(ops, operation.name)
-    return Task(operation.name, solution, tuple(properties), given=tuple(given.split()))
+    return Exercise(operation.name, solution, properties, given=tuple(given.split()))
 
 
 def exercise(
     solution: Callable,
     arguments: Arguments,
     sizes: Sizes,
-    *claims: Claim,
+    *properties: Property,
     value: str = "",
     definition: Callable | None = None,
     points: int = 2,
@@ -53,25 +52,28 @@ def exercise(
     """An exercise that is no operation, with properties of its own.
 
     `solution` is the package's own function, with the name of the exercise; `arguments` makes its
-    arguments from a case, by name, in the order of the call. `value` is the claim, worth `points`,
-    that a function returns what the definition (by default the solution) returns; if it is `pure`,
-    a claim is added that no argument is changed.
+    arguments from a case, by name, in the order of the call. `value` states, for `points`,
+    that a function returns what the definition (by default the solution) returns; if `pure`, a
+    property is added: no argument is changed.
     """
     if value:
         check = same_as(definition or solution, arguments)
-        claims = (Claim("value", value, check, points), *claims)
+        properties = (Property("value", value, check, points), *properties)
     if pure:
-        claims = (*claims, unchanged(arguments))
+        properties = (*properties, unchanged(arguments))
     name = solution.__name__
-    properties = (_property(name, each, arguments, sizes) for each in claims)
-    return Task(name, solution, tuple(properties), given=tuple(given.split()))
+    stated = (
+        replace(each, operation=name, arguments=arguments, sizes={**sizes, **each.sizes})
+        for each in properties
+    )
+    return Exercise(name, solution, tuple(stated), given=tuple(given.split()))
 
 
 def differentiated_exercise(
     solution: Callable,
     function: Differentiated,
     sizes: Sizes,
-    *claims: Claim,
+    *properties: Property,
     value: str,
     gradients: Mapping[str, tuple],
     float32: bool = False,
@@ -79,25 +81,13 @@ def differentiated_exercise(
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
 
-    `gradients` has by claim name the points and the names of the arrays, by default all.
+    `gradients` has, by the name of a property, its points and the names of the arrays (by default
+    all).
     """
-    claims = (
+    properties = (
         function.value(value),
         *(function.gradient(name, *options) for name, options in gradients.items()),
         *((function.keeps_float32(),) if float32 else ()),
-        *claims,
+        *properties,
     )
-    return exercise(solution, function.arguments, sizes, *claims, given=given)
-
-
-def _property(name: str, claim: Claim, arguments: Arguments, sizes: Sizes) -> Property:
-    return Property(
-        name,
-        claim.name,
-        claim.statement,
-        claim.check,
-        arguments,
-        {**sizes, **claim.sizes},
-        claim.points,
-        examples=claim.examples,
-    )
+    return exercise(solution, function.arguments, sizes, *properties, given=given)

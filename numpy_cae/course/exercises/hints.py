@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-from numpy_cae.verify.operations.catalogue import Task
+from numpy_cae.verify.operations.catalogue import Exercise
 
 
 class Hints(NamedTuple):
@@ -24,21 +24,23 @@ def read_hints() -> dict[str, Hints]:
     return {name: _parse(section) for name, _, section in sections}
 
 
-def with_hint(task: Task, stage: int) -> Task:
-    """The task with a hint, which a report shows: of stage 0, how to get one. ValueError if there
-    is no such stage."""
+def with_hint(exercise: Exercise, stage: int) -> Exercise:
+    """The exercise with a hint that a report shows; at stage 0, how to get a hint.
+
+    Raises a ValueError if there is no such stage.
+    """
     if stage not in (0, 1, 2):
         raise ValueError(f"hint is 1 or 2, got {stage!r}")
-    hints = read_hints().get(task.name)
+    hints = read_hints().get(exercise.name)
     if hints is None:
-        return task
+        return exercise
     if stage == 0:
-        more = f'course.report("{task.name}", {task.name}, hint=1) in a cell of your own'
-        return replace(task, hint=f"{more} prints one")
+        more = f'course.report("{exercise.name}", {exercise.name}, hint=1) in a cell of your own'
+        return replace(exercise, hint=f"{more} prints one")
     if stage == 1:
-        return replace(task, hint=f"{hints.stages[0]} (more: hint=2)")
-    properties = (replace(p, hint=hints.of_properties.get(p.name, "")) for p in task.properties)
-    return replace(task, properties=tuple(properties), hint=hints.stages[1])
+        return replace(exercise, hint=f"{hints.stages[0]} (more: hint=2)")
+    properties = (replace(p, hint=hints.of_properties.get(p.name, "")) for p in exercise.properties)
+    return replace(exercise, properties=tuple(properties), hint=hints.stages[1])
 
 
 def _parse(section: str) -> Hints:

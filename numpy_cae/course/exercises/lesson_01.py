@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
+from numpy_cae.course.exercises.checks import copies, drawn, require_same, same_as, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 
 TREE_SIZES = {"joints": (1, 2, 3, 4, 6, 8)}
 MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES}
@@ -89,21 +89,21 @@ _motion_arguments = drawn(
 )
 
 
-@claim("chain", "the joint, its parent, and so on, the root last", 2)
+@states("chain", "the joint, its parent, and so on, the root last", 2)
 def _chain_as_array(function: Callable, case: Case) -> None:
     given = _tree_arguments(case)
     found = np.asarray(function(*given.values()))
     require_same(found, np.asarray(chain_to_root(**given)), ("the chain",))
 
 
-@claim("rotation", "the matrix keeps lengths and does not mirror")
+@states("rotation", "the matrix keeps lengths and does not mirror")
 def _is_rotation(function: Callable, case: Case) -> None:
     matrix = np.asarray(function(*_channel_arguments(case).values()))
     require_equal("the matrix times its transpose", matrix @ matrix.T, np.eye(3))
     require_equal("its determinant", np.linalg.det(matrix), 1.0)
 
 
-@claim("rest pose", "without rotations a joint is at the sum of the translations on its chain")
+@states("rest pose", "without rotations a joint is at the sum of the translations on its chain")
 def _rest_pose(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     given["rotations"] = np.broadcast_to(np.eye(3), given["rotations"].shape)
@@ -115,7 +115,7 @@ def _rest_pose(function: Callable, case: Case) -> None:
         require_equal(what, positions[:, joint], expected)
 
 
-@claim("bone lengths", "a bone is as long as its translation")
+@states("bone lengths", "a bone is as long as its translation")
 def _bone_lengths(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     positions = function(*copies(given))
@@ -126,7 +126,7 @@ def _bone_lengths(function: Callable, case: Case) -> None:
             require_equal(f"the length of the bone to joint {joint}", lengths, expected)
 
 
-@claim(
+@states(
     "own rotation",
     "a joint's own rotation moves its descendants, never the joint itself",
     sizes={"joints": (2, 3, 4, 6)},
@@ -138,7 +138,7 @@ def _own_rotation(function: Callable, case: Case) -> None:
     require_equal("with its last joint rotated, a position", function(*copies(given)), before)
 
 
-@claim("turned root", "rotating the root rotates the whole body")
+@states("turned root", "rotating the root rotates the whole body")
 def _rotated_root(function: Callable, case: Case) -> None:
     given = _motion_arguments(case)
     rotation = random_rotations(np.random.default_rng([case.seed, 3]), 1)[0]
@@ -148,7 +148,7 @@ def _rotated_root(function: Callable, case: Case) -> None:
     require_equal("with the root rotated, a position", function(*copies(given)), expected)
 
 
-@claim("steady", "at a constant 5 m/s it is 5 in every frame")
+@states("steady", "at a constant 5 m/s it is 5 in every frame")
 def _constant_speed(function: Callable, case: Case) -> None:
     rate = _speed_arguments(case)["rate"]
     time = np.arange(case["frames"]) / rate
@@ -165,13 +165,13 @@ EXERCISES = (
         rotation_from_channels,
         _channel_arguments,
         {"channels": (1, 2, 3)},
-        Claim(
+        Property(
             "one channel",
             "a single channel rotates about its axis, by the right-hand rule",
             _channels_as_matrix,
             sizes={"channels": (1,)},
         ),
-        Claim(
+        Property(
             "order",
             "several channels are multiplied in the order of the file",
             _channels_as_matrix,

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Claim, array, claim, copies, drawn, require_same
+from numpy_cae.course.exercises.checks import array, copies, drawn, require_same, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 
 FRAMES = {"frames": (2, 3, 5, 8)}
 
@@ -68,7 +68,7 @@ def _feature_arguments(case: Case) -> dict[str, object]:
     return {"features": features, "x": x, "z": z, "heading": heading}
 
 
-@claim("faces", "facing +Z is 0, facing +X is a quarter turn (up to whole turns)", 2)
+@states("faces", "facing +Z is 0, facing +X is a quarter turn (up to whole turns)", 2)
 def _known_directions(function: Callable, case: Case) -> None:
     across = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
     for line, expected in zip(across, (0.0, np.pi / 2, np.pi), strict=True):
@@ -79,14 +79,14 @@ def _known_directions(function: Callable, case: Case) -> None:
         require_equal(f"for across {line.tolist()}, the angle's error", error, 0.0)
 
 
-@claim("turns", "the angle changes by the body's rotation, past whole turns too")
+@states("turns", "the angle changes by the body's rotation, past whole turns too")
 def _changes_of_heading(function: Callable, case: Case) -> None:
     found = np.asarray(function(*copies(_across_arguments(case))))
     expected = np.diff(_random_headings(case))
     require_equal("the change from frame to frame", np.diff(found), expected)
 
 
-@claim("undone", "rotating by -angle undoes it")
+@states("undone", "rotating by -angle undoes it")
 def _inverse_rotation(function: Callable, case: Case) -> None:
     vectors, angles = _vector_arguments(case).values()
     back = function(np.array(function(vectors.copy(), angles.copy())), -angles)
@@ -105,7 +105,9 @@ def _columns(columns: slice, what: str) -> Callable:
     return check
 
 
-@claim("elsewhere", "the same motion, moved and facing another direction, has the same features", 2)
+@states(
+    "elsewhere", "the same motion, moved and facing another direction, has the same features", 2
+)
 def _elsewhere(function: Callable, case: Case) -> None:
     positions, theta = _position_arguments(case).values()
     angle = 0.5 + case.seed % 5
@@ -115,7 +117,7 @@ def _elsewhere(function: Callable, case: Case) -> None:
     require_equal("of the moved and rotated motion, a feature", found, expected)
 
 
-@claim("round trip", "features and back again are the same positions", 2)
+@states("round trip", "features and back again are the same positions", 2)
 def _round_trip(function: Callable, case: Case) -> None:
     positions, theta = _position_arguments(case).values()
     start = (float(positions[0, 0, 0]), float(positions[0, 0, 2]), float(theta[0]))
@@ -123,14 +125,14 @@ def _round_trip(function: Callable, case: Case) -> None:
     require_same(back, positions, ("converted to features and back, a position",))
 
 
-@claim("first frame", "the first pose is at (x, z) and faces heading")
+@states("first frame", "the first pose is at (x, z) and faces heading")
 def _first_frame(function: Callable, case: Case) -> None:
     given = _feature_arguments(case)
     found = np.asarray(function(*copies(given)))
     require_equal("a position in the first frame", found[0], from_features(**given)[0])
 
 
-@claim("last velocity", "the velocity of the last frame has no effect")
+@states("last velocity", "the velocity of the last frame has no effect")
 def _last_velocity(function: Callable, case: Case) -> None:
     given = _feature_arguments(case)
     before = function(*copies(given))
@@ -152,19 +154,19 @@ EXERCISES = (
         to_features,
         _position_arguments,
         FRAMES,
-        Claim(
+        Property(
             "positions",
             "the first 60 are R(-θ) (p - h), joint by joint",
             _columns(slice(0, 60), "a position"),
             2,
         ),
-        Claim(
+        Property(
             "velocity",
             "the next two are x and z of R(-θ_t) (h_{t+1} - h_t)",
             _columns(slice(60, 62), "the velocity"),
             2,
         ),
-        Claim("turn", "the last is θ_{t+1} - θ_t", _columns(slice(62, 63), "the change")),
+        Property("turn", "the last is θ_{t+1} - θ_t", _columns(slice(62, 63), "the change")),
         _elsewhere,
     ),
     exercise(

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import claim
+from numpy_cae.course.exercises.checks import states
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation import OPERATIONS, definitions
@@ -32,14 +32,14 @@ def _unfold_arguments(case: Case) -> dict[str, object]:
     return {"x": CONV1D.arguments(case)["x"], "taps": case["taps"]}
 
 
-@claim("times a matrix", "the rows times w as one matrix, plus b, are the convolution")
+@states("times a matrix", "the rows times w as one matrix, plus b, are the convolution")
 def _times_matrix(function: Callable, case: Case) -> None:
     x, w, b = CONV1D.arguments(case).values()
     y = function(x.copy(), len(w)) @ w.reshape(-1, w.shape[-1]) + b
     require_equal("unfold(x, K) @ w.reshape(K * C, D) + b", y, definitions.conv1d(x, w, b))
 
 
-@claim("dtype", "float32 stays float32")
+@states("dtype", "float32 stays float32")
 def _keeps_float32(function: Callable, case: Case) -> None:
     x, taps = _unfold_arguments(case).values()
     found = np.asarray(function(x.astype(np.float32), taps)).dtype

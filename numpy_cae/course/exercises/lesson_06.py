@@ -7,11 +7,11 @@ import numpy as np
 from numpy_cae.course.exercises import lesson_05
 from numpy_cae.course.exercises.checks import (
     Differentiated,
-    claim,
     drawn,
     require_parts,
     require_same,
     size,
+    states,
 )
 from numpy_cae.course.exercises.exercise import (
     differentiated_exercise,
@@ -110,7 +110,7 @@ def _loss_arguments(case: Case) -> dict[str, object]:
     return {"x": x, "corrupted": corrupted, **weights, "first": first, **numbers}
 
 
-@claim("kept", "values that are not zeroed are exactly those of x")
+@states("kept", "values that are not zeroed are exactly those of x")
 def _kept_values(function, case: Case) -> None:
     x, p, draws = _corruption_arguments(case).values()
     found = function(x, p, draws)[draws >= p]
@@ -138,7 +138,7 @@ def _epochs_of_calls(train_layer, case: Case) -> tuple[tuple, list[list], dict]:
     return returned, epochs, given
 
 
-@claim("every window", "loss gets each clean window once an epoch, in a new random order", 3)
+@states("every window", "loss gets each clean window once an epoch, in a new random order", 3)
 def _every_window_once(train_layer, case: Case) -> None:
     _, epochs, given = _epochs_of_calls(train_layer, case)
     orders = [given["windows"][:, 0, 0].tolist()]
@@ -152,7 +152,7 @@ def _every_window_once(train_layer, case: Case) -> None:
         orders.append(order.tolist())
 
 
-@claim("corruption", "about the share p of each batch is set to zero, newly drawn", 2)
+@states("corruption", "about the share p of each batch is set to zero, newly drawn", 2)
 def _corrupted_anew(train_layer, case: Case) -> None:
     _, epochs, _ = _epochs_of_calls(train_layer, case)
     lost = {}
@@ -167,7 +167,7 @@ def _corrupted_anew(train_layer, case: Case) -> None:
         raise AssertionError(f"p is {P}, but {share:.0%} of all values are zero")
 
 
-@claim("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e", 3)
+@states("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e", 3)
 def _steps_descend(train_layer, case: Case) -> None:
     (weights, _), epochs, given = _epochs_of_calls(train_layer, case)
     pairs = weights if isinstance(weights, tuple | list) else ()
@@ -183,13 +183,13 @@ def _steps_descend(train_layer, case: Case) -> None:
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 
-@claim("losses", "losses has the mean of what loss returned in each epoch", 2)
+@states("losses", "losses has the mean of what loss returned in each epoch", 2)
 def _mean_losses(train_layer, case: Case) -> None:
     (_, losses), epochs, _ = _epochs_of_calls(train_layer, case)
     require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])
 
 
-@claim("falling loss", "where all windows are alike, the loss falls from epoch to epoch")
+@states("falling loss", "where all windows are alike, the loss falls from epoch to epoch")
 def _loss_falls(train_layer, case: Case) -> None:
     given = _training_arguments(case)
     given["windows"] = np.ones_like(given["windows"])

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Differentiated, claim, drawn, size
+from numpy_cae.course.exercises.checks import Differentiated, drawn, size, states
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.lesson_05 import BOUND, decode_by_loops, encode_by_loops, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
@@ -76,7 +76,7 @@ def _stack_arguments(case: Case) -> dict[str, object]:
     return {"x": x, "corrupted": corrupted, "layers": _random_layers(case, rng), "bound": BOUND}
 
 
-@claim("value", "it is the number of frames counted by following every index down", 2)
+@states("value", "it is the number of frames counted by following every index down", 2)
 def _count_of_indices(frames_seen, case: Case) -> None:
     """Pooling reads a pair of frames, a filter one frame and K//2 more on either side."""
     read = {1000}
@@ -87,7 +87,7 @@ def _count_of_indices(frames_seen, case: Case) -> None:
     require_equal("the number of frames", frames_seen(*_size_arguments(case).values()), len(read))
 
 
-@claim("value", "the input of layer k is x encoded by every layer below k", 2)
+@states("value", "the input of layer k is x encoded by every layer below k", 2)
 def _each_stage(stage_inputs, case: Case) -> None:
     x, layers = _stage_arguments(case).values()
     found = stage_inputs(x, layers)

@@ -6,12 +6,13 @@ from itertools import product
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Claim, claim, copies, drawn, require_same, same_as
+from numpy_cae.course.exercises.checks import copies, drawn, require_same, same_as, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.evaluation import retrieval
 from numpy_cae.manifold.compare import G
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.property import Property
 
 WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 
@@ -145,14 +146,14 @@ def _least_squares_over_masks(denoising_weights, case: Case) -> None:
     require_same(found, expected, ("the weights",))
 
 
-@claim("known", "known values stay exactly as they are", 1)
+@states("known", "known values stay exactly as they are", 1)
 def _known_values_stay(fill_unknown, case: Case) -> None:
     x, known, project = _hole_arguments(case).values()
     found = fill_unknown(x.copy(), known.copy(), project)[known]
     require_same(found, x[known], ("a known value",))
 
 
-@claim("order", "the order of the frames does not matter")
+@states("order", "the order of the frames does not matter")
 def _order_of_time(function, case: Case) -> None:
     y_0, y_1 = _unit_arguments(case).values()
     order = case.rng().permutation(len(y_0))
@@ -160,7 +161,7 @@ def _order_of_time(function, case: Case) -> None:
     require_same(found, before, ("G of the same units in another order",))
 
 
-@claim("best", "it is 1 if all motions that are alike come first")
+@states("best", "it is 1 if all motions that are alike come first")
 def _perfect_ranking(function, case: Case) -> None:
     distances, alike = _ranking_arguments(case).values()
     first = np.where(alike, distances, distances + 10.0)
@@ -173,14 +174,14 @@ EXERCISES = (
         rescale,
         _damaged_arguments,
         {**WINDOWS, "still": (0,)},
-        Claim(
+        Property(
             "still features",
             "a feature that is zero in every frame does not count",
             same_as(_rescale_by_loops, _damaged_arguments),
             2,
             {"still": (1, 2)},
         ),
-        Claim(
+        Property(
             "nothing lost",
             "a window without zeros is not changed",
             same_as(lambda x: x, drawn(x="batch frames channels")),
@@ -193,13 +194,13 @@ EXERCISES = (
         denoising_weights,
         _moment_arguments,
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
-        Claim(
+        Property(
             "value",
             "they solve M A = B, the means over all masks, weighted by probability",
             _least_squares_over_masks,
             4,
         ),
-        Claim(
+        Property(
             "nothing lost",
             "with kept = 1 they are ordinary least squares",
             _least_squares_over_masks,
@@ -212,7 +213,7 @@ EXERCISES = (
         _hole_arguments,
         WINDOWS,
         _known_values_stay,
-        Claim(
+        Property(
             "nothing there",
             "the values of x where it is unknown do not matter, NaN included",
             same_as(fill_unknown, _nan_hole_arguments),

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import claim, drawn, require_parts, require_same, size
+from numpy_cae.course.exercises.checks import drawn, require_parts, require_same, size, states
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.training import clip_norm
 from numpy_cae.verify.operations.case import Case, spread
@@ -72,17 +72,19 @@ def _require_clipped(function, gradients, bound: float, factor: float) -> None:
         require_equal(f"gradient {number}", found, factor * g)
 
 
-@claim("value", "beyond the bound, every array times bound / norm; and the norm before clipping", 2)
+@states(
+    "value", "beyond the bound, every array times bound / norm; and the norm before clipping", 2
+)
 def _beyond_bound(function, case: Case) -> None:
     _require_clipped(function, *_clip_arguments(case).values(), 0.25)
 
 
-@claim("left alone", "within the bound, the gradients are not changed")
+@states("left alone", "within the bound, the gradients are not changed")
 def _within_bound(function, case: Case) -> None:
     _require_clipped(function, *_clip_arguments(case, 1.5).values(), 1.0)
 
 
-@claim("nothing", "gradients of zeros stay zeros")
+@states("nothing", "gradients of zeros stay zeros")
 def _zero_gradients(function, case: Case) -> None:
     gradients = [np.zeros_like(each) for each in _clip_arguments(case)["gradients"]]
     with np.errstate(all="ignore"):

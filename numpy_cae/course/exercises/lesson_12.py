@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops, verify
-from numpy_cae.course.exercises.checks import Claim, claim, drawn, unchanged
+from numpy_cae.course.exercises.checks import drawn, states, unchanged
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.catalogue import properties_of
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, right_operation
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 from numpy_cae.verify.operations.trial import try_property
 
 SUSPECTS: tuple[Patch, ...] = tuple(
@@ -119,25 +119,25 @@ def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
 _seed_arguments = drawn(seed=lambda case, rng: case.seed)
 
 
-@claim("value", "for a cubic, exactly the central difference: step h to both sides, over 2h", 2)
+@states("value", "for a cubic, exactly the central difference: step h to both sides, over 2h", 2)
 def _slopes_of_cubic(function, case: Case) -> None:
     f, x, h = _difference_arguments(case).values()
     require_equal("the slope", function(f, x.copy(), h), 3 * f.w * x**2 + f.w * h**2)
 
 
-@claim("right ones", "for a matrix and its transpose it is 0 to rounding")
+@states("right ones", "for a matrix and its transpose it is 0 to rounding")
 def _no_gap(function, case: Case) -> None:
     found = function(*_right_matrix_arguments(case).values())
     require_equal("for a right pullback, the gap", found, 0.0, 1e-12)
 
 
-@claim("wrong ones", "for another matrix's transpose it is as defined")
+@states("wrong ones", "for another matrix's transpose it is as defined")
 def _right_gap(function, case: Case) -> None:
     arguments = _wrong_matrix_arguments(case).values()
     require_equal("for a wrong pullback, the gap", function(*arguments), adjoint_gap(*arguments))
 
 
-def _accused(number: int) -> Claim:
+def _accused(number: int) -> Property:
     suspect = SUSPECTS[number - 1]
 
     def check(function, case: Case) -> None:
@@ -150,7 +150,7 @@ def _accused(number: int) -> Claim:
             raise AssertionError(f"suspect {number} has the property {named!r}")
 
     statement = f"the {suspect.operation} violates the property that you name"
-    return Claim(f"suspect {number}", statement, check, examples=1)
+    return Property(f"suspect {number}", statement, check, examples=1)
 
 
 def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
@@ -168,7 +168,7 @@ def _function_and_inputs(operation: str, implementation: Callable, seed: int, sc
     return f, inputs
 
 
-@claim("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
+@states("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
 def _right_ones_pass(check_gradients, case: Case) -> None:
     _require_acceptance(check_gradients, sum(GROUPS.values(), ()), case.seed)
 
@@ -200,13 +200,13 @@ def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0)
     raise AssertionError(f"it accepts a wrong {bug.operation}: {bug.sentence}")
 
 
-@claim("tiny numbers", "a wrong gradient is refused even if all numbers are near 1e-6")
+@states("tiny numbers", "a wrong gradient is refused even if all numbers are near 1e-6")
 def _refuses_tiny(check_gradients, case: Case) -> None:
     _require_acceptance(check_gradients, GROUPS["losses"], case.seed)
     _require_refusal(check_gradients, bug_named("squared_without_two"), case.seed, TINY)
 
 
-@claim(
+@states(
     "names the culprit", "the message has the name of the input whose gradient is wrong, as a word"
 )
 def _names_the_input(check_gradients, case: Case) -> None:
@@ -222,7 +222,7 @@ def _names_the_input(check_gradients, case: Case) -> None:
             raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
 
 
-@claim("inputs stay", "the inputs are not changed")
+@states("inputs stay", "the inputs are not changed")
 def _inputs_stay(check_gradients, case: Case) -> None:
     f, inputs = _function_and_inputs("conv1d", ops.conv1d, case.seed)
     before = {name: x.copy() for name, x in inputs.items()}
@@ -239,7 +239,7 @@ EXERCISES = (
         _difference_arguments,
         {"rows": (1, 2), "columns": (1, 2, 3)},
         _slopes_of_cubic,
-        Claim("x restored", "x is not changed", unchanged(_difference_arguments).check),
+        Property("x restored", "x is not changed", unchanged(_difference_arguments).check),
         pure=False,
     ),
     exercise(
@@ -263,7 +263,7 @@ EXERCISES = (
         ONE_CASE,
         _right_ones_pass,
         *(
-            Claim(
+            Property(
                 group,
                 f"every planted bug of {' or '.join(operations)} is refused, right ones are not",
                 _refuses_group(group),

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import claim, drawn, require_parts, size
+from numpy_cae.course.exercises.checks import drawn, require_parts, size, states
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
 from numpy_cae.fast.blocks import blocks
@@ -71,7 +71,7 @@ def _convolution_arguments(case: Case) -> dict[str, object]:
     return {**CONV1D.arguments(case), **matrices}
 
 
-@claim("value", "real and imaginary part of (a + i b)(p + i q)", 2)
+@states("value", "real and imaginary part of (a + i b)(p + i q)", 2)
 def _complex_product(three_products, case: Case) -> None:
     a, b, p, q, multiply = _product_arguments(case).values()
     returned = three_products(a, b, p, q, multiply)
@@ -83,7 +83,7 @@ def _complex_product(three_products, case: Case) -> None:
         raise AssertionError("multiply is never called: use it for every product")
 
 
-@claim("three", "multiply is called three times", 2)
+@states("three", "multiply is called three times", 2)
 def _three_calls(three_products, case: Case) -> None:
     arguments = _product_arguments(case)
     three_products(*arguments.values())
@@ -104,7 +104,7 @@ def _checked_matrices(block_matrices, case: Case) -> list[np.ndarray]:
     return matrices
 
 
-@claim("value", "C ((A x) ∘ (G w)) is the sum over taps, for every frame of the block", 4)
+@states("value", "C ((A x) ∘ (G w)) is the sum over taps, for every frame of the block", 4)
 def _convolves(block_matrices, case: Case) -> None:
     taps, frames = _block_arguments(case).values()
     a, g, c = _checked_matrices(block_matrices, case)
@@ -114,7 +114,7 @@ def _convolves(block_matrices, case: Case) -> None:
     require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), np.array(sums))
 
 
-@claim("few products", "three products for a complex frequency, one for a real one", 2)
+@states("few products", "three products for a complex frequency, one for a real one", 2)
 def _few_products(block_matrices, case: Case) -> None:
     products = len(_checked_matrices(block_matrices, case)[0])
     points = case["frames"] + case["taps"] - 1

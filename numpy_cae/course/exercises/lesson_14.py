@@ -4,17 +4,16 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import (
     PULLBACK,
-    Claim,
     Differentiated,
-    claim,
     copies,
     drawn,
     require_parts,
     require_same,
+    states,
 )
 from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 
 TREES = {2: (-1, 0), 3: (-1, 0, 1), 4: (-1, 0, 0, 2)}
 RETURNS = ("the loss", PULLBACK)
@@ -107,7 +106,7 @@ ENERGY = Differentiated(_path_arguments, _energy_by_loops, ("path",), RETURNS)
 OBSERVED = Differentiated(_observed_arguments, _observed_by_loops, ("x_hat",), RETURNS)
 
 
-@claim("at rest", "if every bone has its length, loss and gradient are 0")
+@states("at rest", "if every bone has its length, loss and gradient are 0")
 def _right_lengths(function, case: Case) -> None:
     q, lengths, parents = _bone_arguments(case).values()
     q = np.repeat(q[:1], case["frames"], axis=0)
@@ -119,7 +118,9 @@ def _right_lengths(function, case: Case) -> None:
     require_equal("the gradient", pullback(), np.zeros_like(q))
 
 
-@claim("straight", "for a straight path with equal steps it is the squared distance of the ends", 2)
+@states(
+    "straight", "for a straight path with equal steps it is the squared distance of the ends", 2
+)
 def _straight_path(function, case: Case) -> None:
     path = _path_arguments(case)["path"]
     shares = np.linspace(0, 1, case["points"])[:, None]
@@ -131,7 +132,7 @@ def _straight_path(function, case: Case) -> None:
     require_equal("its gradient between the ends", inner, np.zeros_like(inner))
 
 
-@claim("unknown", "an unknown value, NaN included, adds no loss and gets no gradient", 2)
+@states("unknown", "an unknown value, NaN included, adds no loss and gets no gradient", 2)
 def _unknown_values(function, case: Case) -> None:
     x_hat, x, known = _observed_arguments(case).values()
     x = np.where(known, x, np.nan)
@@ -141,10 +142,10 @@ def _unknown_values(function, case: Case) -> None:
     require_same(pullback()[~known], zeros, ("the gradient of an unknown value",))
 
 
-def _loss_exercise(solution, loss: Differentiated, sizes, *claims: Claim) -> Exercise:
+def _loss_exercise(solution, loss: Differentiated, sizes, *properties: Property) -> Exercise:
     """An exercise about a loss and its pullback, whose upstream gradient is 1 by default."""
 
-    @claim("upstream default", "the upstream gradient is 1 by default")
+    @states("upstream default", "the upstream gradient is 1 by default")
     def upstream_is_one(function, case: Case) -> None:
         _, pullback = require_parts(function(*copies(loss.arguments(case))), RETURNS)
         require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
@@ -154,7 +155,7 @@ def _loss_exercise(solution, loss: Differentiated, sizes, *claims: Claim) -> Exe
         loss,
         sizes,
         upstream_is_one,
-        *claims,
+        *properties,
         value="the loss is that of the definition, computed by loops",
         gradients={f"gradient for {loss.inputs[0]}": (4,)},
         given="unit_rows zero_values",

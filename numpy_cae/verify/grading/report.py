@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from numpy_cae.verify.operations.catalogue import (
-    CATALOGUE,
     CONTRACT,
-    Task,
-    find_task,
+    Exercise,
+    find_exercise,
     in_other_conventions,
 )
 from numpy_cae.verify.operations.property import Outcome
@@ -24,11 +23,13 @@ UNSOLVED = NotImplementedError.__name__
 class Report:
     """The outcome of every property. Prints, and is shown in a notebook, as a table."""
 
-    operation: str
+    exercise: Exercise
     called: str
     outcomes: tuple[Outcome, ...]
-    convention: str = CONTRACT
-    hint: str = ""
+
+    @property
+    def operation(self) -> str:
+        return self.exercise.name
 
     @property
     def unsolved(self) -> bool:
@@ -64,12 +65,17 @@ class Report:
 
     __repr__ = __str__
 
+    def as_reply(self) -> dict:
+        """What `report_from_reply` in another process needs besides the exercise."""
+        outcomes = [[o.held, o.problem, o.counterexample, o.mistake] for o in self.outcomes]
+        return {"convention": self.exercise.convention, "outcomes": outcomes}
+
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
         return {
             "operation": self.operation,
             "function": self.called,
-            "convention": self.convention,
+            "convention": self.exercise.convention,
             "points": self.points,
             "possible": self.possible,
             "held": self.held,
@@ -93,9 +99,9 @@ class Report:
         title = self.called + as_what
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
-        if self.convention != CONTRACT:
+        if self.exercise.convention != CONTRACT:
             note = "Right, but in another convention than numpy_cae's: "
-            yield from _wrapped("  ", f"{note}{self.convention}.", 2)
+            yield from _wrapped("  ", f"{note}{self.exercise.convention}.", 2)
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.stated.name) for outcome in self.outcomes)
@@ -112,8 +118,8 @@ class Report:
                 else:
                     told[why] = tried.name
                     yield from _why(outcome)
-        if self.hint and not self.held:
-            yield from _wrapped("  hint: ", self.hint, 8)
+        if self.exercise.hint and not self.held:
+            yield from _wrapped("  hint: ", self.exercise.hint, 8)
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
@@ -141,71 +147,86 @@ def _kind(name: str) -> str:
     return "form" if name in FORM else kinds.get(first, "")
 
 
-def report(name: str, function: Callable, any_convention: bool = False) -> Report:
+def report(
+    operation: str | Exercise,
+    function: Callable,
+    any_convention: bool = False,
+    called: str | None = None,
+) -> Report:
     """Test an implementation for every property of an operation.
 
     Parameters
     ----------
-    name : str
-        An operation of `numpy_cae.ops`, or "tied_layer"; a ValueError if there is none.
+    operation : str or Exercise
+        An operation of `numpy_cae.ops`, "tied_layer", or an exercise.
     function : callable
         With the arguments of that operation; returns a value and its pullback.
     any_convention : bool
         Whether another documented convention may be followed, such as GRU gates in another order.
+    called : str, optional
+        The name of the function in the report, by default its own.
+
+    Returns
+    -------
+    Report
+        Prints as a table: for each property whether it holds, the points, and if not, why, the
+        smallest counterexample and the likely mistake.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from numpy_cae import verify
+    >>> def tanh(x):
+    ...     return np.tanh(x), lambda dy: dy * (1 - x * x)
+    >>> made = verify.report("tanh", tanh)
+    >>> made.points, made.possible
+    (2, 11)
+    >>> made.outcomes[1].stated.name, made.outcomes[1].mistake
+    ('gradient for x', 'The derivative is 1 - x², where it should be 1 - y².')
     """
-    return report_on(find_task(CATALOGUE, name), function, any_convention=any_convention)
-
-
-def report_on(
-    task: Task, implementation: Callable, called: str | None = None, any_convention: bool = False
-) -> Report:
-    """`report`, for a task of any catalogue and an implementation of any name."""
-    called = called or getattr(implementation, "__name__", task.name)
-    outcomes = [try_property(task.properties[0], implementation)]
+    exercise = find_exercise(operation)
+    called = called or getattr(function, "__name__", exercise.name)
+    outcomes = [try_property(exercise.properties[0], function)]
     unsolved = outcomes[0].problem.startswith(UNSOLVED)
-    for stated in task.properties[1:]:
+    for stated in exercise.properties[1:]:
         stub = Outcome(stated, held=False, problem=UNSOLVED)
-        outcomes.append(stub if unsolved else try_property(stated, implementation))
-    others = in_other_conventions(task) if any_convention else ()
-    if not all(outcome.held for outcome in outcomes):
-        for other in others:
-            if holds(other, implementation):
-                return _report(other, called, [Outcome(each, True) for each in other.properties])
-    return _report(task, called, outcomes)
+        outcomes.append(stub if unsolved else try_property(stated, function))
+    if any_convention and not all(outcome.held for outcome in outcomes):
+        for other in in_other_conventions(exercise):
+            if holds(other, function):
+                return Report(other, called, tuple(Outcome(p, True) for p in other.properties))
+    return Report(exercise, called, tuple(outcomes))
 
 
-def report_from_reply(task: Task, called: str, reply: dict) -> Report:
+def report_from_reply(exercise: Exercise, called: str, reply: dict) -> Report:
     """The report that another process made of a function, or one on why it made none.
 
-    Statements and points are not taken from the reply.
+    The reply is a report's `as_reply`; statements and points are not taken from it.
     """
     try:
         problem = visible(reply.get("failed", ""))
         if not problem:
-            return _report(*_checked(task, called, **reply["report"]))
+            every = (exercise, *in_other_conventions(exercise))
+            (followed,) = (each for each in every if each.convention == reply["convention"])
+            both = zip(followed.properties, reply["outcomes"], strict=True)
+            outcomes = [
+                Outcome(stated, held is True, visible(problem), visible(example), visible(mistake))
+                for stated, (held, problem, example, mistake) in both
+            ]
+            return Report(followed, called, tuple(outcomes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    return _report(task, called, [Outcome(each, False, problem) for each in task.properties])
+    return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))
 
 
-def _checked(task: Task, called: str, convention: str, properties: list, **others) -> tuple:
-    """The arguments of `_report`, from the JSON of a report."""
-    (task,) = (t for t in (task, *in_other_conventions(task)) if t.convention == convention)
-    texts = ("problem", "counterexample", "likely_mistake")
-    outcomes = [
-        Outcome(stated, made["held"] is True, *(visible(made[text]) for text in texts))
-        for stated, made in zip(task.properties, properties, strict=True)
-    ]
-    return task, called, outcomes
-
-
-def _report(task: Task, called: str, outcomes: list[Outcome]) -> Report:
-    return Report(task.name, called, tuple(outcomes), task.convention, task.hint)
-
-
-def holds(task: Task, implementation: Callable) -> bool:
+def holds(exercise: Exercise, implementation: Callable) -> bool:
     """Whether every property holds; stops at the first that does not."""
-    return all(failing_case(tried, implementation) is None for tried in task.properties)
+    return all(failing_case(tried, implementation) is None for tried in exercise.properties)
 
 
 def visible(text: str) -> str:

@@ -3,23 +3,22 @@
 import textwrap
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 from numpy_cae.verify.grading.report import WIDTH, Report, report_from_reply, visible
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
-from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.operations.catalogue import Catalogue, find_task
+from numpy_cae.verify.operations import catalogue as operations
+from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 
 TIME_LIMIT = 120.0
 EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; twice as much may pass on the clock."""
 MEMORY_LIMIT = 2048
-OPERATIONS_ALONE = "numpy_cae.verify.operations.catalogue"
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 MISSING = (
-    f"no function has an operation's name ({', '.join(OPERATIONS)}); "
+    f"no function has an operation's name ({', '.join(operations.CATALOGUE)}); "
     "name one with --as conv1d=my_conv"
 )
 
@@ -74,7 +73,7 @@ class FileReport:
 
 def grade(
     path: Path,
-    catalogue: str = OPERATIONS_ALONE,
+    catalogue: ModuleType = operations,
     named: Mapping[str, str] | None = None,
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
@@ -83,59 +82,89 @@ def grade(
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
-    Tested are the functions of a Python file with the name of an operation, or the exercise cells
-    of a notebook. `catalogue` is the module with a `CATALOGUE` of what may be tested, and perhaps
-    `ASSIGNMENTS`, the names in each lesson; `named` has functions with other names, by operation.
-    The limits are those of the whole file, and of the memory of one process (on Linux). All
-    exercises of `lesson`, by default that of the cells or of a name such as 03_mine.py, count.
+    Tested are the functions of a Python file that have the name of an operation, or the exercise
+    cells of a notebook.
 
-    Raises a ValueError if there is no such operation or lesson.
+    Parameters
+    ----------
+    path : Path
+    catalogue : module
+        With the `CATALOGUE` of what may be tested, and perhaps `ASSIGNMENTS`, the names of the
+        exercises in each lesson. The processes import the module by its name.
+    named : mapping of str to str, optional
+        Functions that have other names than their operations, by operation.
+    seconds : float
+        Limit of the time for the whole file.
+    megabytes : int
+        Limit of the memory of one process (on Linux).
+    lesson : str
+        The lesson whose exercises all count; by default that of the cells or of the file's name,
+        such as 03_mine.py.
+    any_convention : bool
+        Whether other documented conventions may be followed.
+
+    Returns
+    -------
+    FileReport
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation or lesson.
     """
-    module = import_module(catalogue)
+    known = catalogue.CATALOGUE
     named = dict(named or {})
     for operation in named:
-        find_task(module.CATALOGUE, operation)
-    lessons = getattr(module, "ASSIGNMENTS", {})
+        find_exercise(operation, known)
+    lessons = getattr(catalogue, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
     submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
-    known = assigned or (module.CATALOGUE if submission.is_notebook else OPERATIONS)
-    wanted = {name: name for name in known} | named
+    tested = assigned or (known if submission.is_notebook else operations.CATALOGUE)
+    wanted = {name: name for name in tested} | named
     reply = {"failed": submission.fault}
     if not submission.fault:
-        own = assigned or submission.defined() & wanted.keys()
-        given = {name for task in own for name in module.CATALOGUE[task].given} - set(assigned)
-        if {*wanted, *given} <= OPERATIONS.keys():
-            catalogue = OPERATIONS_ALONE  # quicker to import
-        request = {"path": str(path.resolve()), "from": catalogue, "any_convention": any_convention}
-        request["replaced"] = list(assigned) if submission.is_notebook else []
-        request |= {"wanted": wanted, "given": sorted(given), "megabytes": megabytes}
-        reply = run(request | {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS})
-    return _graded(submission, module.CATALOGUE, wanted, {*assigned, *named}, reply)
+        there = assigned or submission.defined() & wanted.keys()
+        given = {other for name in there for other in known[name].given} - set(assigned)
+        if {*wanted, *given} <= operations.CATALOGUE.keys():
+            catalogue = operations  # quicker to import
+        request = {
+            "path": str(path.resolve()),
+            "catalogue": catalogue.__name__,
+            "wanted": wanted,
+            "given": sorted(given),
+            "replaced": list(assigned) if submission.is_notebook else [],
+            "any_convention": any_convention,
+            "seconds": seconds,
+            "cpu_seconds": EXERCISE_SECONDS,
+            "megabytes": megabytes,
+        }
+        reply = run(request)
+    return _graded(submission, known, wanted, {*assigned, *named}, reply)
 
 
 def _graded(
     submission: Submission,
-    catalogue: Catalogue,
+    catalogue: Mapping[str, Exercise],
     wanted: Mapping[str, str],
     counted: Collection[str],
     reply: dict,
 ) -> FileReport:
-    """The report from the reply of `run`; `counted` are the tasks that count in any case."""
+    """The report from the reply of `run`; `counted` are the exercises that count in any case."""
     graded, results = FileReport(submission.path), reply.get("results", {})
     problems, fault = reply.get("problems", []), reply["failed"]
     if problems and not submission.is_notebook:
         fault = problems[0]
     defined = submission.defined() if fault else ()
     helpers: list[Report] = []
-    for task, function in wanted.items():
-        if not (task in results or task in counted or function in defined):
+    for name, function in wanted.items():
+        if not (name in results or name in counted or function in defined):
             continue
-        result = results.get(task, {"failed": f"it has no function {function}"})
+        result = results.get(name, {"failed": f"it has no function {function}"})
         result = {"failed": fault} if fault else result
-        report = report_from_reply(catalogue[task], function, result)
-        if task not in counted and _is_helper(report, submission):
+        report = report_from_reply(catalogue[name], function, result)
+        if name not in counted and _is_helper(report, submission):
             helpers.append(report)
             continue
         graded.reports.append(report)

@@ -1,7 +1,8 @@
-"""Catalogues: what may be tested under which name, as data for tests, lessons and the grader.
+"""What may be tested under which name: `CATALOGUE`, the operations of `numpy_cae.ops` and the tied
+layer.
 
-`CATALOGUE` holds the operations of `numpy_cae.ops` and the tied layer. Another package can make a
-larger one, such as `numpy_cae.course.catalogue`, which adds the exercises of the lessons.
+Another module can have a larger `CATALOGUE`: that of `numpy_cae.course.catalogue` adds the
+exercises of the lessons.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -11,18 +12,18 @@ from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
-from numpy_cae.verify.operations.single_properties import operation_properties
+from numpy_cae.verify.operations.single_properties import single_properties
 
 CONTRACT = "that of numpy_cae.ops"
 """The convention that an implementation follows unless another one is allowed."""
 
 
 @dataclass(frozen=True)
-class Task:
-    """One function to be written, and the properties that it is tested for."""
+class Exercise:
+    """A function to be written, and the properties that an implementation is tested for."""
 
     name: str
-    solution: Callable = field(repr=False)  # the project's own implementation
+    solution: Callable = field(repr=False)  # the project's implementation
     properties: tuple[Property, ...] = field(repr=False)
     hint: str = ""  # shown where a property does not hold
     given: tuple[str, ...] = ()  # names that an implementation may call without defining them
@@ -33,38 +34,62 @@ class Task:
         return sum(stated.points for stated in self.properties)
 
 
-Catalogue = Mapping[str, Task]
-
-
 def properties_of(name: str, convention: Patch | None = None) -> tuple[Property, ...]:
-    """Every property of an operation, or of one in another convention."""
+    """Every property of an operation, or of the operation in another convention."""
     operation, only_ours = OPERATIONS[name], ""
     if convention is not None:
         operation = replace(operation, reference=convention.function())
         only_ours = convention.caught_by
-    every = (*shared_properties(operation), *operation_properties(operation))
+    every = (*shared_properties(operation), *single_properties(operation))
     return tuple(stated for stated in every if stated.name != only_ours)
 
 
-def in_other_conventions(task: Task) -> Iterator[Task]:
-    """The task in each documented convention other than the contract's."""
-    for patch in conventions_of(task.name):
-        stated = properties_of(task.name, patch)
-        yield replace(task, properties=stated, convention=patch.sentence)
+def in_other_conventions(exercise: Exercise) -> Iterator[Exercise]:
+    """The exercise in each documented convention other than the contract's."""
+    for patch in conventions_of(exercise.name):
+        stated = properties_of(exercise.name, patch)
+        yield replace(exercise, properties=stated, convention=patch.sentence)
 
 
-CATALOGUE: dict[str, Task] = {
-    name: Task(name, right_operation(name), properties_of(name)) for name in OPERATIONS
+CATALOGUE: dict[str, Exercise] = {
+    name: Exercise(name, right_operation(name), properties_of(name)) for name in OPERATIONS
 }
 
 
-def properties(name: str) -> tuple[Property, ...]:
-    """The properties of an operation of `numpy_cae.ops` or of "tied_layer", else a ValueError."""
-    return find_task(CATALOGUE, name).properties
-
-
-def find_task(catalogue: Catalogue, name: str) -> Task:
-    """The task of this name; if there is none, a ValueError that lists the names there are."""
+def find_exercise(name: str | Exercise, catalogue: Mapping[str, Exercise] = CATALOGUE) -> Exercise:
+    """The exercise of this name, or the one given; raise a ValueError that lists the names."""
+    if isinstance(name, Exercise):
+        return name
     if name not in catalogue:
         raise ValueError(f"no operation is called {name!r}; there are {', '.join(catalogue)}")
     return catalogue[name]
+
+
+def properties(name: str) -> tuple[Property, ...]:
+    """What must hold of an operation: the properties that `report` tests for.
+
+    Parameters
+    ----------
+    name : str
+        An operation of `numpy_cae.ops`, or "tied_layer".
+
+    Returns
+    -------
+    tuple of Property
+        Each with a name, a statement and its points; `check_property` tests for one.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation; the message lists the names.
+
+    Examples
+    --------
+    >>> from numpy_cae import verify
+    >>> for stated in verify.properties("max_pool")[:3]:
+    ...     print(f"{stated.name}: {stated.statement}")
+    value: the value is that of the definition, loop by loop
+    gradient for x: the pullback's gradient for x is that of the definition
+    linearity: the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
+    """
+    return find_exercise(name).properties

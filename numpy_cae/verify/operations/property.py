@@ -1,7 +1,7 @@
 """A property: a sentence about an operation, and the check that tests an implementation for it.
 
 Each compares what an implementation returns with what it should return. The properties that every
-operation shares are in `shared_properties`, those of a single one in `operation_properties`.
+operation shares are in `shared_properties`, those of a single one in `single_properties`.
 """
 
 import re
@@ -52,17 +52,21 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Property:
-    """One sentence about one operation, that any implementation can be tested for."""
+    """A sentence about a function, and the check that raises where the sentence is false.
 
-    operation: str
+    The arguments of the function and the name of its operation are those of an exercise; `sizes`
+    may replace some of the exercise's own.
+    """
+
     name: str
     statement: str
     check: Callable[[Callable, Case], None] = field(repr=False)
-    arguments: Callable[[Case], dict[str, object]] = field(repr=False)
-    sizes: Sizes = field(repr=False)
     points: int = 1
+    sizes: Sizes = field(default_factory=dict, repr=False)
+    examples: int = EXAMPLES  # the number of cases
+    operation: str = ""
+    arguments: Callable[[Case], dict[str, object]] = field(default=lambda case: {}, repr=False)
     hint: str = ""
-    examples: int = EXAMPLES
     combined: tuple[str, ...] = ()  # sizes and classes of which every combination is drawn
     together: bool = False  # whether the last of each size comes with those of the others too
 
@@ -80,7 +84,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of one property: if it does not hold, why, where, and the likely mistake."""
+    """Whether a property holds; if not, why, in which case, and the likely mistake."""
 
     stated: Property
     held: bool
@@ -98,8 +102,15 @@ def property_of(
     **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
-    check, sizes = Comparison(operation, findings), {**operation.sizes, **classes}
-    return Property(operation.name, name, statement, check, operation.arguments, sizes, **others)
+    return Property(
+        name,
+        statement,
+        Comparison(operation, findings),
+        sizes={**operation.sizes, **classes},
+        operation=operation.name,
+        arguments=operation.arguments,
+        **others,
+    )
 
 
 def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:

@@ -26,7 +26,7 @@ _STATED: dict[str, list[tuple]] = {}
 """For each operation, the name, statement, findings and sizes of its properties."""
 
 
-def operation_properties(operation: Operation) -> Iterator[Property]:
+def single_properties(operation: Operation) -> Iterator[Property]:
     """The properties that only this operation has."""
     for name, statement, findings, sizes in _STATED.get(operation.name, ()):
         yield property_of(operation, name, statement, findings, UPSTREAM | sizes)

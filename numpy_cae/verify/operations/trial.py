@@ -5,7 +5,7 @@ import pickle
 import random
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.operations.case import WORTH_PRINTING, Case, example_call, smallest, written
-from numpy_cae.verify.operations.catalogue import CATALOGUE, find_task
+from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.property import Outcome, Property, agrees, case_of, right_results
 
@@ -62,21 +62,38 @@ class Example:
     gradients: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def example(name: str, seed: int, **sizes: int | str) -> Example:
-    """The example that a report prints as a call of this function.
+def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
+    """The arguments of a counterexample: a report prints the call of this function.
 
-    The value and the gradients are those of the definition. Raises a ValueError if there is no
-    such operation, or a size such as frames=2 is missing or unknown.
+    Parameters
+    ----------
+    name : str or Exercise
+        An operation of `numpy_cae.ops`, "tied_layer", or an exercise.
+    seed : int
+    **sizes : int or str
+        The sizes of the arrays, such as frames=2, and classes such as values="ties".
+
+    Returns
+    -------
+    Example
+        With `arguments` by name and, for an operation, the `upstream` gradient and the `value` and
+        `gradients` of the definition.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation, or a size is missing or unknown.
+
+    Examples
+    --------
+    >>> from numpy_cae import verify
+    >>> case = verify.example("max_pool", seed=0, batch=1, frames=1, channels=1, values="ties")
+    >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
+    ([2.0, 1.0], [2.0])
     """
-    return example_of(find_task(CATALOGUE, name).properties, seed, sizes)
-
-
-def example_of(
-    properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]
-) -> Example:
-    """The case of an operation with these sizes; a ValueError if one is missing or unknown."""
-    case, operation = case_of(properties, seed, sizes), properties[0].definition
-    arguments = properties[0].arguments(case)
+    exercise = find_exercise(name)
+    first, case = exercise.properties[0], case_of(exercise.properties, seed, sizes)
+    arguments, operation = first.arguments(case), first.definition
     if operation is None:
         return Example(arguments)
     dy, right = right_results(operation, case)
