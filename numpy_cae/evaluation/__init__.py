@@ -2,7 +2,6 @@
 
 from numpy_cae.evaluation.body import bone_length_error, foot_sliding, gait_frequency, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
-from numpy_cae.evaluation.filters import median, savitzky_golay
 from numpy_cae.evaluation.interpolation import interpolate_cubically, interpolate_linearly
 from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.evaluation.pca import PCA
@@ -23,9 +22,7 @@ __all__ = [
     "interpolate_cubically",
     "interpolate_linearly",
     "jitter",
-    "median",
     "nearest_distance",
     "nearest_neighbour_accuracy",
     "position_error",
-    "savitzky_golay",
 ]

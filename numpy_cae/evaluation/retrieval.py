@@ -1,4 +1,4 @@
-"""Retrieval by a distance: precision at 1, average precision, and confidence intervals.
+"""Retrieval by a distance: precision at 1 and average precision.
 
 A query searches a gallery, nearest first. With rel(r) = 1 where the motion at rank r is relevant,
 and R of them in the gallery,
@@ -9,8 +9,6 @@ and R of them in the gallery,
 Each function gives one number for each query, so that two methods can be compared query by query;
 their means are the precision at 1 and the mean average precision (mAP) of a table.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -58,35 +56,3 @@ def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
         raise ValueError(f"nothing in the gallery is like query {query}: it has no precision")
     precision = np.cumsum(ranked, axis=1) / np.arange(1, ranked.shape[1] + 1)
     return np.sum(precision * ranked, axis=1) / found
-
-
-class Difference(NamedTuple):
-    """A difference of means and its 95 % interval by resampling."""
-
-    mean: float
-    low: float
-    high: float
-
-    def text(self) -> str:
-        """For a cell of a table."""
-        return f"{self.mean:+.2f} ({self.low:+.2f} to {self.high:+.2f})"
-
-
-def bootstrapped_difference(
-    ours: np.ndarray, theirs: np.ndarray, seed: int = 0, draws: int = 2000
-) -> Difference:
-    """mean(ours) - mean(theirs), measured on the same queries, with a 95 % percentile interval.
-
-    The queries are resampled with replacement, the same ones for both methods.
-
-    Parameters
-    ----------
-    ours, theirs : (Q,) arrays of float
-        One number for each query.
-    seed : int
-    draws : int
-    """
-    gaps = np.asarray(ours, dtype=np.float64) - theirs
-    drawn = np.random.default_rng(seed).integers(0, len(gaps), size=(draws, len(gaps)))
-    low, high = np.quantile(gaps[drawn].mean(axis=1), [0.025, 0.975])
-    return Difference(float(gaps.mean()), float(low), float(high))

@@ -2,9 +2,8 @@
 
 holden2015 says of interpolation that it "creates motion which remains valid" (section 7) and of Φ†
 that it "always produces" motion "within the subspace of valid human motion" (section 3), without a
-definition of valid. Here: bones keep their lengths, a standing foot does not slide, joints stay
-within the range of real motions, accelerations are as large as in real motion, and each pose is
-near a real one.
+definition of valid. Here: bones keep their lengths, a standing foot does not slide, accelerations
+are as large as in real motion, and each pose is near a real one.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
-from numpy_cae.evaluation.joint_limits import JointLimits
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 
 MAX_POSES = 12_000
@@ -32,8 +30,6 @@ class Validity:
         `bone_length_error`, cm.
     foot_sliding : float
         cm/s.
-    beyond_limits : float
-        Per cent of the frames.
     jitter : float
         m/s².
     nearest_pose : float
@@ -42,19 +38,11 @@ class Validity:
 
     bone_length: float
     foot_sliding: float
-    beyond_limits: float
     jitter: float
     nearest_pose: float
 
-    HEADER = (
-        "bone length, cm",
-        "foot sliding, cm/s",
-        "beyond limits, %",
-        "jitter, m/s²",
-        "nearest pose, cm",
-    )
-
-    FORMATS = ("", ".2f", ".1f", ".1f", ".2f", ".2f")
+    HEADER = ("bone length, cm", "foot sliding, cm/s", "jitter, m/s²", "nearest pose, cm")
+    FORMATS = ("", ".2f", ".1f", ".2f", ".2f")
     """Of a table's columns: a name, then the measures."""
 
     def against(self, other: Validity) -> str:
@@ -69,7 +57,7 @@ class Validity:
 
 
 class ValidityMeasure:
-    """Measures motions by the joint limits and poses of real ones.
+    """Measures motions, comparing their poses with real ones.
 
     Parameters
     ----------
@@ -82,10 +70,8 @@ class ValidityMeasure:
     """
 
     def __init__(self, real: Sequence[np.ndarray], lengths: np.ndarray, rate: float):
-        frames = np.concatenate(list(real))
         self.lengths, self.rate = lengths, rate
-        self.limits = JointLimits.of_poses(frames[:, POSITIONS].reshape(len(frames), -1, 3))
-        self.nearest = NearestPose(frames)
+        self.nearest = NearestPose(np.concatenate(list(real)))
 
     def of(self, features: np.ndarray) -> Validity:
         """Measure one motion, (F, 63) features of at least 3 frames."""
@@ -93,7 +79,6 @@ class ValidityMeasure:
         return Validity(
             bone_length_error(positions, self.lengths),
             foot_sliding(positions, self.rate),
-            float(100 * self.limits.beyond(positions).any(axis=1).mean()),
             jitter(positions, self.rate),
             float(self.nearest.distances(features).mean()),
         )

@@ -16,12 +16,14 @@ from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import cut_windows
 
 NETWORK, ENDS_HELD = "the network", "the network, ends held"
-ALL_SHIFTS = "the network, ends held, all shifts"
-"""Names in tables: `project`, `project_ends_held` once, and its mean over all shifts."""
+AVERAGED = "the network, ends held, averaged over all shifts"
+"""Names in tables: `project`, `project_ends_held` once, and averaged over all shifts of the pooling
+grid."""
 CHOOSING_EVERY = 5
-"""One in so many training takes is used to choose settings."""
+"""Of this many training takes, one is used to choose settings."""
 TRAINING_WINDOWS, CHOOSING_WINDOWS, TESTING_WINDOWS = 600, 48, 120
-"""At most, spread evenly over all: more windows change no figure by much and take minutes."""
+"""Maximum numbers of windows, evenly spaced; more would take minutes and hardly change the
+results."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class Clips:
         return replace(self, x=np.roll(self.x, frames, axis=1), real=real)
 
     def evenly(self, count: int) -> Clips:
-        """At most `count` of the windows, spread evenly over all."""
+        """At most `count` of the windows, evenly spaced."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
         return self._chosen(chosen, self.real)
 
@@ -114,9 +116,9 @@ def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) 
 
 def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
     """Windows (N, T, C) padded with their end frames as far as the network sees."""
-    reach = manifold.reach
-    more = -(x.shape[1] + 2 * reach) % manifold.network.stride
-    return np.pad(x, ((0, 0), (reach, reach + more), (0, 0)), mode="edge")
+    radius = manifold.reach
+    more = -(x.shape[1] + 2 * radius) % manifold.network.stride
+    return np.pad(x, ((0, 0), (radius, radius + more), (0, 0)), mode="edge")
 
 
 def cut_ends(manifold: MotionManifold, x: np.ndarray, frames: int) -> np.ndarray:

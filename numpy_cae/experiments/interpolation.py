@@ -23,7 +23,7 @@ from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH
 
 SHARES = (0.25, 0.5, 0.75)
 SIZE = 200
-"""Axes of PCA on windows, the best size for repairing them (`half_zeroed`)."""
+"""Axes of PCA on windows, the best size for repairing them (`half_removed`)."""
 PAIRS = 5
 """At most so many pairs of a kind, spread over all."""
 LINEAR, PCA_WINDOWS, ALONG = "linear", "PCA on windows", "along the manifold"
@@ -38,7 +38,7 @@ Pair = tuple[LabelledTake, LabelledTake]
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Interpolate pairs of test takes linearly, with PCA, and along the manifold.
 
-    PCA, joint limits and nearest poses are of the training takes. Raises ValueError where the test
+    PCA and nearest poses are of the training takes. Raises ValueError where the test
     takes have neither press-ups and walking nor walks of two styles.
     """
     kinds = pairs_of(material.testing)
@@ -65,7 +65,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Interpolation of two motions",
         tables,
         claims,
-        *moving(motions, manifold.rate, azimuth=75.0, seconds=5.0),
+        *moving(motions, manifold.rate, azimuth=75.0),
     )
 
 
@@ -123,8 +123,8 @@ def _claim(kind: str, measured: Measured) -> Claim:
         sentence,
         len(better) == len(Validity.HEADER),
         f"{ALONG} is better than {other} on {len(better)} of {len(Validity.HEADER)} measures "
-        f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[other])}. Held if "
-        "better on all of them.",
+        f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[other])}. Confirmed "
+        "if better on all of them.",
     )
 
 
@@ -136,7 +136,7 @@ def better_measures(measured: Measured, method: str, than: str) -> list[str]:
     def errors(name: str) -> tuple[float, ...]:
         each = measured[name]
         jitter = abs(np.log(max(each.jitter, 1e-9) / max(real, 1e-9)))
-        return each.bone_length, each.foot_sliding, each.beyond_limits, jitter, each.nearest_pose
+        return each.bone_length, each.foot_sliding, jitter, each.nearest_pose
 
     each = zip(Validity.HEADER, errors(method), errors(than), strict=True)
     return [heading.split(",")[0] for heading, a, b in each if a < b]

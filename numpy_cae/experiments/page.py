@@ -34,25 +34,24 @@ def page(
         name: f'<a href="#{name}">{escape(result.title)}</a>' for name, result in results.items()
     }
     claims = [(links[name], claim) for name, result in results.items() for claim in result.claims]
-    ordered = sorted(claims, key=lambda pair: not pair[1].held)
-    viewers = {name: result.viewer() for name, result in results.items()}
+    ordered = sorted(claims, key=lambda pair: not pair[1].confirmed)
     return _PAGE.substitute(
         title=escape(title),
         introduction=escape(introduction),
-        count=f"{sum(each.held for each in results.values())} of {len(claims)} claims held on "
-        "this data.",
+        count=f"{sum(each.confirmed for each in results.values())} of {len(claims)} claims are "
+        "confirmed on this data.",
         provenance=_definitions(provenance),
         contents="\n".join(
-            f"<li>{link} {' '.join(_status(claim.held) for claim in results[name].claims)}</li>"
+            f"<li>{link} {' '.join(_status(claim) for claim in results[name].claims)}</li>"
             for name, link in links.items()
         ),
         claims="\n".join(
-            f"<li>{_status(claim.held)} {escape(claim.sentence)} <small>{link}</small></li>"
+            f"<li>{_status(claim)} {escape(claim.sentence)} <small>{link}</small></li>"
             for link, claim in ordered
         ),
         legend=_definitions(legend_of(results.values())),
-        sections="\n".join(_section(name, each, viewers[name]) for name, each in results.items()),
-        viewer=head() if any(viewers.values()) else "",
+        sections="\n".join(_section(name, result) for name, result in results.items()),
+        viewer=head() if any(result.animation for result in results.values()) else "",
     )
 
 
@@ -65,33 +64,36 @@ def plain_text(results: Iterable[Result], provenance: Mapping[str, str]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def section(result: Result) -> str:
+    """One result as HTML: claims, figure, motions, tables and note."""
+    parts = [f"<h2>{escape(result.title)}</h2>", *map(_claim, result.claims)]
+    if picture := result.png():
+        source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+        label = escape(f"{result.title}: picture")
+        parts.append(f'<figure><img alt="{label}" src="{source}"></figure>')
+    if result.animation:
+        parts.append(f"<figure>{result.viewer()}</figure>")
+    return "\n".join([*parts, *map(_table, result.tables), _paragraph(result.note)])
+
+
 def _definitions(meanings: Mapping[str, str]) -> str:
     return "\n".join(
         f"<dt>{escape(name)}</dt><dd>{escape(meaning)}</dd>" for name, meaning in meanings.items()
     )
 
 
-def _section(name: str, result: Result, viewer: str) -> str:
-    parts = [f'<section id="{name}">', f"<h2>{escape(result.title)}</h2>"]
-    parts += [_claim(claim) for claim in result.claims]
-    if picture := result.png():
-        source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-        label = escape(f"{result.title}: picture")
-        parts.append(f'<figure><img alt="{label}" src="{source}"></figure>')
-    if viewer:
-        parts.append(f"<figure>{viewer}</figure>")
-    parts += [_table(table) for table in result.tables]
-    return "\n".join([*parts, _paragraph(result.note), "</section>"])
+def _section(name: str, result: Result) -> str:
+    return f'<section id="{name}">\n{section(result)}\n</section>'
 
 
-def _status(held: bool) -> str:
-    colour, text = ("yes", "held") if held else ("no", "not held")
-    return f'<span class="verdict {colour}">{text}</span>'
+def _status(claim: Claim) -> str:
+    colour = "yes" if claim.confirmed else "no"
+    return f'<span class="verdict {colour}">{claim.status}</span>'
 
 
 def _claim(claim: Claim) -> str:
     return (
-        f'<div class="claim"><p>{_status(claim.held)} {escape(claim.sentence)}</p>'
+        f'<div class="claim"><p>{_status(claim)} {escape(claim.sentence)}</p>'
         f"<p>Measured: {escape(claim.figures)}</p></div>"
     )
 

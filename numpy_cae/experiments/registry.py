@@ -10,13 +10,9 @@ EXPERIMENTS = {
     "damage": "repair.damage",
     "filling_in": "repair.filling_in",
     "interpolation": "interpolation",
-    "nearest": "comparison.nearest",
-    "comparison": "comparison.comparison",
-    "shift": "comparison.shift",
+    "comparison": "comparison",
     "sampling": "sampling",
     "filters": "filters",
-    "two_unpoolings": "repair.two_unpoolings",
-    "lengths": "repair.lengths",
     "constrained_projection": "repair.constrained_projection",
 }
 """Name of each experiment to its module here, in the order of the report. A module has a function

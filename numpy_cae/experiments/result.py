@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from numpy_cae.text_table import text_table
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -48,48 +50,69 @@ class Table:
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence about the method with its source, whether it held in this measurement, and the
-    measured figures that decide, in a sentence.
+    """A sentence about a method, and whether the measurement confirms the sentence.
+
+    Parameters
+    ----------
+    sentence : str
+        With its source, such as "(holden2015, section 7)".
+    confirmed : bool
+    figures : str
+        The measured figures that decide, in a sentence.
     """
 
     sentence: str
-    held: bool
+    confirmed: bool
     figures: str
+
+    @property
+    def status(self) -> str:
+        """The words "confirmed" or "not confirmed"."""
+        return "confirmed" if self.confirmed else "not confirmed"
 
     def text(self) -> str:
         """One line for a terminal."""
-        status = "held" if self.held else "not held"
-        return f"{status}: {self.sentence} Measured: {self.figures}"
+        return f"{self.status}: {self.sentence} Measured: {self.figures}"
 
 
 @dataclass(frozen=True)
 class Animation:
-    """Motions side by side, for the viewer."""
+    """Motions for the viewer, and their frames a second."""
 
     actors: list[Actor]
     rate: float
-    azimuth: float = 40.0
-    seconds: float = 10.0
 
 
 def moving(
-    motions: Motions, rate: float, azimuth: float = 40.0, seconds: float = 10.0
+    motions: Motions, rate: float, azimuth: float = 40.0
 ) -> tuple[Callable[[], Figure], Animation]:
-    """The figure and the animation of a `Result` that shows motions: as strips, and moving."""
+    """The figure and the animation of a `Result` that shows motions: as strips, and moving.
+
+    The strips are seen from `azimuth`, in degrees.
+    """
     from numpy_cae.viz import local_actors, strip_figure, world_actors
 
     def figure() -> Figure:
         return strip_figure(local_actors(motions), rate, azimuth=azimuth)
 
-    return figure, Animation(world_actors(motions), rate, azimuth, seconds)
+    return figure, Animation(world_actors(motions), rate)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What an experiment measured.
+    """What an experiment measured; a notebook shows it as a section of the report.
 
-    `figure` is called when a picture is requested, so that text needs no Matplotlib. The note says
-    what was measured on which data.
+    Parameters
+    ----------
+    title : str
+    tables : sequence of Table
+    claims : sequence of Claim
+    figure : function without arguments, optional
+        Draws the figure. It is called when a picture is requested, so that text needs no
+        Matplotlib.
+    animation : Animation, optional
+    note : str
+        What was measured on which data.
     """
 
     title: str
@@ -100,9 +123,9 @@ class Result:
     note: str = ""
 
     @property
-    def held(self) -> int:
-        """How many of the claims held."""
-        return sum(bool(claim.held) for claim in self.claims)
+    def confirmed(self) -> int:
+        """The number of claims that are confirmed."""
+        return sum(bool(claim.confirmed) for claim in self.claims)
 
     def text(self) -> str:
         """The tables in Markdown's form, then the note."""
@@ -134,25 +157,16 @@ class Result:
 
         return fragment(self.animation.actors, self.animation.rate)
 
+    def _repr_html_(self) -> str:
+        from numpy_cae.experiments.page import section
+
+        return section(self)
+
     def save_picture(self, path: str | Path) -> None:
         """Write the figure, which there must be, as a PNG file."""
         from numpy_cae.viz import save_figure
 
         save_figure(self.figure(), path)
-
-
-def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns in Markdown's form, padded: the first left-aligned, the others right-aligned."""
-    cells = [list(header), *[list(row) for row in rows]]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(header))]
-
-    def line(row: Sequence[str]) -> str:
-        padded = [row[0].ljust(widths[0])]
-        padded += [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
-        return "| " + " | ".join(padded) + " |"
-
-    rule = "|" + "|".join("-" * (width + 1) + (":" if n else "-") for n, width in enumerate(widths))
-    return "\n".join([line(cells[0]), rule + "|", *[line(row) for row in cells[1:]]])
 
 
 def _printed(value: object, form: str) -> str:

@@ -26,10 +26,10 @@ def model(folder, tmp_path_factory, train):
 def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys, run):
     out = tmp_path / "new"
     words = ["report", "--data", folder, "-m", model, "-o", out]
-    run(*words, "--only", "sampling", "lengths")
+    run(*words, "--only", "sampling", "filters")
     captured = capsys.readouterr()
     assert "[2/2]" in captured.err
-    assert "claims held" in captured.out
+    assert "claims confirmed" in captured.out
     html, text = ((out / name).read_text() for name in ("report.html", "report.txt"))
     assert html.count('<section id="') == 2
     assert "data:image/png;base64," in html
@@ -45,17 +45,17 @@ def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path
     for path in sorted(folder.rglob("*.bvh"))[:3]:
         (few / path.name).write_bytes(path.read_bytes())  # without labels.csv
     words = ["report", "--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
-    run(*words, "interpolation", "lengths", "--json")
+    run(*words, "interpolation", "filters", "--json")
     captured = capsys.readouterr()
     assert "interpolation: Could not be run: " in captured.err
-    assert "lengths: " in captured.err and "claims held\n" in captured.err
+    assert "filters: " in captured.err and "claims confirmed\n" in captured.err
     printed = json.loads(captured.out)
     lacking, measured = printed["experiments"]
     assert "Could not be run" in lacking["note"] and not lacking["claims"]
     assert printed["claims"] == len(measured["claims"]) > 0
-    assert printed["held"] == sum(claim["held"] for claim in measured["claims"])
+    assert printed["confirmed"] == sum(claim["confirmed"] for claim in measured["claims"])
     assert "*_01.bvh" in printed["how"]["test takes"]
-    assert "Clips of any length" in (tmp_path / "out" / "report.txt").read_text()
+    assert "What the filters learned" in (tmp_path / "out" / "report.txt").read_text()
 
 
 def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):

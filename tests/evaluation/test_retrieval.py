@@ -1,13 +1,9 @@
-"""Retrieval computed by hand, and the interval of a difference."""
+"""Retrieval computed by hand."""
 
 import numpy as np
 import pytest
 
-from numpy_cae.evaluation.retrieval import (
-    average_precision,
-    bootstrapped_difference,
-    precision_at_1,
-)
+from numpy_cae.evaluation.retrieval import average_precision, precision_at_1
 
 # Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
 DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
@@ -32,16 +28,3 @@ def test_an_infinite_distance_leaves_a_motion_out():
     alone = np.array([[np.inf, 1.0]])
     with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):
         average_precision(alone, np.array([[True, False]]))
-
-
-def test_the_interval_of_a_difference():
-    rng = np.random.default_rng(1)
-    theirs = rng.normal(size=100)
-    gaps = rng.normal(0.5, 1.0, size=100)
-    found = bootstrapped_difference(theirs + gaps, theirs)
-    assert found.mean == pytest.approx(gaps.mean())
-    # Of a mean of many draws the interval is that of the normal distribution.
-    half = 1.96 * gaps.std() / 10
-    np.testing.assert_allclose([found.low, found.high], gaps.mean() + [-half, half], atol=0.03)
-    same = bootstrapped_difference(theirs, theirs)
-    assert (same.mean, same.low, same.high) == (0, 0, 0)

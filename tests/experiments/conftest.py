@@ -18,7 +18,6 @@ CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups
 SMALL = {
     "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
     "damage": {"TAKES": 1, "HOLE_TAKES": 1, "HOLES": (15, 45)},
-    "nearest": {"QUERIES": 2, "TAKES": 1, "SECONDS": 1.2},
     "sampling": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
@@ -69,7 +68,6 @@ def result_of(small_manifold, labelled):
                 patch.setattr(repair_sweep, constant, value)
             result = module.run(small_manifold, labelled, 0)
             figure = result.figure()
-            short = result.animation and replace(result.animation, seconds=0.2)
-            return replace(result, figure=lambda: figure, animation=short)
+            return replace(result, figure=lambda: figure)
 
     return run

@@ -56,4 +56,4 @@ def test_claims_compare_with_the_filter_of_least_jitter(result_of):
     errors = result_of("damage").tables[0]
     savitzky = [row[-1] for row in errors.rows if row[0].startswith("Savitzky")]
     (claim,) = (claim for claim in result_of("damage").claims if "Savitzky" in claim.sentence)
-    assert claim.held == (errors.value(damage.BLIND, "jitter") <= min(savitzky))
+    assert claim.confirmed == (errors.value(damage.BLIND, "jitter") <= min(savitzky))

@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import ALL_SHIFTS, ENDS_HELD, NETWORK, clips_of, project_ends_held
+from numpy_cae.experiments.clips import AVERAGED, ENDS_HELD, NETWORK, clips_of, project_ends_held
 from numpy_cae.experiments.material import LabelledTake, unlabelled
-from numpy_cae.experiments.repair import half_zeroed, kinect, lengths, repair_sweep
+from numpy_cae.experiments.repair import half_removed, kinect, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
 from numpy_cae.motion import PARENTS
 
 HALF = "p = 0.5"
 
 
-def test_the_sweep_of_lost_values(result_of):
+def test_the_sweep_of_removed_values(result_of):
     blind, known = result_of("repair_sweep").tables
     assert blind.rows[0][0] == CORRUPTED_ROW
     errors = np.array(blind.rows[0][1:])  # they grow with the root of p
@@ -26,22 +26,22 @@ def test_the_sweep_of_lost_values(result_of):
 
 
 def test_claims_of_the_sweep_follow_its_errors():
-    networks = [name + suffix for name in (NETWORK, ENDS_HELD, ALL_SHIFTS)
+    networks = [name + suffix for name in (NETWORK, ENDS_HELD, AVERAGED)
                 for suffix in ("", RESCALED)]  # fmt: skip
     errors = {name: [5.0] * 9 for name in networks}
     errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9, LINEAR: [2.0] * 9}
     errors[NETWORK] = [1.0] * 3 + [4.0] * 6
 
-    def held(suffix=""):
-        return [claim.held for claim in repair_sweep._claims(errors, 1.5, suffix)]
+    def confirmed(suffix=""):
+        return [claim.confirmed for claim in repair_sweep._claims(errors, 1.5, suffix)]
 
-    assert held() == [True, False, False]
+    assert confirmed() == [True, False, False]
     errors[NETWORK][4] = 1.9
-    assert held() == [True, True, True]
+    assert confirmed() == [True, True, True]
     errors[NETWORK][4] = 4.6
-    assert not held()[0]
+    assert not confirmed()[0]
     errors[NETWORK + RESCALED][4] = 4.4
-    assert not held()[0] and held(RESCALED)[0]
+    assert not confirmed()[0] and confirmed(RESCALED)[0]
 
 
 def test_a_kinect_is_noisier_than_the_truth_and_filters_smooth_it(result_of):
@@ -51,8 +51,8 @@ def test_a_kinect_is_noisier_than_the_truth_and_filters_smooth_it(result_of):
     assert table.value(kinect.SEEN, jitter) > 3 * table.value(kinect.TRUE, jitter)
     assert table.value("median filter", jitter) < table.value(kinect.SEEN, jitter)
     assert 1 < table.value(kinect.SEEN, error) < 20
-    held = table.value(ALL_SHIFTS, error) < table.value(kinect.SEEN, error) * 2 / 3
-    assert result_of("kinect").claims[0].held == held
+    expected = table.value(AVERAGED, error) < table.value(kinect.SEEN, error) * 2 / 3
+    assert result_of("kinect").claims[0].confirmed == expected
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
@@ -66,20 +66,8 @@ def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labell
     assert stepped.value("truth", "error, cm") == 0 < stepped.value("held", "error, cm")
 
 
-def test_a_take_in_one_piece_is_the_whole_take(result_of):
-    (table,) = result_of("lengths").tables
-    # The takes have 90 frames: 160 and 320 do not cut them.
-    for pieces in ("160 frames", "320 frames"):
-        assert table.value(pieces, lengths.ERROR) == pytest.approx(
-            table.value(lengths.WHOLE, lengths.ERROR)
-        )
-        assert table.value(pieces, lengths.JUMP) is None
-    assert table.value("40 frames", lengths.JUMP) > 0
-    assert result_of("lengths").claims[0].held
-
-
-def test_half_zeroed_rows_that_need_no_network(small_manifold, labelled):
-    half = half_zeroed.run(small_manifold, labelled).tables[0]
+def test_rows_that_need_no_network(small_manifold, labelled):
+    half = half_removed.run(small_manifold, labelled).tables[0]
     whole, lost = half.header[1:3]
     assert half.value("as damaged", whole) == 0
     assert half.value("PCA on frames", whole) == pytest.approx(0, abs=1e-4)
@@ -94,10 +82,10 @@ def test_figure_1_has_one_clip_three_times(small_manifold, labelled):
     take = labelled.testing[0].positions
     material = unlabelled([], [take])
     assert material.testing[0] == LabelledTake(Path("take 1"), take)
-    result = half_zeroed.figure_1(small_manifold, material)
+    result = half_removed.figure_1(small_manifold, material)
     (table,) = result.tables
     assert table.value("truth", "error, cm") == 0 < table.value("corrupted", "error, cm")
-    truth = half_zeroed.half_lost_positions(small_manifold, take)["truth"]
+    truth = half_removed.half_removed_positions(small_manifold, take)["truth"]
     bones = truth[:, 1:] - truth[:, list(PARENTS[1:])]
     expected = small_manifold.lengths[1:]
     np.testing.assert_allclose(np.linalg.norm(bones, axis=-1).mean(axis=0), expected, atol=1e-9)

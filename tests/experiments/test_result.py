@@ -11,10 +11,10 @@ from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.result import Claim, Result, Table
 
 HELD = Claim("Motion is <recovered> & well.", True, "3 against 4 cm.")
-NOT_HELD = Claim("It remains valid.", False, "5 cm.")
+NOT_CONFIRMED = Claim("It remains valid.", False, "5 cm.")
 TABLE = Table("Before <it>:", ["a", "error, cm", "share"], [["x < y", 1.0, 0.5], ["z", 10.25, 2]])
 NOTE = "Measured on 2 takes."
-RESULT = Result("First & foremost", [TABLE], [HELD, NOT_HELD], Figure, note=NOTE)
+RESULT = Result("First & foremost", [TABLE], [HELD, NOT_CONFIRMED], Figure, note=NOTE)
 RESULTS = {"one": RESULT, "two": Result("two", [], note="Could not be run: no press-ups.")}
 
 
@@ -75,13 +75,13 @@ def test_the_page_is_self_contained_and_the_text_has_the_same(html):
     assert "link" not in read.tags
     assert html.count('id="viewer-modules"') == 0  # nothing moves
     words = "".join(read.words)
-    for each in (HELD.sentence, HELD.figures, NOT_HELD.sentence, "m.npz <1>", RESULT.title):
+    for each in (HELD.sentence, HELD.figures, NOT_CONFIRMED.sentence, "m.npz <1>", RESULT.title):
         assert each in words
-    assert "1 of 2 claims held" in words and RESULT.note in words
+    assert "1 of 2 claims are confirmed" in words and RESULT.note in words
     assert "Could not be run: no press-ups." in words
-    assert words.count("not held") == 3  # in the summary, in the contents and at the claim
+    assert words.count("not confirmed") == 3  # in the summary, in the contents and at the claim
     assert "<th>a</th><th class=number>error, cm</th>" in html
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
     text = plain_text(RESULTS.values(), {"model": "m.npz"})
-    for each in ("model: m.npz", TABLE.text(), HELD.text(), NOT_HELD.text(), "no press-ups"):
+    for each in ("model: m.npz", TABLE.text(), HELD.text(), NOT_CONFIRMED.text(), "no press-ups"):
         assert each in text

@@ -27,15 +27,15 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
 
 def test_a_claim_holds_if_all_measures_are_better():
     measured = {
-        ENDS: Validity(0, 0, 0, 4.0, 0),
-        ALONG: Validity(1, 1, 1, 3.0, 1),
-        LINEAR: Validity(2, 2, 2, 9.0, 2),
+        ENDS: Validity(0, 0, 4.0, 0),
+        ALONG: Validity(1, 1, 3.0, 1),
+        LINEAR: Validity(2, 2, 9.0, 2),
     }
-    assert len(interpolation.better_measures(measured, ALONG, LINEAR)) == 5
+    assert len(interpolation.better_measures(measured, ALONG, LINEAR)) == 4
     assert interpolation.better_measures(measured, LINEAR, LINEAR) == []
-    assert interpolation._claim(interpolation.PRESS_UPS, measured).held
-    measured[LINEAR] = Validity(2, 2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
-    assert not interpolation._claim(interpolation.PRESS_UPS, measured).held
+    assert interpolation._claim(interpolation.PRESS_UPS, measured).confirmed
+    measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
+    assert not interpolation._claim(interpolation.PRESS_UPS, measured).confirmed
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):
@@ -43,4 +43,4 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     assert table.value(REAL, BONES) < table.value(UNIFORM, BONES)
     assert table.value(UNIFORM, NEAREST) > table.value(FITTED, NEAREST)
     uniform, fitted = result_of("sampling").claims
-    assert not uniform.held and "fitted" in fitted.sentence
+    assert not uniform.confirmed and "fitted" in fitted.sentence

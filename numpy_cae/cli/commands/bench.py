@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("time to a given quality").add_argument
     trainings = (
         "train by --recipe fast and, in turns, in PyTorch with Adam, and compare the times to the "
-        "lowest error of half zeroed held-out motion that all reach (minutes)"
+        "lowest error of held-out motion with half of the values removed that all reach (minutes)"
     )
     add("--quality", **arguments.FLAG, help=trainings)
     data = "folders of motion files for --quality (default: 20 minutes of synthetic motions)"
@@ -77,12 +77,12 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     from numpy_cae.bench.trainings import trainings
     from numpy_cae.cli.shared.ablation import material_of
     from numpy_cae.cli.shared.train_options import RECIPES
-    from numpy_cae.experiments.ablation.evaluation import Evaluation
+    from numpy_cae.experiments.ablation.evaluation import HALF_REMOVED, Evaluation
 
     evaluation = Evaluation(material_of(args))
 
     def error(repair: Callable[[np.ndarray], np.ndarray]) -> float:
-        return evaluation.measure(repair, seed=0)["half_zeroed"]
+        return evaluation.measure(repair, seed=0)[HALF_REMOVED]
 
     return trainings(evaluation.windows, RECIPES["fast"].fine_tuning, error)
 

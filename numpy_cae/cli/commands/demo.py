@@ -11,7 +11,7 @@ from data_synth import make_take
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.takes import read_takes
 from numpy_cae.experiments.material import unlabelled
-from numpy_cae.experiments.repair import half_zeroed
+from numpy_cae.experiments.repair import half_removed
 from numpy_cae.manifold import learn_manifold, project_motion, save_manifold
 from numpy_cae.motion import fit_motion, load_motion, write_bvh, write_like
 from numpy_cae.training import Schedule, Stage
@@ -40,12 +40,12 @@ def run(args: argparse.Namespace) -> int:
     manifold = learn_manifold(training, SCHEDULE, args.seed, show_progress=not args.quiet)
     save_manifold(manifold, out / "model.npz")
     material = unlabelled(training, testing)
-    print(f"\n{half_zeroed.run(manifold, material, args.seed).text()}\n")
-    figure = half_zeroed.figure_1(manifold, material, args.seed)
+    print(f"\n{half_removed.run(manifold, material, args.seed).text()}\n")
+    figure = half_removed.figure_1(manifold, material, args.seed)
     figure.save_picture(out / "figure_1.png")
     save_viewer(figure.animation.actors, out / "index.html", figure.animation.rate, "numpy_cae")
-    take = half_zeroed.typical(manifold, material.testing).positions
-    for name, positions in half_zeroed.half_lost_positions(manifold, take, args.seed).items():
+    take = half_removed.typical(manifold, material.testing).positions
+    for name, positions in half_removed.half_removed_positions(manifold, take, args.seed).items():
         write_bvh(fit_motion(positions, manifold.lengths, manifold.rate), out / f"{name}.bvh")
     corrupted = load_motion(out / "corrupted.bvh")
     projected = project_motion(corrupted, manifold)

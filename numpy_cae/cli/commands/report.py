@@ -1,8 +1,8 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
-Write report.html (one self-contained page: each claim, whether it held, tables and pictures) and
-report.txt. `--only cmu35` needs no model: it trains on CMU subject 35 and compares with published
-figures (get the files by `numpy-cae download cmu --subjects 35`). With --ablation, measure what
-each choice of the paper contributes instead.
+Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
+pictures) and report.txt. `--only cmu35` needs no model: it trains on CMU subject 35 and compares
+with published figures (get the files by `numpy-cae download cmu --subjects 35`). With --ablation,
+measure what each choice of the paper contributes instead.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
@@ -70,21 +70,22 @@ def run(args: argparse.Namespace) -> int:
     for name, inputs in given.items():
         with working(name):
             result = results[name] = run_experiment(name, *inputs, seed=args.seed)
-        counted = f"{result.held} of {len(result.claims)} claims held"
+        counted = f"{result.confirmed} of {len(result.claims)} claims confirmed"
         note(f"[{len(results)}/{len(given)}] {name}: {counted if result.claims else result.note}")
     seconds = time.monotonic() - started
     how |= {"made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"}
     html, text = page(results, how), plain_text(results.values(), how)
     write_texts(args.output, {"report.html": html, "report.txt": text})
     counts = {
-        "held": sum(result.held for result in results.values()),
+        "confirmed": sum(result.confirmed for result in results.values()),
         "claims": sum(len(result.claims) for result in results.values()),
     }
     if args.json:
         experiments = [{"name": name} | result.data() for name, result in results.items()]
         print_json(counts | {"how": how, "experiments": experiments})
     else:
-        print(f"{args.output / 'report.html'}: {counts['held']} of {counts['claims']} claims held")
+        counted = f"{counts['confirmed']} of {counts['claims']} claims confirmed"
+        print(f"{args.output / 'report.html'}: {counted}")
     return 0
 
 

@@ -117,11 +117,11 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     ]
 
     def measure() -> tuple:
-        from numpy_cae.experiments.repair import half_zeroed
+        from numpy_cae.experiments.repair import half_removed
 
         material = unlabelled(training, testing)
-        figure = half_zeroed.figure_1(manifold, material) if args.picture else None
-        return half_zeroed.run(manifold, material), figure
+        figure = half_removed.figure_1(manifold, material) if args.picture else None
+        return half_removed.run(manifold, material), figure
 
     return manifold, f"{manifold.settings['windows']} windows", measure
 

@@ -11,10 +11,8 @@ from numpy_cae.cli.shared.output import note, write_texts
 from numpy_cae.experiments.ablation import choices
 from numpy_cae.experiments.ablation.ablation import ablation_result, measure_rows
 from numpy_cae.experiments.ablation.evaluation import Evaluation
-from numpy_cae.experiments.material import LabelledTake, Material, read_material
+from numpy_cae.experiments.material import Material, read_material, synthetic_material
 from numpy_cae.experiments.page import page, plain_text
-from numpy_cae.motion import body_of
-from numpy_cae.motion.motion import RATE
 
 OUTPUT = Path("ablation")
 SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
@@ -31,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the ablation, which also uses --data, --test and -o."""
     add = parser.add_argument_group("ablation").add_argument
     ablation = (
-        "train and compare networks of other depth, sparsity, pooling, … instead (default: on "
+        "train and compare networks of other depth, unpooling, training, … instead (default: on "
         f"{SYNTHETIC_MINUTES:g} minutes of synthetic motions, into {OUTPUT}/)"
     )
     add("--ablation", **arguments.FLAG, help=ablation)
@@ -72,7 +70,9 @@ def run(args: argparse.Namespace) -> int:
     how |= describe(list(networks[0].filters), choices.TAPS, *settings)
     html, text = page({"ablation": result}, how, TITLE, INTRODUCTION), plain_text([result], how)
     write_texts(output, {"ablation.html": html, "ablation.txt": text})
-    print(f"{output / 'ablation.html'}: {result.held} of {len(result.claims)} claims held")
+    print(
+        f"{output / 'ablation.html'}: {result.confirmed} of {len(result.claims)} claims confirmed"
+    )
     return 0
 
 
@@ -83,13 +83,7 @@ def material_of(args: argparse.Namespace) -> Material:
     if args.data:
         known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
         return read_material(args.data, args.test, *known)
-    from data_synth import plan_takes
-
-    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
-    for plan in plan_takes(SYNTHETIC_MINUTES):
-        positions = body_of(plan.make(RATE).motion)
-        halves[plan.number % TEST_EVERY == 0].append(LabelledTake(Path(plan.name), positions))
-    return Material(*halves)
+    return synthetic_material(SYNTHETIC_MINUTES, TEST_EVERY)
 
 
 def describe(filters: list[int], taps: int, layer: dict, fine_tuning: dict) -> dict[str, str]:

@@ -13,7 +13,6 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, with_progress, working
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.experiments.result import text_table
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import (
     JOINTS,
@@ -27,6 +26,7 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.formats.amc import find_skeleton
 from numpy_cae.motion.formats.write import WRITERS, require_writer
+from numpy_cae.text_table import text_table
 from numpy_cae.viz import CORRUPTED, PROJECTED
 
 KEPT = (".bvh", ".amc")

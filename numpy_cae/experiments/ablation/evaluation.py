@@ -16,19 +16,12 @@ from numpy_cae.motion import cut_windows
 from numpy_cae.training import Schedule, Stage, zero_values
 
 P = 0.5
-ACTIVE = 0.1
-"""A hidden value above this is counted as active, and a unit whose root mean square is above it."""
-MEASURES = {
-    "units": ("units active", 0),
-    "at_once": ("hidden values active, %", 0),
-    "reconstruction": ("reconstruction, cm", 2),
-    "half_zeroed": ("half zeroed, cm", 2),
-}
-"""Heading and digits of each measure. Both errors are of held-out windows; half zeroed: after each
-value was lost with probability `P`."""
-
+"""The probability with which a value of a test window is removed."""
+RECONSTRUCTION, HALF_REMOVED = "reconstruction, cm", "half of the values removed, cm"
+"""The two measures of a method, both errors of test windows: undamaged, and after each value was
+removed with probability `P`."""
 Measured = dict[str, float]
-"""The measures of one method for one seed; nan for one that does not apply."""
+"""The measures of one method for one seed."""
 NOTHING, LINEAR = "as damaged", "linear denoiser, 15 frames"
 PCA_WINDOWS, RESCALED = "PCA on windows", "PCA on windows, X_c / (1 - p)"
 
@@ -50,24 +43,16 @@ class Evaluation:
         """The network with the common mean pose and scale."""
         return replace(self.frame, network=network, rescales=rescaled)
 
-    def measure(
-        self, repair: Callable[[np.ndarray], np.ndarray], seed: int, y: np.ndarray | None = None
-    ) -> Measured:
-        """Every measure of a method that repairs normalised windows (N, T, 63).
+    def measure(self, repair: Callable[[np.ndarray], np.ndarray], seed: int) -> Measured:
+        """Both measures of a method that repairs normalised windows (N, T, 63).
 
-        The seed chooses the values that are lost; y (N, T / 2^n, D) are the hidden units of the
-        test windows, where the method has any.
+        The seed chooses the values that are removed.
         """
         truth = self.split.testing
-        lost = zero_values(truth.x, P, np.random.default_rng(seed))
-        active = {"units": np.nan, "at_once": np.nan}
-        if y is not None:
-            size = np.sqrt(np.mean(y**2, axis=(0, 1)))
-            active["units"] = float(np.sum(size > ACTIVE))
-            active["at_once"] = float(100 * np.mean(np.abs(y) > ACTIVE))
-        return active | {
-            "reconstruction": truth.error(repair(truth.x)),
-            "half_zeroed": truth.error(repair(lost)),
+        damaged = zero_values(truth.x, P, np.random.default_rng(seed))
+        return {
+            RECONSTRUCTION: truth.error(repair(truth.x)),
+            HALF_REMOVED: truth.error(repair(damaged)),
         }
 
 

@@ -51,7 +51,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Constrained projection: bones, feet and ground",
         tables,
         claims,
-        *moving(drawn, manifold.rate, azimuth=75.0, seconds=5.0),
+        *moving(drawn, manifold.rate, azimuth=75.0),
     )
 
 

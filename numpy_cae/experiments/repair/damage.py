@@ -167,8 +167,10 @@ class _Trial:
     def claims(self, source: str) -> list[Claim]:
         """The claims of `docs/lab_book/damage.md` on careful repair."""
 
-        def claim(sentence: str, held: bool, figures: str) -> Claim:
-            return Claim(f"{sentence} ({source} takes; not in the paper).", bool(held), figures)
+        def claim(sentence: str, confirmed: bool, figures: str) -> Claim:
+            return Claim(
+                f"{sentence} ({source} takes; not in the paper).", bool(confirmed), figures
+            )
 
         def error(method: str, kind: str) -> float:
             return float(np.mean(self.errors[method][kind]))

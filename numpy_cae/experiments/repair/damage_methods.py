@@ -4,9 +4,10 @@ damaged."""
 from collections.abc import Callable
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+from scipy.ndimage import median_filter
+from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import PCA, median, savitzky_golay
+from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, evenly, features_of
 from numpy_cae.manifold import MotionManifold, fill
@@ -22,11 +23,11 @@ PCA_TAKES, EXPLAINED = 60, 0.95
 share of the variance."""
 
 FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
-    "Savitzky-Golay, 0.3 s": lambda x, rate: savitzky_golay(x, _frames(0.3, rate), 2),
-    "Savitzky-Golay, 0.7 s": lambda x, rate: savitzky_golay(x, _frames(0.7, rate), 2),
+    "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _frames(0.3, rate), 2, axis=0),
+    "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _frames(0.7, rate), 2, axis=0),
     "Butterworth, 6 Hz": lambda x, rate: _butterworth(x, 6.0, rate),
     "Butterworth, 3 Hz": lambda x, rate: _butterworth(x, 3.0, rate),
-    "median, 0.2 s": lambda x, rate: median(x, _frames(0.2, rate)),
+    "median, 0.2 s": lambda x, rate: median_filter(x, (_frames(0.2, rate), 1), mode="nearest"),
 }
 """Name to a function of curves (F, C) and their frames a second."""
 

@@ -84,7 +84,7 @@ def _wrist_claim(errors: np.ndarray) -> Claim:
     mean, network = np.sqrt(np.mean(errors**2, axis=0))
     return Claim(
         "Projection infers the position of a wrist whose marker is missing (holden2015, section 7; "
-        f"held if the error is below {TARGET} of the mean pose's).",
+        f"confirmed if the error is below {TARGET} of the mean pose's).",
         bool(network < TARGET * mean),
         f"{network:.2f} cm, the mean pose {mean:.2f} cm, {network / mean:.2f} of it.",
     )
@@ -97,13 +97,13 @@ def _stepped_claims(measured: dict[str, tuple[float, float, float]]) -> list[Cla
     return [
         Claim(
             "Projection inserts smooth transitions between stepped keyframes (holden2015, section "
-            "7; held if the jitter differs from the truth's by less than half of it).",
+            "7; confirmed if the jitter differs from the truth's by less than half of it).",
             abs(jitter - truth) < truth / 2,
             f"{held_jitter:.1f} m/s² held, {jitter:.1f} projected, truth {truth:.1f}.",
         ),
         Claim(
-            "The inserted transitions correspond to motion (section 7; held if they are nearer to "
-            "the true motion than the held keys are, both undelayed and delayed).",
+            "The inserted transitions correspond to motion (section 7; confirmed if they are "
+            "nearer to the true motion than the held keys are, both undelayed and delayed).",
             error < held and delayed < held_delayed,
             f"{held:.2f} cm held, {error:.2f} cm projected; delayed {held_delayed:.2f} and "
             f"{delayed:.2f} cm.",

@@ -1,18 +1,20 @@
-"""Values set to zero with probability p from 0.1 to 0.9, repaired by the network and by baselines:
+"""Values removed with probability p from 0.1 to 0.9, repaired by the network and by baselines:
 holden2015, section 7, "Fixing Corrupt Motion Data".
 
-Zeroing with probability p scales the expected value: E[X_c] = (1 - p) X. So the linear methods and
-the network are also given X_c / (1 - p), whose expected value is X.
+A removed value is zero, the value of the mean pose. So the expected value is E[X_c] = (1 - p) X,
+and the linear methods and the network are also given X_c / (1 - p), whose expected value is X.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import savgol_filter
 
-from numpy_cae.evaluation import PCA, interpolate_linearly, median, savitzky_golay
+from numpy_cae.evaluation import PCA, interpolate_linearly
 from numpy_cae.experiments.clips import (
-    ALL_SHIFTS,
+    AVERAGED,
     ENDS_HELD,
     NETWORK,
     Clips,
@@ -40,13 +42,13 @@ HALF = 0.5
 """The p of the paper's figure 1."""
 CORRUPTED_ROW, LINEAR = "damaged, nothing done", "linear denoiser, 15 frames"
 RESCALED = ", rescaled"
-INTERPOLATED = "linear interpolation, holes known"
+INTERPOLATED = "linear interpolation, mask given"
 CAPTION = (
-    "Blind repair, error in cm (root mean square of a coordinate). No method knows which values "
-    "were lost; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows "
-    "are padded with their end frames, not with the mean pose. All shifts: the mean of the "
-    "projections at all positions of the pooling grid, for the kind of input that the network was "
-    "trained on."
+    "Mask unknown, error in cm (root mean square of a coordinate): no method is given the removed "
+    "values; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows are "
+    "padded with their end frames, not with the mean pose. Averaged over all shifts: the mean of "
+    "the projections at all positions of the pooling grid, for the kind of input that the network "
+    "was trained on."
 )
 Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
@@ -73,14 +75,17 @@ class RepairBaseline:
 def repair_baselines(split: Split) -> list[RepairBaseline]:
     """All of them. A polynomial of order 0 is the moving average."""
 
-    def smoothed(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
-        return savitzky_golay(x, *setting)
+    def median(x: np.ndarray, length: int) -> np.ndarray:
+        return median_filter(x, (1, length, 1), mode="nearest")
+
+    def polynomial(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
+        return savgol_filter(x, *setting, axis=1)
 
     frames = split.testing.x.shape[1]
     short = tuple(setting for setting in POLYNOMIALS if setting[0] <= frames)
     return [
         RepairBaseline(MEDIAN, LENGTHS, median, median),
-        RepairBaseline(SAVITZKY_GOLAY, short, smoothed, smoothed),
+        RepairBaseline(SAVITZKY_GOLAY, short, polynomial, polynomial),
         _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
         pca_on_windows(split),
     ]
@@ -100,13 +105,13 @@ def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Zero values of test windows, drawn from the seed, and repair them with every method."""
+    """Remove values of test windows, drawn from the seed, and repair them with every method."""
     split = split_of(manifold, material)
     choosing, testing = split.choosing, split.testing
     baselines = repair_baselines(split)
     floor = testing.error(project_shifted(manifold.network, testing.x))
     errors: Errors = {}
-    known_holes: list[float] = []
+    mask_given: list[float] = []
 
     def note(name: str, repaired: np.ndarray) -> None:
         errors.setdefault(name, []).append(testing.error(repaired))
@@ -126,22 +131,22 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             note(ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
             if bool(suffix) == manifold.rescales:
                 shifted = project_ends_held(manifold, lost * factor, manifold.shifts)
-                note(ALL_SHIFTS + suffix, shifted)
+                note(AVERAGED + suffix, shifted)
         note(LINEAR, split.moments.solve(1 - p).repair(lost))
-        known_holes.append(testing.error(interpolate_linearly(lost, known)))
+        mask_given.append(testing.error(interpolate_linearly(lost, known)))
 
     columns = [f"p = {p}" for p in PS]
-    easier = "An easier problem, where the holes are known:"
-    blind = [[name, *row] for name, row in errors.items()]
+    easier = "An easier problem, mask given:"
+    rows = [[name, *row] for name, row in errors.items()]
     tables = [
-        Table(CAPTION, ["blind", *columns], blind),
-        Table(easier, ["holes known", *columns], [[INTERPOLATED, *known_holes]]),
+        Table(CAPTION, ["mask unknown", *columns], rows),
+        Table(easier, ["mask given", *columns], [[INTERPOLATED, *mask_given]]),
     ]
     return Result(
-        "Repair: values set to zero",
+        "Repair: values removed with probability p",
         tables,
         _claims(errors, floor, RESCALED if manifold.rescales else ""),
-        lambda: _figure(errors, known_holes),
+        lambda: _figure(errors, mask_given),
         note=f"{split.sample} {split.fitted()}",
     )
 
@@ -159,12 +164,12 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
     pca = min(error for name, error in at.items() if name.startswith("PCA"))
     return [
         Claim(
-            "Projection effectively recovers a motion of which half of all values were set to "
-            "zero (holden2015, section 7; held if less than half of the error remains).",
+            "Projection effectively recovers a motion of which half of all values were removed "
+            "(holden2015, section 7; confirmed if less than half of the error remains).",
             plain < corrupted / 2,
             f"{corrupted:.2f} cm before, {plain:.2f} cm after, {plain / corrupted:.2f} of it "
             f"({at[ENDS_HELD + suffix]:.2f} cm with the ends of a window held, "
-            f"{at[ALL_SHIFTS + suffix]:.2f} cm with that and as the mean over all shifts of the "
+            f"{at[AVERAGED + suffix]:.2f} cm with that and averaged over all shifts of the "
             f"pooling grid); the projection of an undamaged motion is {floor:.2f} cm off.",
         ),
         Claim(
@@ -181,14 +186,14 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
     ]
 
 
-def _figure(errors: Errors, known_holes: list[float]):
+def _figure(errors: Errors, mask_given: list[float]):
     """Error over p of six methods: each with or without rescaling, whichever is better."""
     drawn = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS, SAVITZKY_GOLAY)
-    curves = [Curve(PS, known_holes, INTERPOLATED, PLAIN, ":")]
+    curves = [Curve(PS, mask_given, INTERPOLATED, PLAIN, ":")]
     for number, method in enumerate(drawn):
         variants = [name for name in (method, method + RESCALED) if name in errors]
         name = min(variants, key=lambda variant: sum(errors[variant]))
         curves.append(Curve(PS, errors[name], name, f"C{number}"))
-    figure = curves_figure(curves, "p, share of values set to zero", "error, cm")
+    figure = curves_figure(curves, "p, share of values removed", "error, cm")
     figure.axes[0].set_ylim(0, 1.1 * max(errors[CORRUPTED_ROW]))
     return figure

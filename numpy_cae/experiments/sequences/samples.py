@@ -28,7 +28,7 @@ from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
 
 SHOWN_IN_PAPER = 16
 """Samples of an action."""
-STRIP_ROWS, GIF_COLUMNS = 3, 4
+STRIP_ROWS, SHOWN = 3, 4
 FITTED, PRIOR, REAL = "fitted", "prior", "real"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
 WALKING = ("walking", "walking_dog", "walking_extra")
@@ -58,7 +58,7 @@ def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray
 
 def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Result:
     """Draw the first of sixteen clips from one source, as strips; FITTED ones also moving."""
-    clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)[:GIF_COLUMNS]
+    clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)[:SHOWN]
     actors = [
         Actor(study.positions(clip), PARENTS, f"{source} {number}", COLOURS[source])
         for number, clip in enumerate(clips, start=1)
