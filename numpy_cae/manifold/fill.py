@@ -21,7 +21,7 @@ from numpy_cae.manifold.repaired import Repaired, change_joints
 from numpy_cae.motion.features import POSITIONS, RootTransform, positions_to_features
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import change_lengths
-from numpy_cae.motion.motion import RATE, Motion, slerp
+from numpy_cae.motion.motion import RATE, Motion, rotations_at
 from numpy_cae.motion.retarget.body import Body
 
 REPEATS, LONG = 3, 30
@@ -155,6 +155,6 @@ def _interpolated(motion: Motion, gaps: np.ndarray) -> Motion:
     if not gaps.any() or not len(known):
         return motion
     rotations = motion.rotations.copy()
-    rotations[gaps] = slerp(known, rotations[known], np.flatnonzero(gaps))
+    rotations[gaps] = rotations_at(known, rotations[known], np.flatnonzero(gaps))
     every = np.repeat(gaps[:, None], rotations.shape[1], axis=1)
     return replace(motion, rotations=rotations, translations=spline(motion.translations, every))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.motion.motion import RATE, Motion, slerp
+from numpy_cae.motion.motion import RATE, Motion, rotations_at
 
 
 def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -75,7 +75,7 @@ def finite_motion(motion: Motion) -> tuple[Motion, np.ndarray]:
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
     for joint in np.flatnonzero(wrong.any(axis=0) & ~wrong.all(axis=0)):
         gaps, known = np.flatnonzero(wrong[:, joint]), np.flatnonzero(~wrong[:, joint])
-        rotations[gaps, joint] = slerp(known, rotations[known, joint, None], gaps)[:, 0]
+        rotations[gaps, joint] = rotations_at(known, rotations[known, joint, None], gaps)[:, 0]
     translations = spline(translations, wrong)
     for child, parent in enumerate(motion.skeleton.parents):
         if parent >= 0:

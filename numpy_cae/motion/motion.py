@@ -110,7 +110,7 @@ class Motion:
         if frames.dtype == int:
             return replace(self.at(frames), rate=float(rate))
         own = np.arange(len(self))
-        rotations = slerp(own, self.rotations, frames)
+        rotations = rotations_at(own, self.rotations, frames)
         columns = self.translations.reshape(len(self), -1).T
         translations = np.stack([np.interp(frames, own, column) for column in columns], axis=-1)
         translations = translations.reshape(len(frames), -1, 3)
@@ -140,7 +140,7 @@ def whole_step(own_rate: float, rate: float) -> int:
     return step if step >= 1 and abs(own_rate / rate / step - 1) < 0.005 else 0
 
 
-def slerp(own: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
+def rotations_at(own: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Spherical interpolation of (N, J, 4) quaternions at the times `own`, evaluated at `times`."""
     if len(own) == 1:
         return np.repeat(rotations, len(times), axis=0)

@@ -1,7 +1,5 @@
-"""Reading many files: the same takes in parallel and from the cache, which knows content alone."""
+"""Reading many files: the same takes from one process and from several, and what is refused."""
 
-import os
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +7,8 @@ import pytest
 from acclaim_files import write_acclaim
 
 from data_synth import make_take
-from numpy_cae.array_file import save_arrays
-from numpy_cae.motion import Coordinates, Motion, load_body, load_motion, write_bvh
-from numpy_cae.motion.read.many import VERSION, default_cache, read_bodies
+from numpy_cae.motion import Motion, load_body, load_motion, write_bvh
+from numpy_cae.motion.read.many import read_bodies
 
 
 @pytest.fixture(scope="module")
@@ -23,17 +20,6 @@ def paths(tmp_path_factory):
     write_acclaim(make_take("run", 3, seconds=1.0, rate=120.0).motion, folder / "9.amc")
     (folder / "bad.bvh").write_text("HIERARCHY\n")
     return sorted(path for path in folder.iterdir() if path.suffix != ".asf")
-
-
-def same(one, other):
-    assert [each.path for each in one] == [each.path for each in other]
-    assert [each.note for each in one] == [each.note for each in other]
-    for a, b in zip(one, other, strict=True):
-        assert (a.positions is None) == (b.positions is None)
-        if a.positions is None:
-            assert str(a.problem) == str(b.problem)
-        else:
-            np.testing.assert_array_equal(a.positions, b.positions)
 
 
 def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
@@ -48,90 +34,13 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
     assert (len(sparse), sparse.rate) == (30, 30.0)
 
 
-def test_in_parallel_and_from_the_cache(paths, tmp_path):
-    plain = list(read_bodies(paths))
-    same(plain, list(read_bodies(paths, cache=tmp_path / "new" / "cache", processes=2)))
-    kept = sorted((tmp_path / "new" / "cache").iterdir())
-    assert len(kept) == 4
-    times = [path.stat().st_mtime_ns for path in kept]
-    same(plain, list(read_bodies(paths, cache=tmp_path / "new" / "cache")))
-    assert [path.stat().st_mtime_ns for path in kept] == times
-
-
-def test_the_cache_knows_content_and_settings(paths, tmp_path):
-    moved = tmp_path / "moved.bvh"
-    moved.write_bytes(paths[0].read_bytes())
-    cache = tmp_path / "cache"
-    (first,) = read_bodies(paths[:1], cache=cache)
-    (second,) = read_bodies([moved], cache=cache)
-    np.testing.assert_array_equal(first.positions, second.positions)
-    assert len(list(cache.iterdir())) == 1
-    known = Coordinates(unit=0.02, up="-y", floor=0.0)
-    (other,) = read_bodies([moved], coordinates=known, cache=cache)
-    np.testing.assert_allclose(other.positions, 2 * first.positions * [1, -1, -1], atol=1e-12)
-    moved.write_bytes(moved.read_bytes() + b"\n")
-    list(read_bodies([moved], cache=cache))
-    assert len(list(cache.iterdir())) == 3
-
-
-def test_an_entry_that_is_damaged_or_poisoned_is_not_used(paths, tmp_path, caplog):
-    cache = tmp_path / "cache"
-    (first,) = read_bodies(paths[:1], cache=cache)
-    (file,) = cache.iterdir()
-    data, good = file.read_bytes(), {"format": np.array(VERSION), "note": np.array("")}
-    wrong = ("text", first.positions * 1j, first.positions * 1e300, first.positions[:, :19])
-    for poison in (b"", data[: len(data) // 2], data[:3000] + b"xxxxxxxx" + data[3008:], *wrong):
-        if isinstance(poison, bytes):
-            file.write_bytes(poison)
-        else:
-            save_arrays(good | {"positions": np.array(poison)}, file)
-        (again,) = read_bodies(paths[:1], cache=cache)
-        np.testing.assert_array_equal(first.positions, again.positions)
-        assert "this entry of the cache is not used" in caplog.records[-1].getMessage()
-    file.unlink()
-    os.mkfifo(file)
-    (again,) = read_bodies(paths[:1], cache=cache)
-    assert "is not a regular file" in caplog.records[-1].getMessage()
-    assert file.is_file()
-
-
-def test_a_cache_of_another_user_or_that_cannot_be_written_is_not_used(
-    paths, tmp_path, caplog, monkeypatch
-):
-    (tmp_path / "file").write_text("")
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "others").mkdir()
-    monkeypatch.setattr(os, "getuid", lambda: (tmp_path / "others").stat().st_uid + 1)
-    for name in ("file", "pipe", "others"):
-        (body,) = read_bodies(paths[:1], cache=tmp_path / name)
-        assert body.positions is not None
-        assert "this cache is not used" in caplog.records[-1].getMessage()
-    assert not list((tmp_path / "others").iterdir())
-
-
-@pytest.fixture(params=["platformdirs", None])
-def _with_and_without_platformdirs(request, monkeypatch):
-    if request.param:
-        pytest.importorskip("platformdirs", reason="needs the extra cache")
-    else:
-        monkeypatch.setitem(sys.modules, "platformdirs", None)
-
-
-@pytest.mark.usefixtures("_with_and_without_platformdirs")
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other cache folders")
-def test_the_default_cache_is_in_the_cache_folder_of_the_user(tmp_path, monkeypatch):
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    assert default_cache() == tmp_path / ".cache" / "numpy_cae"
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "elsewhere"))
-    assert default_cache() == tmp_path / "elsewhere" / "numpy_cae"
-
-
-@pytest.mark.usefixtures("_with_and_without_platformdirs")
-def test_without_a_home_there_is_no_cache(monkeypatch):
-    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # as without HOME and a user
-    assert default_cache() is None
+def test_processes_read_the_same(paths):
+    one, other = list(read_bodies(paths)), list(read_bodies(paths, processes=2))
+    assert [(each.path, each.note, str(each.problem)) for each in one] == [
+        (each.path, each.note, str(each.problem)) for each in other
+    ]
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_array_equal(a.positions, b.positions)
 
 
 def test_bodies_that_are_no_persons_and_jumps_are_named(paths, tmp_path):

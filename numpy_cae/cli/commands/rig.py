@@ -20,7 +20,7 @@ TRUSTED = 15
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The file, the mapping to write and how the file is read."""
     add = parser.add_argument
-    add("file", **arguments.FILE, help="motion file (.bvh, .amc, .txt or .c3d) to read")
+    add("file", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
     output = "JSON file to write: our joint names and the rig's"
     add("-o", "--output", type=Path, metavar="JSON", help=output)
     arguments.add_shared(parser, "mapping unit up floor")

@@ -22,7 +22,6 @@ from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.lock import lock
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
-from numpy_cae.motion.read.many import default_cache, is_worthwhile
 from numpy_cae.training import Checkpoint
 
 
@@ -51,8 +50,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("advanced, files").add_argument
     often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
     add("--checkpoint", type=arguments.rate, default=60.0, metavar="SECONDS", help=often)
-    cache = "folder for what was read of the files (default: the user's cache, for 20 MB or more)"
-    add("--cache", **arguments.FOLDER, help=cache)
     add("--strict", **arguments.FLAG, help="stop at a file that cannot be used, not skip it")
 
 
@@ -102,11 +99,8 @@ def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     schedule, mapping = options.schedule_of(args), arguments.chosen_mapping(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for some in found.values() for path in some]
-    cache = args.cache
-    if cache is None and is_worthwhile(paths):
-        cache = default_cache()
     training, testing = read_takes(
-        paths, mapping, arguments.chosen_coordinates(args), args.test, args.strict, cache
+        paths, mapping, arguments.chosen_coordinates(args), args.test, args.strict
     )
     mirror = args.recipe in options.MIRRORED
     manifold = learn_manifold(training, schedule, args.seed, mirror=mirror, **how)

@@ -18,7 +18,6 @@ def read_takes(
     coordinates: Coordinates | None = None,
     test: Sequence[str] = (),
     strict: bool = False,
-    cache: Path | None = None,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, for training
     and for testing.
@@ -34,7 +33,7 @@ def read_takes(
     testing: list[np.ndarray] = []
     notes: Counter[str] = Counter()
     changed = 0
-    for body in usable_bodies(paths, mapping, coordinates, strict, cache):
+    for body in usable_bodies(paths, mapping, coordinates, strict):
         (testing if is_test(body.path, test) else training).append(body.positions)
         notes[body.note.split(" (")[0]] += 1
         changed += "; " in body.note
@@ -65,13 +64,12 @@ def usable_bodies(
     mapping: Mappings,
     coordinates: Coordinates | None,
     strict: bool = False,
-    cache: Path | None = None,
 ) -> Iterator[ReadResult]:
     """The bodies that `read_bodies` can read. A file that cannot be used is an error if `strict` or
     if it is the only one, otherwise it is reported and skipped; ValueError if all are.
     """
     left_out = 0
-    bodies = read_bodies(paths, mapping, coordinates, cache)
+    bodies = read_bodies(paths, mapping, coordinates)
     for body in with_progress(bodies, len(paths), "files read"):
         if body.problem is None:
             yield body

@@ -74,6 +74,8 @@ class Channels:
         They continue the numbers of the frames before and after them, where there are such. If
         they cannot continue both, they jump where their `present` numbers (F, N) do.
         """
+        if not self.order:  # a rigid bone
+            return np.zeros((len(rotations), 0))
         local = rotations
         if self.orientation is not None:
             local = quaternions.product(quaternions.inverse(self.orientation), local)

@@ -7,7 +7,6 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.axes import without_added
 from numpy_cae.motion.formats.bvh_writer import write_bvh
-from numpy_cae.motion.formats.gltf_writer import write_glb
 from numpy_cae.motion.motion import Motion
 
 
@@ -30,18 +29,18 @@ def write_csv(motion: Motion, path: str | Path) -> None:
         np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")
 
 
-WRITERS = {".bvh": write_bvh, ".glb": write_glb, ".npz": write_npz, ".csv": write_csv}
+WRITERS = {".bvh": write_bvh, ".npz": write_npz, ".csv": write_csv}
 
 
 def require_writer(path: str | Path) -> None:
     """Raise ValueError if no writer has the suffix of this path."""
     if Path(path).suffix.lower() not in WRITERS:
-        known = "a motion is written as .bvh, .glb (glTF), .npz or .csv (positions)"
+        known = "a motion is written as .bvh, .npz or .csv (positions)"
         raise ValueError(f"{path}: {known}")
 
 
 def write_motion(motion: Motion, path: str | Path) -> None:
-    """Write a motion as .bvh, .glb, .npz or .csv, atomically.
+    """Write a motion as .bvh, .npz or .csv, atomically.
 
     BVH has the up axis and the floor of the motion's file; the others are Y up with the floor at 0.
 

@@ -12,7 +12,6 @@ from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.formats.amc import read_amc
 from numpy_cae.motion.formats.bvh import read_bvh
-from numpy_cae.motion.formats.c3d import read_c3d
 from numpy_cae.motion.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.motion import Motion
@@ -23,10 +22,10 @@ from numpy_cae.motion.retarget.to_angles import angles_of
 from numpy_cae.motion.retarget.to_body import body_of
 
 SUPPORTED = (
-    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it), .txt "
-    "(exponential maps of CMU or Human3.6M) and .c3d (joint centres, with the extra c3d)"
+    "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
+    "(exponential maps of CMU or Human3.6M)"
 )
-SUFFIXES = (".amc", ".bvh", ".txt", ".c3d")
+SUFFIXES = (".amc", ".bvh", ".txt")
 
 
 def load_motion(
@@ -45,7 +44,7 @@ def load_motion(
 
     Parameters
     ----------
-    path : path of a .bvh, .amc, .txt or .c3d file
+    path : path of a .bvh, .amc or .txt file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
         for BVH, else as the file or its layout says; see `Motion.unit_note`.
@@ -82,8 +81,6 @@ def load_motion(
     with _naming(path):
         if suffix == ".amc":
             motion = read_amc(path, unit=unit, max_rate=max_rate)
-        elif suffix == ".c3d":
-            motion = read_c3d(path, unit)
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
         named = replace(motion, skeleton=with_joint_names(motion.skeleton, mapping))
