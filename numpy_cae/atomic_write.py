@@ -1,14 +1,14 @@
 """Write a file completely or not at all.
 
 A file that is half written when the disk fills up or the process is killed must never replace a
-good one. So it is written under another name in the same folder, brought to the disk (fsync) and
-then renamed, which the operating system does in one step.
+good one. So the file is written under a temporary name in the same folder, brought to the disk
+(fsync) and then renamed, which the operating system does in one step. A process that is killed
+while it writes leaves the temporary file, `.NAME.PROCESS.part.SUFFIX`, which may be removed.
 """
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from glob import escape
 from pathlib import Path
 
 from numpy_cae.errors import FileError
@@ -16,9 +16,9 @@ from numpy_cae.errors import FileError
 
 @contextmanager
 def atomic_write(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path with the suffix of `path` to write to; rename it to `path` at the end.
+    """Yield a temporary path to write to, of the same suffix; rename it to `path` at the end.
 
-    If the block raises, nothing is renamed and the temporary file is removed.
+    If the block raises an exception, `path` is unchanged and the temporary file is removed.
 
     Raises
     ------
@@ -43,14 +43,6 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         with suppress(OSError):
             temporary.unlink()
     _sync_folder(path.parent)
-
-
-def remove_leftovers(path: str | Path) -> None:
-    """Remove the temporary files of `path` that killed processes left; call it under its lock."""
-    path = Path(path)
-    for left in path.parent.glob(f".{escape(path.stem)}.*.part{escape(path.suffix)}"):
-        with suppress(OSError):
-            left.unlink()
 
 
 def _sync_folder(folder: Path) -> None:

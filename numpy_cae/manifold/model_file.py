@@ -1,4 +1,4 @@
-"""Both kinds of manifold as one `.npz` file: plain arrays and settings in JSON, nothing pickled."""
+"""Both types of manifold as one `.npz` file: plain arrays and settings in JSON, nothing pickled."""
 
 import json
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import checked, load_arrays, save_arrays, text, whole, word
+from numpy_cae.array_file import integer, json_object, load_arrays, numbers, save_arrays, string
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -19,17 +19,33 @@ from numpy_cae.motion.joints import JOINTS
 Manifold = MotionManifold | SequenceManifold
 CONVOLUTIONAL = "numpy_cae convolutional manifold 3"
 SEQUENTIAL = "numpy_cae sequential manifold 4"
-CONVOLUTIONAL_2, SEQUENTIAL_2 = CONVOLUTIONAL[:-1] + "2", SEQUENTIAL[:-1] + "2"
-SEQUENTIAL_3 = SEQUENTIAL[:-1] + "3"
-"""Formats of earlier versions: the first two without a digest, sequential ones without burn_in."""
-SMALLEST, MAX_LENGTH, MAX_RATE = 1e-6, 10.0, 1000.0
-"""Least factor and deviation; longest bone in metres; most frames a second."""
+"""The only formats that are read: a file of another version has to be made again."""
+SMALLEST = 1e-6
+"""Smallest factor and smallest deviation by which features may be divided."""
+MAX_LENGTH = 10.0
+"""Longest bone (m)."""
+MAX_RATE = 1000.0
+"""Most frames a second."""
 MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
 
 
 def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> None:
-    """Write a manifold of either kind, atomically; with `half`, weights in float16."""
+    """Write a manifold of either type, completely or not at all.
+
+    Parameters
+    ----------
+    manifold : MotionManifold or SequenceManifold
+    path : path
+        Of the file, .npz.
+    half : bool
+        Whether to write the weights of a convolutional network as float16.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
     if isinstance(manifold, SequenceManifold):
         arrays = _arrays_of_sequences(manifold)
     else:
@@ -41,19 +57,29 @@ def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> N
 
 
 def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
-    """Read a manifold of either kind; its network computes by `engine`, "fast" or "ops".
+    """Read a manifold of either type.
+
+    Parameters
+    ----------
+    path : path
+    engine : {"fast", "ops"}
+        What the network computes with: `numpy_cae.fast`, or the definitions in `numpy_cae.ops`.
+
+    Returns
+    -------
+    MotionManifold or SequenceManifold
 
     Raises
     ------
     ModelFileError
-        If the file is missing, is not a model of this version, was changed after it was written, or
-        its arrays do not fit together.
+        If the file is missing or damaged, is not a model of this version, or its arrays do not fit
+        together.
     """
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
-        **dict.fromkeys((CONVOLUTIONAL, CONVOLUTIONAL_2), _motions_of),
-        **dict.fromkeys((SEQUENTIAL, SEQUENTIAL_3, SEQUENTIAL_2), _sequences_of),
+        CONVOLUTIONAL: _motions_of,
+        SEQUENTIAL: _sequences_of,
     }
-    manifold = load_arrays(path, readers, (CONVOLUTIONAL_2, SEQUENTIAL_2))
+    manifold = load_arrays(path, readers)
     manifold.network = with_engine(manifold.network, engine)
     return manifold
 
@@ -91,31 +117,28 @@ def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
 def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     if not np.array_equal(arrays["joints"], JOINTS):
         raise ValueError("its twenty joints are not those of this version")
-    count = max(1, sum(f"w{number}" in arrays for number in range(1, len(arrays))))
-    taps = len(arrays["w1"])
-    filters = [arrays[f"b{number}"].size for number in range(1, count + 1)]
+    # Filters w and biases b of each layer; where one array is missing, this raises KeyError.
+    count = -(-sum(name[0] in "wb" and name[1:].isdigit() for name in arrays) // 2)
+    taps, filters = len(arrays["w1"]), [arrays[f"b{n}"].size for n in range(1, count + 1)]
     # Before a network of these sizes is made:
     for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
-        for name, shape in ((f"w{number}", (taps, below, above)), (f"b{number}", (above,))):
-            if checked(arrays, name, shape).dtype != arrays["w1"].dtype:
-                raise ValueError(f"{name} has another dtype than w1")
-    bound = checked(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
+        numbers(arrays, f"w{number}", (taps, below, above))
+        numbers(arrays, f"b{number}", (above,))
+    bound = numbers(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
     network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
+    # The weights of the starter model are float16, to save space.
+    dtype = np.promote_types(arrays["w1"].dtype, np.float32)
     for number, layer in enumerate(network.layers, start=1):
-        # float16 in the package's starter model, to save space
-        layer.w, layer.b = (
-            np.asarray(arrays[name], np.promote_types(arrays[name].dtype, np.float32))
-            for name in (f"w{number}", f"b{number}")
-        )
+        layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
     return MotionManifold(
         network,
-        checked(arrays, "mean_pose", (FEATURES,)),
-        checked(arrays, "scale", (FEATURES,), SMALLEST),
-        checked(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH),
-        float(checked(arrays, "rate", (), 1.0, MAX_RATE)),
-        text(arrays, "settings"),
-        bool(whole(arrays, "rescales", 0, 1)),
-        whole(arrays, "window", 1, MAX_FRAMES),
+        numbers(arrays, "mean_pose", (FEATURES,)),
+        numbers(arrays, "scale", (FEATURES,), SMALLEST),
+        numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH),
+        float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
+        json_object(arrays, "settings"),
+        bool(integer(arrays, "rescales", 0, 1)),
+        integer(arrays, "window", 1, MAX_FRAMES),
     )
 
 
@@ -135,27 +158,26 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
 
 
 def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
-    table = TABLES.get(word(arrays, "table"))
+    table = TABLES.get(string(arrays, "table"))
     if table is None or not np.array_equal(arrays["columns"], table.columns):
         raise ValueError("its table of columns is not one of this version")
     if arrays["state_w"].ndim != 2:
         raise ValueError("state_w is not a matrix")
     latent, hidden = arrays["state_w"].shape
-    numbers = len(table.columns)
+    columns = len(table.columns)
     if hidden**2 > sum(array.size for array in arrays.values()):
         raise ValueError("its weights are smaller than state_w says")
-    network = SequentialAutoencoder(numbers, hidden, latent)
-    if word(arrays, "format") == SEQUENTIAL:
-        network.burn_in = whole(arrays, "burn_in", 0, MAX_FRAMES)
+    network = SequentialAutoencoder(columns, hidden, latent)
+    network.burn_in = integer(arrays, "burn_in", 0, MAX_FRAMES)
     for name, weight in network.weights.items():
-        weight[...] = checked(arrays, name, weight.shape)
+        weight[...] = numbers(arrays, name, weight.shape)
     return SequenceManifold(
         network,
-        checked(arrays, "mean", (numbers,)),
-        checked(arrays, "deviation", (numbers,), SMALLEST),
+        numbers(arrays, "mean", (columns,)),
+        numbers(arrays, "deviation", (columns,), SMALLEST),
         table,
-        checked(arrays, "offsets", (len(table.joints), 3), -MAX_LENGTH, MAX_LENGTH),
-        text(arrays, "settings"),
-        float(checked(arrays, "rate", (), 1.0, MAX_RATE)),
-        whole(arrays, "frames", 1, MAX_FRAMES),
+        numbers(arrays, "offsets", (len(table.joints), 3), -MAX_LENGTH, MAX_LENGTH),
+        json_object(arrays, "settings"),
+        float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
+        integer(arrays, "frames", 1, MAX_FRAMES),
     )

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays, text
-from numpy_cae.atomic_write import remove_leftovers
+from numpy_cae.array_file import ModelFileError, json_object, load_arrays, save_arrays
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.training.loop import Callback, Loop, Position
 
@@ -34,7 +33,6 @@ class Checkpoint(Callback):
         """Continue the loop from the file, where there is one, and save its states from now on; a
         file whose `run`, the `fingerprint`, is another raises CheckpointError."""
         self.run = run
-        remove_leftovers(self.path)
         self.require_none_unless_resumed()
         if self.path.exists():
             self._resume(loop)
@@ -91,7 +89,7 @@ class Checkpoint(Callback):
         """Continue the loop from the file."""
 
         def resume(arrays: dict[str, np.ndarray]) -> Position | None:
-            about, prefix = text(arrays, "about"), "array "
+            about, prefix = json_object(arrays, "about"), "array "
             if about["run"] != self.run:
                 return None
             state = {name.removeprefix(prefix): array for name, array in arrays.items()}

@@ -8,7 +8,6 @@ import zipfile
 import numpy as np
 import pytest
 
-from numpy_cae.array_file import DIGEST, digest_of
 from numpy_cae.manifold import ModelFileError, load_manifold, save_manifold, starter
 from numpy_cae.motion import angles_of, cut_clips
 
@@ -52,24 +51,21 @@ def arrays_of(data: bytes) -> dict[str, np.ndarray]:
         return {name: file[name] for name in file.files}
 
 
-def packed(arrays: dict[str, np.ndarray], digested: bool = True) -> bytes:
-    """The arrays as a file, with the digest of what they hold now."""
+def packed(arrays: dict[str, np.ndarray]) -> bytes:
     buffer = io.BytesIO()
-    np.savez(buffer, **arrays | ({DIGEST: np.array(digest_of(arrays))} if digested else {}))
+    np.savez(buffer, **arrays)
     return buffer.getvalue()
 
 
 def load_or_refuse(data: bytes, path, what) -> bool:
+    """Load a file in bounded memory: a model of finite weights, or a message of one line."""
     path.write_bytes(data)
     tracemalloc.start()
     try:
-        model = load_manifold(path)
-    except ModelFileError as refused:
-        assert str(path) in str(refused), what
-        assert "\n" not in str(refused), what
+        model = load_manifold(path, "ops")
+    except ModelFileError as error:
         model = None
-    except Exception as error:
-        raise AssertionError(f"{what}: {error!r}") from error
+        assert str(error).startswith(f"{path}: ") and "\n" not in str(error), what
     finally:
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
@@ -81,147 +77,50 @@ def load_or_refuse(data: bytes, path, what) -> bool:
     return model is not None
 
 
-@pytest.mark.parametrize("count", [60, pytest.param(2000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("count", [40, pytest.param(2000, marks=pytest.mark.thorough)])
 @KINDS
-def test_flipped_bytes(models, kind, tmp_path, count, counted):
-    data, path = models[kind], tmp_path / "m.npz"
+def test_damaged_bytes(models, kind, tmp_path, count, counted):
+    """A few bits flipped; in some files a part is missing or replaced as well."""
+    data, path, loaded = models[kind], tmp_path / "m.npz", 0
     assert load_or_refuse(data, path, "whole")
-    loaded = 0
     for number in range(count):
         rng = np.random.default_rng([count, number])
         changed = bytearray(data)
         for place in rng.integers(0, len(data), rng.integers(1, 6)):
             changed[place] ^= 1 << int(rng.integers(8))
-        if rng.random() < 0.3:
-            changed = changed[: rng.integers(0, len(changed))]
-        if rng.random() < 0.2:
+        if rng.random() < 0.4:
             at, length = rng.integers(len(data)), rng.integers(1, 400)
             changed[at : at + length] = rng.bytes(int(rng.integers(0, 400)))
         loaded += load_or_refuse(bytes(changed), path, (kind, number))
+        assert not load_or_refuse(data[: rng.integers(len(data))], path, (kind, number, "cut"))
     assert loaded < count
     if count > 1000:
         counted(f"{count} models ({kind}) with flipped, lost or replaced bytes: {loaded} loaded")
 
 
-@pytest.mark.parametrize("step", [397, pytest.param(1, marks=pytest.mark.thorough)])
+REPLACEMENTS = [np.array(np.nan), np.array([]), np.array(-1.0), np.array(1j), np.array([True])]
+REPLACEMENTS += [np.array("text"), np.array("{}"), np.array("[" * 100_000)]
+REPLACEMENTS += [np.zeros(n, np.float32) for n in ((0, 0, 0), (200_000,), (1, 1000, 1000))]
+
+
 @KINDS
-def test_a_model_cut_off_is_refused(models, kind, tmp_path, step, counted):
-    data, path = models[kind], tmp_path / "m.npz"
-    for length in range(0, len(data), step):
-        assert not load_or_refuse(data[:length], path, (kind, length))
-    if step == 1:
-        counted(f"a model ({kind}) cut after each of {len(data)} bytes: all refused")
-
-
-NUMBERS = [np.array(np.nan), np.array([]), np.array(-1.0), np.array(1j), np.array([True])]
-TEXTS = [np.array("text"), np.array("{}"), np.array("[" * 100_000)]
-SHAPES = [(0, 0, 0), (200_000,), (1, 1000, 1000)]
-REPLACEMENTS = [*NUMBERS, *TEXTS, *(np.zeros(shape, np.float32) for shape in SHAPES)]
-
-
-@pytest.mark.parametrize("each", [2, pytest.param(99, marks=pytest.mark.thorough)])
-@KINDS
-def test_every_array_missing_replaced_or_not_finite(models, kind, tmp_path, each):
-    data = models[kind]
-    arrays = arrays_of(data)
+def test_every_array_missing_replaced_or_not_finite(models, kind, tmp_path):
+    arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
     for number, (name, array) in enumerate(arrays.items()):
         without = {key: value for key, value in arrays.items() if key != name}
-        # A network of fewer layers is one too where the last layer is missing, but its b tells.
-        load_or_refuse(packed(without), tmp_path / "m.npz", (name, "missing"))
-        for new in (
-            REPLACEMENTS[number % len(REPLACEMENTS) :] + REPLACEMENTS[: number % len(REPLACEMENTS)]
-        )[:each]:
-            what = (name, new.shape, new.dtype)
-            load_or_refuse(packed(arrays | {name: new}), tmp_path / "m.npz", what)
+        assert not load_or_refuse(packed(without), path, (name, "missing"))
+        new = REPLACEMENTS[number % len(REPLACEMENTS)]
+        load_or_refuse(packed(arrays | {name: new}), path, (name, new.shape, new.dtype))
         if array.dtype.kind == "f":
             bad = array.copy()
             bad.flat[-1] = np.nan
+            path.write_bytes(packed(arrays | {name: bad}))
             with pytest.raises(ModelFileError, match=f"{name} holds"):
-                (tmp_path / "m.npz").write_bytes(packed(arrays | {name: bad}))
-                load_manifold(tmp_path / "m.npz")
+                load_manifold(path)
 
 
-@KINDS
-def test_another_version_and_pickles_are_refused(models, kind, tmp_path):
-    arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
-    for version in ("1", "5"):
-        form = str(arrays["format"])[:-1] + version
-        path.write_bytes(packed(arrays | {"format": np.array(form)}))
-        with pytest.raises(ModelFileError, match=f"manifold {version}'.*make the file again"):
-            load_manifold(path)
-    pickled = {"rate": np.array([{"run": "me"}], dtype=object)}
-    path.write_bytes(packed(arrays | pickled, digested=False))
-    with pytest.raises(ModelFileError, match="not a model"):
-        load_manifold(path)
-
-
-@pytest.mark.parametrize(
-    ("kind", "changes", "message"),
-    [
-        ("conv", {"format": np.array("another")}, "another"),
-        ("conv", {"w1": np.zeros((5, 62, 12), np.float32)}, "w1 has shape"),
-        ("conv", {"joints": np.array(["tail"])}, "joints"),
-        ("conv", {"rescales": np.array(True)}, "rescales is not"),
-        ("conv", {"settings": np.array('{"a": ' + "[" * 50_000 + "]" * 50_000 + "}")}, "recursion"),
-        ("conv", {"window": np.array(-3)}, "window is not a whole number"),
-        ("sequence", {"mean": np.zeros(53)}, "mean has shape"),
-        ("sequence", {"deviation": np.zeros(54)}, "not from 1e-06"),
-        ("sequence", {"table": np.array("another")}, "not one of this version"),
-        ("sequence", {"state_w": np.zeros(3)}, "not a matrix"),
-        ("sequence", {"frames": np.array(10**9)}, "frames is not a whole number"),
-    ],
-)
-def test_arrays_that_do_not_fit_are_named(models, tmp_path, kind, changes, message):
-    path = tmp_path / "m.npz"
-    path.write_bytes(packed(arrays_of(models[kind]) | changes))
-    with pytest.raises(ModelFileError, match=message):
-        load_manifold(path)
-
-
-@KINDS
-def test_edited_weights_are_refused_and_files_of_version_2_have_no_digest(models, kind, tmp_path):
-    arrays, path = arrays_of(models[kind]), tmp_path / "m.npz"
-    name = next(name for name, array in arrays.items() if array.dtype == np.float32)
-    edited = {name: arrays[name] * np.float32(1.5)}
-    path.write_bytes(packed(arrays | edited, digested=False))
-    with pytest.raises(ModelFileError, match="was changed after it was written"):
-        load_manifold(path)
-    without = {key: array for key, array in arrays.items() if key != DIGEST}
-    path.write_bytes(packed(without, digested=False))
-    with pytest.raises(ModelFileError, match="has no 'digest'"):
-        load_manifold(path)
-    old = {"format": np.array(str(arrays["format"])[:-1] + "2")}
-    path.write_bytes(packed(without | old, digested=False))
-    assert type(load_manifold(path)).__name__.endswith("Manifold")
-
-
-def test_sequential_files_of_version_3_have_no_burn_in(models, tmp_path):
-    path = tmp_path / "m.npz"
-    path.write_bytes(models["sequence"])
-    assert load_manifold(path).network.burn_in > 0
-    arrays = arrays_of(models["sequence"])
-    del arrays["burn_in"]
-    path.write_bytes(packed(arrays))
-    with pytest.raises(ModelFileError, match="has no 'burn_in'"):
-        load_manifold(path)
-    old = {"format": np.array(str(arrays["format"])[:-1] + "3")}
-    path.write_bytes(packed(arrays | old))
-    assert load_manifold(path).network.burn_in == 0
-
-
-def test_archives_that_expand_are_refused_before_they_are_unpacked(models, tmp_path):
-    """A text of 20 MB as the format, in 20 kB."""
-    path = tmp_path / "m.npz"
-    np.savez_compressed(path, **arrays_of(models["conv"]) | {"format": np.array("x" * 5_000_000)})
-    tracemalloc.start()
-    with pytest.raises(ModelFileError, match="unpacks to 20 MB, expected at most 4 MB"):
-        load_manifold(path)
-    assert tracemalloc.get_traced_memory()[1] < 2e6
-    tracemalloc.stop()
-
-
-def test_a_header_that_claims_a_billion_numbers(models, tmp_path):
-    data = models["conv"]
+def with_a_large_header(data: bytes) -> bytes:
+    """The file with an array that claims to have a billion numbers."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(buffer, "w") as new:
         for info in old.infolist():
@@ -230,7 +129,45 @@ def test_a_header_that_claims_a_billion_numbers(models, tmp_path):
                 body = body.replace(b"(63,), }" + b" " * 10, b"(1000000063,), }  ", 1)
                 assert b"1000000063" in body
             new.writestr(info.filename, body)
-    assert not load_or_refuse(buffer.getvalue(), tmp_path / "m.npz", "billion")
+    return buffer.getvalue()
+
+
+def expanding(data: bytes) -> bytes:
+    """The file with a text of 20 MB as its format, in 20 kB."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **arrays_of(data) | {"format": np.array("x" * 5_000_000)})
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "message"),
+    [
+        ("conv", {"format": np.array("another")}, "its format is 'another', expected"),
+        ("conv", {"format": np.array("numpy_cae convolutional manifold 2")}, "make the file again"),
+        ("conv", {"rate": np.array([{"run": "me"}], dtype=object)}, "not a model"),
+        ("conv", {"w1": np.zeros((5, 62, 12), np.float32)}, "w1 has shape"),
+        ("conv", {"joints": np.array(["tail"])}, "joints"),
+        ("conv", {"rescales": np.array(True)}, "rescales is not"),
+        ("conv", {"settings": np.array('{"a": ' + "[" * 50_000 + "]" * 50_000 + "}")}, "recursion"),
+        ("conv", {"window": np.array(-3)}, "window is not a whole number"),
+        ("conv", expanding, "unpacks to 20 MB, expected at most 4 MB"),
+        ("conv", with_a_large_header, "size of an array differs"),
+        ("sequence", {"mean": np.zeros(53)}, "mean has shape"),
+        ("sequence", {"deviation": np.zeros(54)}, "not from 1e-06"),
+        ("sequence", {"table": np.array("another")}, "not one of this version"),
+        ("sequence", {"state_w": np.zeros(3)}, "not a matrix"),
+        ("sequence", {"state_w": np.zeros((0, 10**6))}, "weights are smaller"),
+        ("sequence", {"frames": np.array(10**9)}, "frames is not a whole number"),
+    ],
+)
+def test_what_is_wrong_is_named(models, tmp_path, kind, change, message):
+    data, path = models[kind], tmp_path / "m.npz"
+    data = change(data) if callable(change) else packed(arrays_of(data) | change)
+    assert not load_or_refuse(data, path, message)
+    with pytest.raises(ModelFileError, match=message):
+        load_manifold(path)
+    with pytest.raises(ModelFileError, match="No such file"):
+        load_manifold(tmp_path / "missing.npz")
 
 
 def test_half_precision_is_a_smaller_file_of_nearly_the_same_model(untrained_manifold, tmp_path):

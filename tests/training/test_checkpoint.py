@@ -10,7 +10,6 @@ import zipfile
 import numpy as np
 import pytest
 
-from numpy_cae.array_file import DIGEST, digest_of
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
     Checkpoint,
@@ -150,12 +149,10 @@ def edited(arrays, rng):
 
 
 @pytest.mark.parametrize("count", [30, pytest.param(2000, marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("digested", [False, True])
-def test_an_edited_checkpoint_is_refused_or_gives_the_same_bits(
-    tmp_path, monkeypatch, count, digested, counted
+def test_an_edited_checkpoint_is_refused_or_gives_finite_weights(
+    tmp_path, monkeypatch, count, counted
 ):
-    """With the old digest every edit is refused; with a new one what cannot be of this run."""
-    path, whole, refused = tmp_path / "c.npz", train_conv(None), 0
+    path, refused = tmp_path / "c.npz", 0
     with monkeypatch.context() as patch, pytest.raises(Interrupted):
         interrupt(patch, layerwise, 18)
         train_conv(path)
@@ -163,8 +160,6 @@ def test_an_edited_checkpoint_is_refused_or_gives_the_same_bits(
         arrays = {name: file[name] for name in file.files}
     for number in range(count):
         changed = edited(arrays, np.random.default_rng(number))
-        if digested:
-            changed[DIGEST] = np.array(digest_of(changed))
         np.savez(path, **changed)
         try:
             result = train_conv(path, resume=True)
@@ -172,11 +167,10 @@ def test_an_edited_checkpoint_is_refused_or_gives_the_same_bits(
             refused += 1
             assert "\n" not in str(error), number
         else:
-            assert digested or same(whole, result), number
             assert all(np.isfinite(array).all() for array in result[0]), number
     assert refused > count / 2
     if count > 1000:
-        counted(f"{count} edited checkpoints (new digest: {digested}): {refused} refused")
+        counted(f"{count} edited checkpoints: {refused} refused")
 
 
 def test_a_full_disk_leaves_the_last_good_state(tmp_path, monkeypatch):

@@ -1,7 +1,8 @@
 """Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
 folders. A recipe is a set of training options: paper is that of holden2015, fast trains all layers
 at once with Adam, best does so for three times as many epochs, starter is that of the model in the
-package. Options given beside it replace its own.
+package. Options given beside it replace its own. Train into one model file once at a time: a second
+training is refused as soon as the first has saved its state in MODEL.checkpoint.npz.
 
 example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
@@ -13,13 +14,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from numpy_cae.atomic_write import remove_leftovers
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared import train_options as options
 from numpy_cae.cli.shared.output import note, print_json, require_place
 from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
-from numpy_cae.lock import lock
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
 from numpy_cae.training import Checkpoint
@@ -43,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--recipe", choices=options.RECIPES, default="paper", help="recipe (default: paper)")
     engine = "code that computes the gradients: fast, or the definitions in ops (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
-    resume = "continue from MODEL.checkpoint.npz, which an interrupted run leaves; to the same bits"
+    resume = "continue an interrupted run from MODEL.checkpoint.npz; the result is identical"
     add("--resume", **arguments.FLAG, help=resume)
     arguments.add_shared(parser, "seed quiet json mapping unit up floor")
     options.add_training_options(parser)
@@ -148,15 +147,13 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
 
 @contextmanager
 def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
-    """Yield the checkpoint of the run that writes `output`, under a lock.
+    """Yield the checkpoint of the run that writes `output`.
 
-    Raises FileError if another process writes there, CheckpointError if a run was interrupted and
-    `resume` is False.
+    Raises CheckpointError if a run was interrupted, or is still running, and `resume` is False.
     """
     checkpoint = Checkpoint(state_of(output), seconds, resume)
-    with lock(output), _stopped_by_sigterm():
+    with _stopped_by_sigterm():
         checkpoint.require_none_unless_resumed()
-        remove_leftovers(output)
         try:
             yield checkpoint
         except KeyboardInterrupt:
