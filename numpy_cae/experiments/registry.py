@@ -6,7 +6,6 @@ from numpy_cae.experiments.result import Result
 
 EXPERIMENTS = {
     "repair_sweep": "repair.repair_sweep",
-    "kinect": "repair.kinect",
     "damage": "repair.damage",
     "filling_in": "repair.filling_in",
     "interpolation": "interpolation",

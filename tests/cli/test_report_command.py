@@ -45,17 +45,17 @@ def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path
     for path in sorted(folder.rglob("*.bvh"))[:3]:
         (few / path.name).write_bytes(path.read_bytes())  # without labels.csv
     words = ["report", "--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
-    run(*words, "interpolation", "filters", "--json")
+    run(*words, "interpolation", "sampling", "--json")
     captured = capsys.readouterr()
     assert "interpolation: Could not be run: " in captured.err
-    assert "filters: " in captured.err and "claims confirmed\n" in captured.err
+    assert "sampling: " in captured.err and "claims confirmed\n" in captured.err
     printed = json.loads(captured.out)
     lacking, measured = printed["experiments"]
     assert "Could not be run" in lacking["note"] and not lacking["claims"]
     assert printed["claims"] == len(measured["claims"]) > 0
     assert printed["confirmed"] == sum(claim["confirmed"] for claim in measured["claims"])
     assert "*_01.bvh" in printed["how"]["test takes"]
-    assert "What the filters learned" in (tmp_path / "out" / "report.txt").read_text()
+    assert "Sampling from a prior" in (tmp_path / "out" / "report.txt").read_text()
 
 
 def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):

@@ -7,7 +7,7 @@ import pytest
 
 from numpy_cae.experiments.clips import AVERAGED, ENDS_HELD, NETWORK, clips_of, project_ends_held
 from numpy_cae.experiments.material import LabelledTake, unlabelled
-from numpy_cae.experiments.repair import half_removed, kinect, repair_sweep
+from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
 from numpy_cae.motion import PARENTS
 
@@ -42,17 +42,6 @@ def test_claims_of_the_sweep_follow_its_errors():
     assert not confirmed()[0]
     errors[NETWORK + RESCALED][4] = 4.4
     assert not confirmed()[0] and confirmed(RESCALED)[0]
-
-
-def test_a_kinect_is_noisier_than_the_truth_and_filters_smooth_it(result_of):
-    (table,) = result_of("kinect").tables
-    error, jitter = "error, cm", "jitter, m/s²"
-    assert table.value(kinect.TRUE, error) == 0
-    assert table.value(kinect.SEEN, jitter) > 3 * table.value(kinect.TRUE, jitter)
-    assert table.value("median filter", jitter) < table.value(kinect.SEEN, jitter)
-    assert 1 < table.value(kinect.SEEN, error) < 20
-    expected = table.value(AVERAGED, error) < table.value(kinect.SEEN, error) * 2 / 3
-    assert result_of("kinect").claims[0].confirmed == expected
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):

@@ -20,9 +20,7 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
     assert result.claims[0].figures.startswith(f"{ALONG} is better than {LINEAR}")
     one, other = interpolation.clips_of_pair(small_manifold, *labelled.testing[:2])
     assert len(one) == len(other) == 32
-    methods = interpolation._methods(small_manifold, [one, other])
-    np.testing.assert_allclose(methods[LINEAR](one, other, 0.5), (one + other) / 2)
-    assert all(method(one, other, 0.5).shape == one.shape for method in methods.values())
+    np.testing.assert_allclose(interpolation.linear(one, other, 0.5), (one + other) / 2)
 
 
 def test_a_claim_holds_if_all_measures_are_better():

@@ -1,5 +1,4 @@
-"""Simple methods that repair a damaged motion in its rig: filters, and two that are told what is
-damaged."""
+"""Simple methods that repair a damaged motion in its rig: filters, and two with the mask given."""
 
 from collections.abc import Callable
 
@@ -19,8 +18,8 @@ from numpy_cae.motion import POSITIONS, Motion
 from numpy_cae.motion.retarget.body import Body
 
 PCA_TAKES, EXPLAINED = 60, 0.95
-"""PCA is fitted to every third frame of so many takes at most, with as many axes as explain this
-share of the variance."""
+"""PCA is fitted to every third frame of at most PCA_TAKES takes, with as many axes as explain the
+share EXPLAINED of the variance."""
 
 FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _frames(0.3, rate), 2, axis=0),
