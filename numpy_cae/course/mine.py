@@ -12,7 +12,6 @@ import linecache
 import os
 import re
 import sys
-import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
@@ -24,7 +23,7 @@ from numpy_cae.course.exercises import CATALOGUE, EXERCISES
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.grading.submission import MAGIC, is_exercise
-from numpy_cae.verify.operations.trial import try_property
+from numpy_cae.verify.operations.trial import described, try_property
 
 FILE = "mine.py"
 IMPORTS = (ast.Import, ast.ImportFrom)
@@ -135,21 +134,13 @@ def with_definitions(text: str, cell: str) -> str:
 
 
 def run(text: str) -> dict[str, object]:
-    """What the text of mine.py defines; NotSavedError names the line that cannot be run."""
+    """What the text of mine.py defines; a NotSavedError names a line that cannot be run."""
     space = {name: stand_in(name) for name in CATALOGUE}
     space |= {"__name__": "mine", "__file__": FILE}
     try:
-        code = compile(text, FILE, "exec")
-    except SyntaxError as error:
-        raise NotSavedError(f"{FILE}, line {error.lineno}: {error.msg}") from None
-    except ValueError as error:
-        raise NotSavedError(f"{FILE}: {error}") from None
-    try:
-        exec(code, space)
+        exec(compile(text, FILE, "exec"), space)
     except Exception as error:
-        frames = traceback.extract_tb(error.__traceback__)
-        line = [frame.lineno for frame in frames if frame.filename == FILE][-1]
-        raise NotSavedError(f"{FILE}, line {line}: {type(error).__name__}: {error}") from None
+        raise NotSavedError(f"{FILE} cannot be run: {described(error, FILE)}") from None
     return {name: v for name, v in space.items() if not hasattr(v, "stands_in")}
 
 

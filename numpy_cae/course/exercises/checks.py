@@ -15,13 +15,43 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import Property, require_equal
 
 Arguments = Callable[[Case], dict[str, object]]
-Check = Callable[[Callable, Case], None]
+Check = Callable[..., None]
 PULLBACK = "the pullback"
 
 
-def states(name: str, statement: str, points: int = 1, **options) -> Callable[[Check], Property]:
-    """Make a property of the check that is decorated; the arguments are those of `Property`."""
-    return lambda check: Property(name, statement, check, points, **options)
+def states(
+    name: str, statement: str, points: int = 1, copied: bool = True, **options
+) -> Callable[[Check], Property]:
+    """Make a property of the check that is decorated; the options are fields of `Property`.
+
+    The check is called with the function, the case, and the arguments of the case by name. If
+    `copied`, the function gets copies of what the check passes to it.
+    """
+
+    def stated(check: Check) -> Property:
+        def with_copies(function: Callable, case: Case, **given: object) -> None:
+            check(lambda *passed: function(*map(deepcopy, passed)), case, **given)
+
+        return Property(name, statement, with_copies if copied else check, points, **options)
+
+    return stated
+
+
+def with_arguments(check: Check, arguments: Arguments) -> Callable[[Callable, Case], None]:
+    """The check of a function in a case, whose arguments are drawn from the case."""
+    return lambda function, case: check(function, case, **arguments(case))
+
+
+@states("purity", "no argument is changed", copied=False)
+def purity(function, case, **given):
+    """The property of every exercise whose arguments are arrays."""
+    before = deepcopy(given)
+    function(*given.values())
+    for name, argument in before.items():
+        after = arrays_in(name, given[name])
+        for part, array in arrays_in(name, argument).items():
+            if not np.array_equal(after[part], array):
+                raise AssertionError(f"the call changes {part}")
 
 
 def drawn(**entries: object) -> Arguments:
@@ -45,9 +75,9 @@ def _drawn(entry: object, case: Case, rng: np.random.Generator) -> object:
     return entry(case, rng) if callable(entry) else entry
 
 
-def array(sizes: str, reach: float) -> Callable:
-    """An entry of `drawn`: an array whose values lie between -reach and reach."""
-    return lambda case, rng: spread(rng, tuple(case[size] for size in sizes.split()), reach)
+def array(sizes: str, largest: float) -> Callable:
+    """An entry of `drawn`: an array whose values lie between -largest and largest."""
+    return lambda case, rng: spread(rng, tuple(case[size] for size in sizes.split()), largest)
 
 
 def size(name: str) -> Callable:
@@ -57,32 +87,29 @@ def size(name: str) -> Callable:
 
 @dataclass(frozen=True)
 class Differentiated:
-    """A function that returns a value and its derivatives, and its properties.
+    """The properties of a function that returns a value and its derivatives.
 
-    `returns` names the things that it returns, the value first. The second is `PULLBACK`, or the
-    others are the gradients of a scalar value.
+    `returns` names the things that the function returns, the value first. The second one is
+    `PULLBACK`, or the others are the gradients of a scalar value.
     """
 
-    arguments: Arguments
-    definition: Callable  # the value, from the same arguments
+    solution: Callable
     inputs: tuple[str, ...]  # the arguments that get a gradient, in the order of the gradients
     returns: tuple[str, ...]
 
     def value(self, statement: str) -> Property:
-        """The property that the value is that of the definition."""
+        """The value is that of the solution."""
 
-        def check(function: Callable, case: Case) -> None:
-            value = self._call(function, self.arguments(case))[0]
-            expected = self.definition(*copies(self.arguments(case)))
-            require_same(value, expected, self.returns[:1])
+        def check(function: Callable, case: Case, **given: object) -> None:
+            expected, *_ = self.solution(*given.values())
+            require_same(self._call(function, given)[0], expected, self.returns[:1])
 
-        return Property("value", statement, check, 2)
+        return states("value", statement, 2)(check)
 
     def gradient(self, name: str, points: int, only: tuple[str, ...] | None = None) -> Property:
-        """The property that gradients agree with differences: of all arrays, or `only` of some."""
+        """Gradients agree with differences; `only` names the arrays, by default all."""
 
-        def check(function: Callable, case: Case) -> None:
-            given = self.arguments(case)
+        def check(function: Callable, case: Case, **given: object) -> None:
             arrays = {k: v for i in self.inputs for k, v in arrays_in(i, given[i]).items()}
 
             def f(*values):
@@ -97,16 +124,16 @@ class Differentiated:
             try:
                 check_gradients(f, *arrays.values(), rng=case.rng(), names=names, only=chosen)
             finally:  # the call that a report shows
-                function(*copies(given))
+                function(*given.values())
 
         statement = "it agrees with central differences of the function that you wrote"
-        return Property(name, statement, check, points)
+        return states(name, statement, points)(check)
 
     def keeps_float32(self) -> Property:
-        """The property that value and gradients of float32 arguments are float32."""
+        """The value and the gradients of float32 arguments are float32."""
 
-        def check(function: Callable, case: Case) -> None:
-            given = {name: _narrowed(name, a) for name, a in self.arguments(case).items()}
+        def check(function: Callable, case: Case, **given: object) -> None:
+            given = {name: _narrowed(name, argument) for name, argument in given.items()}
             value, *others = self._call(function, given)
             upstream = np.ones_like(value) if np.ndim(value) else np.float32(1)
             results = [value, *self._gradients(others, given, upstream)]
@@ -116,16 +143,16 @@ class Differentiated:
                     what = "the value" if result is value else "a gradient"
                     raise AssertionError(f"given float32, {what} is {dtype}")
 
-        return Property("dtype", "float32 stays float32", check)
+        return states("dtype", "float32 stays float32")(check)
 
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
-        returned = require_parts(function(*copies(given)), self.returns)
+        returned = require_parts(function(*given.values()), self.returns)
         if PULLBACK in self.returns and not callable(returned[1]):
             raise AssertionError(f"it does not return {' and '.join(self.returns)}")
         return list(returned)
 
     def _gradients(self, others: list, given: Mapping[str, object], upstream) -> tuple:
-        """The gradients of all input arrays, from what the function returned beside its value."""
+        """The gradients of all input arrays, from what the function returned after its value."""
         if PULLBACK in self.returns:
             pulled = others[0](upstream)
             one = len(self.inputs) == 1
@@ -139,30 +166,14 @@ class Differentiated:
         return tuple(flat if upstream is None else (upstream * each for each in flat))
 
 
-def same_as(definition: Callable, arguments: Arguments, *names: str) -> Check:
+def same_as(definition: Callable, *names: str) -> Check:
     """A check that a function returns what a definition returns: an array or a number, which has
     one name, or a tuple of these."""
 
-    def check(function: Callable, case: Case) -> None:
-        expected = definition(*copies(arguments(case)))
-        require_same(function(*copies(arguments(case))), expected, names)
+    def check(function: Callable, case: Case, **given: object) -> None:
+        require_same(function(*given.values()), definition(*map(deepcopy, given.values())), names)
 
     return check
-
-
-def unchanged(arguments: Arguments) -> Property:
-    """The property that a function does not change its arguments."""
-
-    def check(function: Callable, case: Case) -> None:
-        before, given = arguments(case), copies(arguments(case))
-        function(*given)
-        for (name, argument), after in zip(before.items(), given, strict=True):
-            now = arrays_in(name, after)
-            for part, array in arrays_in(name, argument).items():
-                if not np.array_equal(now[part], array):
-                    raise AssertionError(f"the call changes {part}")
-
-    return Property("purity", "no argument is changed", check)
 
 
 def require_same(found, expected, names: tuple[str, ...] = ()) -> None:
@@ -189,13 +200,8 @@ def require_parts(returned, names) -> tuple | list:
     return returned
 
 
-def copies(arguments: Mapping[str, object]) -> list:
-    """The arguments in the order of the call, copied."""
-    return deepcopy(list(arguments.values()))
-
-
 def arrays_in(name: str, argument: object) -> dict[str, np.ndarray]:
-    """The arrays of an argument by name; a dict of arrays has names of its own."""
+    """The arrays of an argument by name; the arrays of a dict have its keys as names."""
     if isinstance(argument, np.ndarray):
         return {name: argument}
     if isinstance(argument, dict):
@@ -225,12 +231,14 @@ def _narrowed(name: str, argument: object) -> object:
 
 
 def _gradients_in(argument: object, gradients) -> list[np.ndarray]:
-    """The gradients of an argument's arrays, in their order; AssertionError if they are not in its
-    structure."""
+    """The gradients of an argument's arrays, in the order of the arrays.
+
+    Raises an AssertionError if the gradients do not have the structure of the argument.
+    """
     if isinstance(argument, dict):
         if not isinstance(gradients, dict):
-            found = type(gradients).__name__
-            raise AssertionError(f"expected a dict of gradients by name, got {found}")
+            returned = type(gradients).__name__
+            raise AssertionError(f"expected a dict of gradients by name, got {returned}")
         missing = [name for name in argument if name not in gradients]
         if missing:
             raise AssertionError(f"no gradient for {', '.join(missing)}")

@@ -2,40 +2,54 @@
 
 Most exercises are operations and have the properties that `verify` states of them. The others
 (forward kinematics, the features, a step of descent, ...) state their own, in the same form, so
-that all are drawn, shrunk, reported and graded alike. The hints are in `hints.md`.
+that all are drawn, shrunk, reported and graded in the same way. The hints are in `hints.md`.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import Arguments, Differentiated, same_as, unchanged
+from numpy_cae.course.exercises.checks import (
+    Arguments,
+    Differentiated,
+    purity,
+    same_as,
+    states,
+    with_arguments,
+)
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of
-from numpy_cae.verify.operations.operation import OPERATIONS, Operation, Sizes
+from numpy_cae.verify.operations.operation import Operation, Sizes
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
-from numpy_cae.verify.operations.single_properties import single_properties
 
 
-def operation_exercise(
-    operation: str | Operation,
-    solution: Callable | None = None,
+def operation_exercise(name: str, given: str = "") -> Exercise:
+    """An operation of `numpy_cae.ops` as an exercise: a function that returns value and pullback.
+
+    `given` names functions of earlier lessons that a solution may call: operations, or other
+    exercises.
+    """
+    return Exercise(name, getattr(ops, name), properties_of(name), given=tuple(given.split()))
+
+
+def composed_exercise(
+    solution: Callable,
+    arguments: Arguments,
+    inputs: str,
+    sizes: Sizes,
+    linear_in: tuple[str, ...] = (),
     given: str = "",
 ) -> Exercise:
-    """An exercise in the form of `numpy_cae.ops`: a function that returns value and pullback.
+    """An exercise in the form of an operation that only the lesson has.
 
-    `operation` is the name of one of `numpy_cae.ops`, whose function is the default solution, or
-    one that only the lesson has. `given` names functions of earlier lessons that a solution may
-    call: operations, or other exercises.
+    The value has to be that of the solution, the gradients for the `inputs` those of the student's
+    own value.
     """
-    if isinstance(operation, str):
-        operation = OPERATIONS[operation]
-    if operation.name in OPERATIONS:
-        properties = properties_of(operation.name)
-    else:
-        properties = (*shared_properties(operation), *single_properties(operation))
-    solution = solution or getattr(ops, operation.name)
-    return Exercise(operation.name, solution, properties, given=tuple(given.split()))
+    name, inputs = solution.__name__, tuple(inputs.split())
+    value = lambda *arguments: solution(*arguments)[0]  # noqa: E731
+    operation = Operation(name, sizes, arguments, inputs, value, linear_in)
+    properties = tuple(shared_properties(operation))
+    return Exercise(name, solution, properties, given=tuple(given.split()))
 
 
 def exercise(
@@ -44,7 +58,6 @@ def exercise(
     sizes: Sizes,
     *properties: Property,
     value: str = "",
-    definition: Callable | None = None,
     points: int = 2,
     pure: bool = True,
     given: str = "",
@@ -52,26 +65,33 @@ def exercise(
     """An exercise that is no operation, with properties of its own.
 
     `solution` is the package's own function, with the name of the exercise; `arguments` makes its
-    arguments from a case, by name, in the order of the call. `value` states, for `points`,
-    that a function returns what the definition (by default the solution) returns; if `pure`, a
-    property is added: no argument is changed.
+    arguments from a case, by name, in the order of the call. `value` states, for `points`, that a
+    function returns what the solution returns; if the exercise is `pure`, a function may change no
+    argument. The sizes of a property replace those of the exercise.
     """
-    if value:
-        check = same_as(definition or solution, arguments)
-        properties = (Property("value", value, check, points), *properties)
-    if pure:
-        properties = (*properties, unchanged(arguments))
     name = solution.__name__
-    stated = (
-        replace(each, operation=name, arguments=arguments, sizes={**sizes, **each.sizes})
+    if value:
+        properties = (states("value", value, points)(same_as(solution)), *properties)
+    if pure:
+        properties = (*properties, purity)
+    bound = (
+        replace(
+            each,
+            operation=name,
+            check=with_arguments(each.check, arguments),
+            arguments=arguments,
+            sizes={**sizes, **each.sizes},
+        )
         for each in properties
     )
-    return Exercise(name, solution, tuple(stated), given=tuple(given.split()))
+    return Exercise(name, solution, tuple(bound), given=tuple(given.split()))
 
 
 def differentiated_exercise(
     solution: Callable,
-    function: Differentiated,
+    arguments: Arguments,
+    inputs: tuple[str, ...],
+    returns: tuple[str, ...],
     sizes: Sizes,
     *properties: Property,
     value: str,
@@ -81,13 +101,15 @@ def differentiated_exercise(
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
 
-    `gradients` has, by the name of a property, its points and the names of the arrays (by default
-    all).
+    `inputs` are the arguments that get a gradient, and `returns` names what the function returns,
+    as in `Differentiated`. `gradients` has, by the name of a property, its points and the names
+    of the arrays, by default all.
     """
+    function = Differentiated(solution, inputs, returns)
     properties = (
         function.value(value),
         *(function.gradient(name, *options) for name, options in gradients.items()),
         *((function.keeps_float32(),) if float32 else ()),
         *properties,
     )
-    return exercise(solution, function.arguments, sizes, *properties, given=given)
+    return exercise(solution, arguments, sizes, *properties, given=given)

@@ -1,8 +1,8 @@
 """The exercise of lesson 00, two papers in pictures: one operation with its pullback."""
 
 from numpy_cae.course.exercises.checks import drawn
-from numpy_cae.course.exercises.exercise import operation_exercise
-from numpy_cae.verify.operations.operation import WINDOW, Operation
+from numpy_cae.course.exercises.exercise import composed_exercise
+from numpy_cae.verify.operations.operation import WINDOW
 
 
 def square(x):
@@ -14,6 +14,4 @@ def square(x):
     return x * x, pullback
 
 
-SQUARE = Operation("square", WINDOW, drawn(x="batch frames channels"), ("x",), lambda x: x * x)
-
-EXERCISES = (operation_exercise(SQUARE, square),)
+EXERCISES = (composed_exercise(square, drawn(x="batch frames channels"), "x", WINDOW),)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import operation_exercise
+from numpy_cae.course.exercises.exercise import composed_exercise, operation_exercise
 from numpy_cae.models import ConvLayer
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.operation import FILTERS, WINDOW, Operation, definitions
+from numpy_cae.verify.operations.operation import FILTERS, WINDOW
 
 SIZES = {**WINDOW, **FILTERS, "frames": (1, 2, 3), "taps": (1, 3, 5)}
 BOUND = 0.9
@@ -34,29 +34,13 @@ def project_layer(x, w, b, bound):
     return x_hat, pullback
 
 
-def encode_by_loops(x, w, b):
-    """Equation 1."""
-    return definitions.tanh(definitions.max_pool(definitions.conv1d(x, w, b)))
-
-
-def decode_by_loops(y, w, b, bound, first=None):
-    """Equation 2, with random unpooling if `first` is given."""
-    y = definitions.arctanh(y, bound)
-    if first is None:
-        unpooled = definitions.unpool_even(y)
-    else:
-        unpooled = definitions.unpool_random(y, first)
-    w_tilde = definitions.transpose_filters(w)
-    return definitions.conv1d(unpooled - b, w_tilde, np.zeros(w.shape[1]))
-
-
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
     """Uniform entries of full precision between -bound and bound: sums of these do not tie."""
     return rng.uniform(-bound, bound, shape)
 
 
 def random_weights(case: Case, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Filters and biases so small that most hidden units stay inside the bound."""
+    """Filters and biases so small that most hidden values stay inside the bound."""
     shape = (case["taps"], case["channels"], case["filters"])
     return {"w": uniform(rng, shape, 0.6), "b": uniform(rng, shape[2:], 0.4)}
 
@@ -67,7 +51,7 @@ def _window_arguments(case: Case) -> dict[str, object]:
     return {"x": x, **random_weights(case, rng)}
 
 
-def _unit_arguments(case: Case) -> dict[str, object]:
+def _hidden_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     y = spread(rng, (case["batch"], case["frames"], case["filters"]), 1.21)
     return {"y": y, **random_weights(case, rng), "bound": BOUND}
@@ -76,24 +60,15 @@ def _unit_arguments(case: Case) -> dict[str, object]:
 EXERCISES = (
     operation_exercise("tanh"),
     operation_exercise("arctanh"),
-    operation_exercise(
-        Operation("encode_layer", SIZES, _window_arguments, ("x", "w", "b"), encode_by_loops),
-        encode_layer,
-        given="conv1d max_pool",
-    ),
-    operation_exercise(
-        Operation("decode_layer", SIZES, _unit_arguments, ("y", "w", "b"), decode_by_loops),
+    composed_exercise(encode_layer, _window_arguments, "x w b", SIZES, given="conv1d max_pool"),
+    composed_exercise(
         decode_layer,
+        _hidden_arguments,
+        "y w b",
+        SIZES,
         given="conv1d transpose_filters unpool_even",
     ),
-    operation_exercise(
-        Operation(
-            "project_layer",
-            SIZES,
-            lambda case: {**_window_arguments(case), "bound": BOUND},
-            ("x", "w", "b"),
-            lambda x, w, b, bound: decode_by_loops(encode_by_loops(x, w, b), w, b, bound),
-        ),
-        project_layer,
+    composed_exercise(
+        project_layer, lambda case: {**_window_arguments(case), "bound": BOUND}, "x w b", SIZES
     ),
 )

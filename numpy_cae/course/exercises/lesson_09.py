@@ -10,6 +10,9 @@ from numpy_cae.training import clip_norm
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
+OF_NORM = 0.25
+"""The bound of clipping, as a part of the norm."""
+
 
 @dataclass(frozen=True)
 class LinearPullback:
@@ -51,12 +54,12 @@ def _linear_pullback(case: Case, rng: np.random.Generator) -> LinearPullback:
 _pullback_arguments = drawn(pull=_linear_pullback, dh="batch hidden", frames=size("frames"))
 
 
-def _clip_arguments(case: Case, bound_over_norm: float = 0.25) -> dict[str, object]:
-    """Arrays of several shapes."""
+def _clip_arguments(case: Case) -> dict[str, object]:
+    """Arrays of several shapes, with a norm beyond the bound."""
     rng = case.rng()
     shapes = [(case["rows"], 2), (2,), (1, case["rows"])][: case["arrays"]]
     gradients = [spread(rng, shape) for shape in shapes]
-    return {"gradients": gradients, "bound": bound_over_norm * _norm(gradients)}
+    return {"gradients": gradients, "bound": OF_NORM * _norm(gradients)}
 
 
 def _norm(gradients) -> float:
@@ -64,31 +67,30 @@ def _norm(gradients) -> float:
 
 
 def _require_clipped(function, gradients, bound: float, factor: float) -> None:
-    returned = function([g.copy() for g in gradients], bound)
+    returned = function(gradients, bound)
     clipped, norm = require_parts(returned, ("the clipped gradients", "the norm"))
     require_parts(clipped, [f"gradient {number}" for number in range(len(gradients))])
     require_same(norm, _norm(gradients), ("the norm",))
-    for number, (found, g) in enumerate(zip(clipped, gradients, strict=True)):
-        require_equal(f"gradient {number}", found, factor * g)
+    for number, (returned, gradient) in enumerate(zip(clipped, gradients, strict=True)):
+        require_equal(f"gradient {number}", returned, factor * gradient)
 
 
-@states(
-    "value", "beyond the bound, every array times bound / norm; and the norm before clipping", 2
-)
-def _beyond_bound(function, case: Case) -> None:
-    _require_clipped(function, *_clip_arguments(case).values(), 0.25)
+BEYOND = "beyond the bound, every array times bound / norm; and the norm before clipping"
+
+
+@states("value", BEYOND, 2)
+def _beyond_bound(function, case, gradients, bound):
+    _require_clipped(function, gradients, bound, OF_NORM)
 
 
 @states("left alone", "within the bound, the gradients are not changed")
-def _within_bound(function, case: Case) -> None:
-    _require_clipped(function, *_clip_arguments(case, 1.5).values(), 1.0)
+def _within_bound(function, case, gradients, bound):
+    _require_clipped(function, gradients, 1.5 * _norm(gradients), 1.0)
 
 
 @states("nothing", "gradients of zeros stay zeros")
-def _zero_gradients(function, case: Case) -> None:
-    gradients = [np.zeros_like(each) for each in _clip_arguments(case)["gradients"]]
-    with np.errstate(all="ignore"):
-        _require_clipped(function, gradients, 1.0, 1.0)
+def _zero_gradients(function, case, gradients, bound):
+    _require_clipped(function, [np.zeros_like(each) for each in gradients], 1.0, 1.0)
 
 
 EXERCISES = (

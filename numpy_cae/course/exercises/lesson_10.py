@@ -1,15 +1,16 @@
 """The exercises of lesson 10, a manifold in sequences: encoder, decoder and loss."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import PULLBACK, Differentiated, drawn
-from numpy_cae.course.exercises.exercise import differentiated_exercise, operation_exercise
+from numpy_cae.course.exercises.checks import PULLBACK, drawn, size
+from numpy_cae.course.exercises.exercise import composed_exercise, differentiated_exercise
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.models.sequential_autoencoder import Weights, gru_weights, weight_shapes
+from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.operation import Operation, definitions
 
 SIZES = {"batch": (1, 2), "frames": (1, 2, 3), "features": (1, 2), "hidden": (1, 2)}
 WITH_LATENT = {**SIZES, "latent": (1, 2, 3)}
@@ -20,36 +21,6 @@ FRAME = ("frame_w", "frame_b")
 DECODER = ("state_w", "state_b", *DECODER_GRU, *FRAME)
 LOSS_AND_GRADIENTS = ("the loss", "the gradients by name")
 WEIGHT_BOUND = 0.9
-
-
-def self_fed_by_loops(h, frames, w, u, b, c, frame_w, frame_b):
-    """The frames that the decoder writes."""
-    y, written = np.zeros((len(h), len(frame_b))), []
-    for _ in range(frames):
-        h = definitions.gru_step(y, h, w, u, b, c)
-        y = definitions.linear(h, frame_w, frame_b)
-        written.append(y)
-    return np.stack(written, axis=1)
-
-
-def read_by_loops(weights: Weights, x: np.ndarray) -> np.ndarray:
-    """z of clips."""
-    zeros = np.zeros((len(x), len(weights["encoder_u"])))
-    states = definitions.gru(x, zeros, *gru_weights(weights, "encoder"))
-    return definitions.linear(states[:, -1], weights["latent_w"], weights["latent_b"])
-
-
-def write_by_loops(weights: Weights, z: np.ndarray, frames: int) -> np.ndarray:
-    """Clips of z."""
-    h = definitions.linear(z, weights["state_w"], weights["state_b"])
-    frame = [weights[name] for name in FRAME]
-    return self_fed_by_loops(h, frames, *gru_weights(weights, "decoder"), *frame)[:, ::-1]
-
-
-def reconstruction_by_loops(weights: Weights, x: np.ndarray) -> float:
-    """The mean squared error of the reconstructed clips."""
-    x_hat = write_by_loops(weights, read_by_loops(weights, x), x.shape[1])
-    return definitions.mean_squared_error(x_hat, x)
 
 
 def random_weights(case: Case, rng: np.random.Generator) -> Weights:
@@ -107,62 +78,62 @@ def _self_fed_arguments(case: Case) -> dict[str, object]:
     }
 
 
-def _read_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    weights = random_weights(case, rng)
-    return {"weights": {name: weights[name] for name in ENCODER}, "x": random_clips(case, rng)}
+def _weights_of(names: tuple[str, ...]) -> Callable:
+    """An entry of `drawn`: the weights with these names."""
+
+    def entry(case: Case, rng: np.random.Generator) -> Weights:
+        weights = random_weights(case, rng)
+        return {name: weights[name] for name in names}
+
+    return entry
 
 
-def _write_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    weights = random_weights(case, rng)
-    return {
-        "weights": {name: weights[name] for name in DECODER},
-        "z": uniform(rng, (case["batch"], case["latent"]), 1.0),
-        "frames": case["frames"],
-    }
+def random_latent(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """(B, latent)."""
+    return uniform(rng, (case["batch"], case["latent"]), 1.0)
+
+
+_read_arguments = drawn(weights=_weights_of(ENCODER), x=random_clips)
+_write_arguments = drawn(weights=_weights_of(DECODER), z=random_latent, frames=size("frames"))
 
 
 EXERCISES = (
     differentiated_exercise(
         read_clips,
-        Differentiated(_read_arguments, read_by_loops, ("weights",), ("z", PULLBACK)),
+        _read_arguments,
+        ("weights",),
+        ("z", PULLBACK),
         WITH_LATENT,
-        value="z is that of the definition, computed by loops",
+        value="z is that of the definition",
         gradients={"gradients": (4,)},
         float32=True,
         given="gru linear",
     ),
-    operation_exercise(
-        Operation(
-            "self_fed",
-            SIZES,
-            _self_fed_arguments,
-            ("h", "w", "u", "b", "c", "frame_w", "frame_b"),
-            self_fed_by_loops,
-        ),
+    composed_exercise(
         self_fed,
+        _self_fed_arguments,
+        "h w u b c frame_w frame_b",
+        SIZES,
         given="gru_step linear",
     ),
     differentiated_exercise(
         write_clips,
-        Differentiated(_write_arguments, write_by_loops, ("z", "weights"), ("the clips", PULLBACK)),
+        _write_arguments,
+        ("z", "weights"),
+        ("the clips", PULLBACK),
         WITH_LATENT,
-        value="the clips are those of the definition, computed by loops",
+        value="the clips are those of the definition",
         gradients={"gradient for z": (2, ("z",)), "gradients for the weights": (2, DECODER)},
         float32=True,
         given="linear",
     ),
     differentiated_exercise(
         reconstruction_loss,
-        Differentiated(
-            drawn(weights=random_weights, x=random_clips),
-            reconstruction_by_loops,
-            ("weights",),
-            LOSS_AND_GRADIENTS,
-        ),
+        drawn(weights=random_weights, x=random_clips),
+        ("weights",),
+        LOSS_AND_GRADIENTS,
         WHOLE_NETWORK,
-        value="the loss is that of the definition, computed by loops",
+        value="the loss is that of the definition",
         gradients={"gradients of writing": (2, DECODER), "gradients of reading": (3, ENCODER)},
         float32=True,
         given="clip_gradients mean_squared_error",

@@ -1,13 +1,12 @@
 """The exercises of lesson 11, matching distributions: one dimension, slices, the whole loss."""
 
-from itertools import permutations
-
 import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises import lesson_10
-from numpy_cae.course.exercises.checks import Differentiated, array, drawn
+from numpy_cae.course.exercises.checks import array, drawn
 from numpy_cae.course.exercises.exercise import (
+    composed_exercise,
     differentiated_exercise,
     exercise,
     operation_exercise,
@@ -15,7 +14,6 @@ from numpy_cae.course.exercises.exercise import (
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.operation import Operation, definitions
 
 WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
 
@@ -39,43 +37,25 @@ def regularised_loss(weights, x, prior, directions, weight):
     return x.dtype.type(losses.total), gradients
 
 
-def _cheapest_assignment(p, q):
-    """The least mean square of the gaps over all assignments."""
-    return min(np.mean((p - q[list(order)]) ** 2) for order in permutations(range(len(q))))
+def _random_directions(case: Case, rng: np.random.Generator) -> np.ndarray:
+    return unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0))
 
 
-def _regularised_by_loops(weights, x, prior, directions, weight):
-    discrepancy = definitions.sliced_wasserstein(
-        lesson_10.read_by_loops(weights, x), prior, directions
-    )
-    return lesson_10.reconstruction_by_loops(weights, x) + weight * discrepancy
-
-
-def _loss_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    return {
-        "weights": lesson_10.random_weights(case, rng),
-        "x": lesson_10.random_clips(case, rng),
-        "prior": uniform(rng, (case["batch"], case["latent"]), 1.0),
-        "directions": unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0)),
-        "weight": WEIGHT,
-    }
-
-
-LOSS = Differentiated(
-    _loss_arguments, _regularised_by_loops, ("weights",), lesson_10.LOSS_AND_GRADIENTS
+_loss_arguments = drawn(
+    weights=lesson_10.random_weights,
+    x=lesson_10.random_clips,
+    prior=lesson_10.random_latent,
+    directions=_random_directions,
+    weight=WEIGHT,
 )
 
+
 EXERCISES = (
-    operation_exercise(
-        Operation(
-            "wasserstein_1d",
-            {"points": (1, 2, 3, 4, 5)},
-            drawn(p="points", q=array("points", 1.3)),
-            ("p",),
-            _cheapest_assignment,
-        ),
+    composed_exercise(
         wasserstein_1d,
+        drawn(p="points", q=array("points", 1.3)),
+        "p",
+        {"points": (1, 2, 3, 4, 5)},
     ),
     exercise(
         unit_rows,
@@ -86,9 +66,11 @@ EXERCISES = (
     operation_exercise("sliced_wasserstein"),
     differentiated_exercise(
         regularised_loss,
-        LOSS,
+        _loss_arguments,
+        ("weights",),
+        lesson_10.LOSS_AND_GRADIENTS,
         {**lesson_10.WHOLE_NETWORK, "directions": (1, 2)},
-        value="the loss is reconstruction + λ · discrepancy, computed by loops",
+        value="the loss is reconstruction + λ · discrepancy",
         gradients={
             "gradients of writing": (2, lesson_10.DECODER),
             "gradients of reading": (4, lesson_10.ENCODER),

@@ -1,11 +1,12 @@
 """The exercises of lesson 14, beyond the papers: the losses with which three projects begin."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from numpy_cae.course.exercises.checks import (
     PULLBACK,
-    Differentiated,
-    copies,
+    Arguments,
     drawn,
     require_parts,
     require_same,
@@ -13,6 +14,7 @@ from numpy_cae.course.exercises.checks import (
 )
 from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise
 from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import Sizes
 from numpy_cae.verify.operations.property import Property, require_equal
 
 TREES = {2: (-1, 0), 3: (-1, 0, 1), 4: (-1, 0, 0, 2)}
@@ -62,28 +64,6 @@ def observed_error(x_hat, x, known):
     return np.sum(difference**2) / count, pullback
 
 
-def _bones_by_loops(q, lengths, parents):
-    gaps = [
-        (np.sqrt(sum((frame[joint] - frame[parent]) ** 2)) - lengths[joint]) ** 2
-        for frame in q
-        for joint, parent in enumerate(parents)
-        if parent != -1
-    ]
-    return sum(gaps) / len(gaps)
-
-
-def _energy_by_loops(path):
-    squares = [
-        (path[i + 1, c] - path[i, c]) ** 2 for i, c in np.ndindex(np.diff(path, axis=0).shape)
-    ]
-    return (len(path) - 1) * sum(squares)
-
-
-def _observed_by_loops(x_hat, x, known):
-    squares = [(x_hat[i] - x[i]) ** 2 for i in np.ndindex(known.shape) if known[i]]
-    return sum(squares) / len(squares)
-
-
 def _bone_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     q = spread(rng, (case["frames"], case["joints"], 3))
@@ -101,14 +81,14 @@ def _observed_arguments(case: Case) -> dict[str, object]:
     return {"x_hat": spread(rng, shape), "x": rng.permutation(spread(rng, shape)), "known": known}
 
 
-BONES = Differentiated(_bone_arguments, _bones_by_loops, ("q",), RETURNS)
-ENERGY = Differentiated(_path_arguments, _energy_by_loops, ("path",), RETURNS)
-OBSERVED = Differentiated(_observed_arguments, _observed_by_loops, ("x_hat",), RETURNS)
+@states("upstream default", "the upstream gradient is 1 by default")
+def _upstream_is_one(function, case, **given):
+    _, pullback = require_parts(function(*given.values()), RETURNS)
+    require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
 
 
 @states("at rest", "if every bone has its length, loss and gradient are 0")
-def _right_lengths(function, case: Case) -> None:
-    q, lengths, parents = _bone_arguments(case).values()
+def _right_lengths(function, case, q, lengths, parents):
     q = np.repeat(q[:1], case["frames"], axis=0)
     for joint, parent in enumerate(parents):
         if parent != -1:
@@ -118,12 +98,12 @@ def _right_lengths(function, case: Case) -> None:
     require_equal("the gradient", pullback(), np.zeros_like(q))
 
 
-@states(
-    "straight", "for a straight path with equal steps it is the squared distance of the ends", 2
-)
-def _straight_path(function, case: Case) -> None:
-    path = _path_arguments(case)["path"]
-    shares = np.linspace(0, 1, case["points"])[:, None]
+STRAIGHT = "for a straight path with equal steps it is the squared distance of the ends"
+
+
+@states("straight", STRAIGHT, 2)
+def _straight_path(function, case, path):
+    shares = np.linspace(0, 1, len(path))[:, None]
     line = (1 - shares) * path[0] + shares * path[-1]
     loss, pullback = require_parts(function(line), RETURNS)
     expected = np.sum((path[-1] - path[0]) ** 2)
@@ -133,41 +113,38 @@ def _straight_path(function, case: Case) -> None:
 
 
 @states("unknown", "an unknown value, NaN included, adds no loss and gets no gradient", 2)
-def _unknown_values(function, case: Case) -> None:
-    x_hat, x, known = _observed_arguments(case).values()
+def _unknown_values(function, case, x_hat, x, known):
     x = np.where(known, x, np.nan)
     loss, pullback = require_parts(function(x_hat, x, known), RETURNS)
-    require_same(loss, _observed_by_loops(x_hat, x, known), ("the loss",))
+    require_same(loss, observed_error(x_hat, x, known)[0], ("the loss",))
     zeros = np.zeros(np.sum(~known))
     require_same(pullback()[~known], zeros, ("the gradient of an unknown value",))
 
 
-def _loss_exercise(solution, loss: Differentiated, sizes, *properties: Property) -> Exercise:
-    """An exercise about a loss and its pullback, whose upstream gradient is 1 by default."""
-
-    @states("upstream default", "the upstream gradient is 1 by default")
-    def upstream_is_one(function, case: Case) -> None:
-        _, pullback = require_parts(function(*copies(loss.arguments(case))), RETURNS)
-        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
-
+def _loss_exercise(
+    solution: Callable, of: str, arguments: Arguments, sizes: Sizes, special: Property
+) -> Exercise:
+    """An exercise about the loss of an argument, and the pullback of the loss."""
     return differentiated_exercise(
         solution,
-        loss,
+        arguments,
+        (of,),
+        RETURNS,
         sizes,
-        upstream_is_one,
-        *properties,
-        value="the loss is that of the definition, computed by loops",
-        gradients={f"gradient for {loss.inputs[0]}": (4,)},
+        _upstream_is_one,
+        special,
+        value="the loss is that of the definition",
+        gradients={f"gradient for {of}": (4,)},
         given="unit_rows zero_values",
     )
 
 
+BONE_SIZES = {"frames": (1, 2), "joints": (2, 3, 4)}
+PATH_SIZES = {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)}
+VALUE_SIZES = {"frames": (1, 2, 3), "channels": (1, 2, 3)}
+
 EXERCISES = (
-    _loss_exercise(bones_off, BONES, {"frames": (1, 2), "joints": (2, 3, 4)}, _right_lengths),
-    _loss_exercise(
-        path_energy, ENERGY, {"points": (2, 3, 4, 5), "numbers": (1, 2, 3)}, _straight_path
-    ),
-    _loss_exercise(
-        observed_error, OBSERVED, {"frames": (1, 2, 3), "channels": (1, 2, 3)}, _unknown_values
-    ),
+    _loss_exercise(bones_off, "q", _bone_arguments, BONE_SIZES, _right_lengths),
+    _loss_exercise(path_energy, "path", _path_arguments, PATH_SIZES, _straight_path),
+    _loss_exercise(observed_error, "x_hat", _observed_arguments, VALUE_SIZES, _unknown_values),
 )
