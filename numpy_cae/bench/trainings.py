@@ -12,12 +12,12 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import SequenceSchedule, Stage, unit_directions
+from numpy_cae.training import Schedule, SequenceSchedule, Stage, TrainingState, unit_directions
 from numpy_cae.training.adam import BETA_2
-from numpy_cae.training.schedule import rate_at
-from numpy_cae.training.step import denoising_step, make_optimiser, sequence_step
+from numpy_cae.training.layerwise import autoencoder_steps
+from numpy_cae.training.sequential import Draw, sequential_steps
 
-USUAL = Stage(50, 0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
+USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
 """PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
 the peak rate and the epochs are those that need the least time
 (docs/lab_book/end_to_end.md)."""
@@ -27,8 +27,6 @@ USUAL_BETA_2 = 0.999
 
 Change = Callable[[np.ndarray], np.ndarray]
 """Repairs normalised windows, or denoises normalised clips."""
-Draw = Callable[[np.random.Generator, int], np.ndarray]
-"""As in `train_sequential`."""
 
 
 def trainings(
@@ -90,28 +88,21 @@ def epochs(
     model: ConvAutoencoder, windows: np.ndarray, stage: Stage, seed: int = 0
 ) -> Iterator[None]:
     """Train for an epoch at each `next`, as `numpy-cae train` does."""
-    rng = np.random.default_rng(seed)
-    optimiser = make_optimiser(stage, model.parameters)
-    steps = -(-len(windows) // stage.batch)
-    for epoch in range(stage.epochs):
-        order = rng.permutation(len(windows))
-        for step in range(steps):
-            x = windows[order[step * stage.batch : (step + 1) * stage.batch]]
-            denoising_step(model, x, stage, rate_at(stage, epoch, step, steps), rng, optimiser)
-        yield
+    state = TrainingState(model.parameters, np.random.default_rng(seed))
+    schedule = Schedule(layer=Stage(epochs=0), fine_tuning=stage)
+    for _ in autoencoder_steps(model, windows, schedule, state):
+        if state.step == 0:
+            yield
 
 
 def sequence_epochs(
     model: SequentialAutoencoder, draw: Draw, schedule: SequenceSchedule, seed: int = 0
 ) -> Iterator[None]:
     """The same for the sequential network."""
-    rng = np.random.default_rng(seed)
-    optimiser = make_optimiser(schedule, model.weights)
-    for epoch in range(schedule.epochs):
-        for step in range(schedule.steps):
-            rate = rate_at(schedule, epoch, step, schedule.steps)
-            sequence_step(model, draw(rng, schedule.batch), schedule, rate, rng, optimiser)
-        yield
+    state = TrainingState(model.weights, np.random.default_rng(seed))
+    for _ in sequential_steps(model, draw, schedule, state):
+        if state.step == 0:
+            yield
 
 
 def torch_epochs(

@@ -19,6 +19,7 @@ from numpy_cae.training import (
     Checkpoint,
     Schedule,
     SequenceSchedule,
+    TrainingState,
     train_autoencoder,
     train_sequential,
 )
@@ -48,7 +49,7 @@ def learn_manifold(
     taps: int = 15,
     bound: float = 0.9,
     rms: float = RMS,
-    show_progress: bool = True,
+    report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
     mirror: bool = False,
@@ -67,7 +68,7 @@ def learn_manifold(
         Of `ConvAutoencoder`.
     rms : float
         Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
-    show_progress, checkpoint, engine
+    report, checkpoint, engine
         Of `train_autoencoder` and `with_engine`.
     mirror : bool
         Whether to learn from mirrored copies of the takes as well.
@@ -91,7 +92,7 @@ def learn_manifold(
     manifold.rescales = schedule.fine_tuning.rescaled
     windows = _windows(manifold, features, overlap)
     del features, frames
-    history = train_autoencoder(network, windows, schedule, rng, show_progress, checkpoint)
+    history = train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "window": window,
@@ -113,9 +114,8 @@ def learn_sequences(
     latent: int = LATENT,
     burn_in: int = BURN_IN,
     frames: int = CLIP,
-    watch: Callable[[SequenceManifold, int], None] | None = None,
     network: type[SequentialAutoencoder] = SequentialAutoencoder,
-    show_progress: bool = True,
+    report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
 ) -> SequenceManifold:
@@ -125,44 +125,65 @@ def learn_sequences(
     ----------
     sequences : sequence of AngleSequence
         Motions shorter than a clip are skipped.
-    schedule, seed, show_progress, checkpoint, engine
+    schedule, seed, report, checkpoint, engine
         As in `learn_manifold`.
     hidden, latent, burn_in, frames : int
         Of `SequentialAutoencoder`, and of a clip.
-    watch : function (manifold, step), optional
-        Called before the first step, with 0, and after every step.
     network : type
         `SequentialAutoencoder` or a subclass with another loss, which is not accelerated.
     """
+    rng = np.random.default_rng(seed)
+    manifold = untrained_sequences(
+        sequences, rng, hidden, latent, burn_in, frames, network=network, engine=engine
+    )
+    train_on_sequences(manifold, sequences, schedule, rng, report, checkpoint)
+    manifold.settings = {"seed": seed} | manifold.settings
+    return manifold
+
+
+def untrained_sequences(
+    sequences: Sequence[AngleSequence],
+    rng: np.random.Generator,
+    hidden: int = HIDDEN,
+    latent: int = LATENT,
+    burn_in: int = BURN_IN,
+    frames: int = CLIP,
+    network: type[SequentialAutoencoder] = SequentialAutoencoder,
+    engine: str = "fast",
+) -> SequenceManifold:
+    """The manifold of `learn_sequences` before its training."""
     if not sequences:
         raise ValueError("there are no motions to learn from")
-    schedule = schedule or SequenceSchedule()
     table, bones = common_bones(sequences)
     clips = cut_clips(sequences, CLIP_STEP, frames)
-    rng = np.random.default_rng(seed)
     model = with_engine(network(len(table.columns), hidden, latent, rng, burn_in=burn_in), engine)
     manifold = SequenceManifold(model, *mean_and_deviation(clips), table, bones)
     manifold.frames = frames
-    if watch is not None:
-        watch(manifold, 0)
-    history = train_sequential(
-        model,
-        lambda rng, batch: manifold.normalise(draw_clips(sequences, batch, rng, frames)),
-        schedule,
-        rng,
-        show_progress,
-        None if watch is None else lambda step: watch(manifold, step),
-        checkpoint,
-    )
+    return manifold
+
+
+def train_on_sequences(
+    manifold: SequenceManifold,
+    sequences: Sequence[AngleSequence],
+    schedule: SequenceSchedule | None,
+    rng: np.random.Generator,
+    report: Callable[[TrainingState], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+) -> None:
+    """Train the network of the manifold in place, on random clips of the motions."""
+    schedule, frames = schedule or SequenceSchedule(), manifold.frames
+
+    def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
+        return manifold.normalise(draw_clips(sequences, batch, rng, frames))
+
+    history = train_sequential(manifold.network, draw, schedule, rng, report, checkpoint)
     manifold.settings = {
-        "seed": seed,
         "frames": frames,
         "motions": len(sequences),
         "schedule": asdict(schedule),
-        "reconstruction": history.reconstruction[-1:],
-        "discrepancy": history.discrepancy[-1:],
+        "reconstruction": history.losses["reconstruction"][-1:],
+        "discrepancy": history.losses["discrepancy"][-1:],
     }
-    return manifold
 
 
 def mean_and_deviation(clips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

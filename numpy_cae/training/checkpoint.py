@@ -1,42 +1,68 @@
-"""The state of a training in a file, from which an interrupted run continues."""
+"""The state of a training in a file, from which an interrupted run continues.
+
+The state is everything that the rest of the training depends on: weights, optimiser, random
+numbers, the order of the epoch's examples and the position in it. A resumed run is therefore
+bit-identical to one that was not interrupted.
+"""
 
 import hashlib
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.array_file import ModelFileError, json_object, load_arrays, save_arrays
 from numpy_cae.errors import FileError, NumpyCaeError
-from numpy_cae.training.loop import Callback, Loop, Position
+from numpy_cae.training.state import History, TrainingState
 
-FORMAT = "numpy_cae checkpoint 3"
+FORMAT = "numpy_cae checkpoint 4"
+POSITION = ("stage", "epoch", "step", "total")
 
 
 class CheckpointError(NumpyCaeError, ValueError):
     """A checkpoint that cannot be continued from, or cannot be written."""
 
 
-class Checkpoint(Callback):
+class Checkpoint:
     """The file of one run: the state after every epoch, and within one every so many seconds.
-    Without `resume` an existing file is an error, since it may be hours of training."""
+
+    Without `resume` an existing file is an error, since it may be hours of training.
+
+    Examples
+    --------
+    >>> checkpoint = Checkpoint("model.checkpoint.npz", seconds=60)
+    >>> checkpoint.status()  # train_autoencoder(model, windows, checkpoint=checkpoint)
+    'no state has been saved yet'
+    """
 
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
         self.path, self.seconds, self.resume = Path(path), seconds, resume
-        self.run, self.last = "", time.monotonic()
-        self.saved: Position | None = None
+        self.run, self.position, self.last = "", "", time.monotonic()
 
-    def attach(self, loop: Loop, run: str) -> None:
-        """Continue the loop from the file, where there is one, and save its states from now on; a
-        file whose `run`, the `fingerprint`, is another raises CheckpointError."""
+    def load_into(self, state: TrainingState, run: str) -> None:
+        """Continue from the file if there is one; `run` is the `fingerprint` of this training.
+
+        Raises CheckpointError if the file is of another run or damaged.
+        """
         self.run = run
         self.require_none_unless_resumed()
-        if self.path.exists():
-            self._resume(loop)
-        loop.callbacks.append(self)
+        if not self.path.exists():
+            return
+
+        def load(arrays: dict[str, np.ndarray]) -> bool:
+            return json_object(arrays, "about")["run"] == run and _load(state, arrays)
+
+        try:
+            same_run = load_arrays(self.path, {FORMAT: load})
+        except ModelFileError as error:
+            advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
+            raise CheckpointError(f"{error}; {advice}") from None
+        if not same_run:
+            advice = "give the same again or remove the file"
+            other = "is of a run with other motions, settings or seed"
+            raise CheckpointError(f"{self.path}: {other}; {advice}")
 
     def require_none_unless_resumed(self) -> None:
         """Raise CheckpointError if there is a file and `resume` is False."""
@@ -44,33 +70,24 @@ class Checkpoint(Callback):
             advice = "continue it (--resume) or remove the file"
             raise CheckpointError(f"{self.path}: is of a run that was interrupted; {advice}")
 
-    def after_step(self, loop: Loop) -> None:
-        """Save the state if the last one is old, but never one whose weights are not finite."""
-        old = loop.position.step < loop.steps and time.monotonic() - self.last >= self.seconds
-        if old and all(np.isfinite(array).all() for array in loop.parameters.values()):
-            self.save(loop)
+    def save_when_due(self, state: TrainingState) -> None:
+        """Save at the end of an epoch, or if the last save is old; never weights that are not
+        finite."""
+        due = state.step == 0 or time.monotonic() - self.last >= self.seconds
+        if due and all(np.isfinite(array).all() for array in state.weights.values()):
+            self.save(state)
 
-    def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Save the state; `DivergenceCheck` comes before and has checked the weights."""
-        self.save(loop)
-
-    def save(self, loop: Loop) -> None:
+    def save(self, state: TrainingState) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
-        position = dict(vars(loop.position))
-        state = loop.parameters | loop.task.optimiser.state
-        arrays = {f"array {name}": array for name, array in state.items()}
-        arrays |= {"format": np.array(FORMAT), "order": position.pop("order")}
-        rng, history = loop.rng.bit_generator.state, vars(loop.history)
-        about = {"run": self.run, "rng": rng, "position": position, "history": history}
-        arrays["about"] = np.array(json.dumps(about))
-        before, self.saved = self.saved, None  # while it is unknown which of the two is in the file
+        before, self.position = self.position, ""  # unknown which of the two is in the file
         try:
-            save_arrays(arrays, self.path, compressed=False)
+            save_arrays(_arrays_of(state, self.run), self.path, compressed=False)
         except FileError as error:
-            self.saved = before
+            self.position = before
             advice = "Correct that and continue with --resume"
             raise CheckpointError(f"{error}; {self.status()}. {advice}") from error
-        self.saved, self.last = Position(**position), time.monotonic()
+        done = f"{state.epoch} epochs and {state.step} steps done"
+        self.position, self.last = f" ({state.name}, {done})", time.monotonic()
 
     def remove(self) -> None:
         """Remove the file: the training has ended and its model is saved."""
@@ -80,32 +97,31 @@ class Checkpoint(Callback):
         """Where the last good state is, for a message."""
         if not self.path.exists():
             return "no state has been saved yet"
-        at, done = self.saved, ""
-        if at is not None:
-            done = f" (stage {at.stage + 1}, {at.epoch} epochs and {at.step} steps done)"
-        return f"the last good state is in {self.path}{done}"
+        return f"the last good state is in {self.path}{self.position}"
 
-    def _resume(self, loop: Loop) -> None:
-        """Continue the loop from the file."""
 
-        def resume(arrays: dict[str, np.ndarray]) -> Position | None:
-            about, prefix = json_object(arrays, "about"), "array "
-            if about["run"] != self.run:
-                return None
-            state = {name.removeprefix(prefix): array for name, array in arrays.items()}
-            position = Position(**about["position"], order=arrays["order"])
-            loop.resume(position, state, about["rng"], about["history"])
-            return replace(position)
+def _arrays_of(state: TrainingState, run: str) -> dict[str, np.ndarray]:
+    """The state as named arrays; numbers and lists are one array of JSON text."""
+    about = {name: getattr(state, name) for name in POSITION}
+    about |= {"losses": state.history.losses, "seconds": state.history.seconds}
+    about |= {"run": run, "rng": state.rng.bit_generator.state}
+    arrays = {f"array {name}": a for name, a in (state.weights | state.optimiser.state).items()}
+    words = {"format": np.array(FORMAT), "about": np.array(json.dumps(about))}
+    return arrays | words | {"order": state.order}
 
-        try:
-            self.saved = load_arrays(self.path, {FORMAT: resume})
-        except ModelFileError as error:
-            advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
-            raise CheckpointError(f"{error}; {advice}") from None
-        if self.saved is None:
-            advice = "give the same again or remove the file"
-            other = "is of a run with other motions, settings or seed"
-            raise CheckpointError(f"{self.path}: {other}; {advice}")
+
+def _load(state: TrainingState, arrays: dict[str, np.ndarray]) -> bool:
+    """Set the state to what `_arrays_of` was given."""
+    about = json_object(arrays, "about")
+    for name in POSITION:
+        setattr(state, name, about[name])
+    state.history = History(about["losses"], about["seconds"])
+    state.rng.bit_generator.state = about["rng"]
+    state.order = arrays["order"]
+    state.restored = {name.removeprefix("array "): array for name, array in arrays.items()}
+    for name, weight in state.weights.items():
+        weight[...] = state.restored[name]
+    return True
 
 
 def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.training.schedule import Stage
+
 LONGEST = 80
 """Frames of the longest damaged stretch."""
 
@@ -36,6 +38,17 @@ def corrupt(
         p = rng.uniform(*zeroed, size=(len(x), 1, 1)).astype(x.dtype)
     corrupted = zero_values(x, p, rng)
     return corrupted / (1 - p) if rescaled else corrupted
+
+
+def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.ndarray:
+    """X_c of a batch of windows (B, T, C), with all the corruption of a stage of training."""
+    corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
+    if stage.chains:
+        corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
+    if stage.noise:
+        deviation = stage.noise * rng.random((len(x), 1, 1), dtype=x.dtype)
+        corrupted = corrupted + deviation * rng.standard_normal(x.shape, dtype=x.dtype)
+    return corrupted
 
 
 def damage_stretches(

@@ -4,93 +4,115 @@ The layers below encode the clean motion. The layer is trained to restore this e
 corrupted copy (Vincent 2010). Fine tuning then trains the whole stack at once.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.loop import Callback, Loop, Task
-from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
-from numpy_cae.training.schedule import Schedule, Stage
+from numpy_cae.training.corruption import corrupted_copy
+from numpy_cae.training.progress import require_finite
+from numpy_cae.training.schedule import Schedule, rate_at
+from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import denoising_step, make_optimiser
-
-ADVICE = "a lower rate or smaller values of the input (--rate, --rms) may keep it finite"
-
-
-@dataclass
-class History(Callback):
-    """The mean loss of each epoch, and the seconds, by stage: "layer 1", …, "fine tuning"."""
-
-    losses: dict[str, list[float]] = field(default_factory=dict)
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Add the epoch."""
-        self.losses[loop.task.name].append(loss)
-        self.seconds[loop.task.name] = loop.position.seconds
 
 
 def train_autoencoder(
     model: ConvAutoencoder,
     windows: np.ndarray,
     schedule: Schedule | None = None,
-    rng: np.random.Generator | None = None,
-    show_progress: bool = True,
+    rng: np.random.Generator | int = 0,
+    report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> History:
-    """Train a `ConvAutoencoder`, or what `fast.accelerate` makes of it, in place.
+    """Train a `ConvAutoencoder` in place.
 
-    `windows` (N, T, C) are normalised, in the dtype of the model; T is a multiple of
-    `model.stride`. `rng` draws their order, the corruption and the unpooling: runs from
-    the same seed on the same number of threads are equal to the bit. The state is saved in
-    `checkpoint`, from which an interrupted run continues, to the same bits.
+    Runs with one seed on the same number of threads are bit-identical, and so is a run that was
+    interrupted and continued from its checkpoint.
 
-    Raises DivergedError if a loss or a weight is not finite, with the stage, the epoch, the windows
-    and the layer, and CheckpointError if the checkpoint is of another run or cannot be written.
+    Parameters
+    ----------
+    model : ConvAutoencoder
+        Or what `fast.accelerate` makes of it, which trains faster.
+    windows : (N, T, C) array of float
+        Normalised motion in the dtype of the model; T is a multiple of `model.stride`.
+    schedule : Schedule, optional
+        The paper's by default; see `recipe`.
+    rng : numpy.random.Generator or int
+        Or its seed. It draws the order of the windows, the corruption and the unpooling.
+    report : function (TrainingState), optional
+        Called after every step, such as `ProgressPrinter()`; it must not draw from `rng`.
+    checkpoint : Checkpoint, optional
+        Saves the state; an interrupted run continues from it.
+
+    Returns
+    -------
+    history : History
+
+    Raises
+    ------
+    DivergedError
+        If a loss or a weight is not finite.
+    CheckpointError
+        If the checkpoint is of another run or cannot be written.
+
+    Examples
+    --------
+    >>> from numpy_cae.training import Stage
+    >>> windows = np.sin(np.arange(320) / 9).reshape(4, 16, 5).astype(np.float32)
+    >>> model = ConvAutoencoder(features=5, filters=(6,), taps=3)
+    >>> schedule = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(epochs=0))
+    >>> losses = train_autoencoder(model, windows, schedule).losses["layer 1"]
+    >>> len(losses), losses[-1] < losses[0]
+    (3, True)
     """
     schedule = schedule or Schedule()
-    rng = rng or np.random.default_rng(0)
-    names = [*(f"layer {number + 1}" for number in range(len(model.layers))), "fine tuning"]
-    history = History({name: [] for name in names}, dict.fromkeys(names, 0.0))
-    shown = [Progress()] if show_progress else []
-    callbacks = [DivergenceCheck(ADVICE, checkpoint), history, *shown]
-    loop = Loop(model.parameters, rng, history, callbacks)
+    state = TrainingState(model.parameters, np.random.default_rng(rng))
     if checkpoint is not None:
-        settings = schedule, [layer.bound for layer in model.layers], rng.bit_generator.state
-        checkpoint.attach(loop, fingerprint([*loop.parameters.values(), windows], *settings))
-
-    inputs = windows
-    for number, layer in enumerate(model.layers):
-        loop.run(_task(model, inputs, schedule.layer, number, rng))
-        if schedule.layer.epochs and layer is not model.layers[-1]:
-            inputs = _encode(layer, inputs)
-    loop.run(_task(model, windows, schedule.fine_tuning, None, rng))
-    return history
+        settings = schedule, [layer.bound for layer in model.layers], state.rng.bit_generator.state
+        checkpoint.load_into(state, fingerprint([*state.weights.values(), windows], *settings))
+    for _ in autoencoder_steps(model, windows, schedule, state, checkpoint):
+        if report is not None:
+            report(state)
+    return state.history
 
 
-def _task(
-    model: ConvAutoencoder, x: np.ndarray, stage: Stage, layer: int | None, rng: np.random.Generator
-) -> Task:
-    """The training of one layer, or (None) of all; its examples are the windows of x."""
-    name, weights = "fine tuning", model.parameters
-    if layer is not None:
-        name, weights = f"layer {layer + 1}", model.layers[layer].parameters
-    optimiser = make_optimiser(stage, weights)
+def autoencoder_steps(
+    model: ConvAutoencoder,
+    windows: np.ndarray,
+    schedule: Schedule,
+    state: TrainingState,
+    checkpoint: Checkpoint | None = None,
+) -> Iterator[None]:
+    """Train from `state` on, and yield after every step: the loop of `train_autoencoder`."""
+    rng = state.rng
+    for name, layer, stage in schedule.stages(len(model.layers))[state.stage :]:
+        trained = model if layer is None else model.layers[layer]
+        x = windows if layer is None else hidden_below(model, windows, layer)
+        optimiser, steps = make_optimiser(stage, trained.parameters), -(-len(x) // stage.batch)
+        state.begin_stage(name, optimiser, stage.epochs, steps, len(x))
+        for epoch in range(state.epoch, stage.epochs):
+            if state.step == 0:
+                state.order = rng.permutation(len(x))
+            for step in range(state.step, steps):
+                batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
+                corrupted = corrupted_copy(batch, stage, rng)
+                rate = rate_at(stage, epoch, step, steps)
+                loss = denoising_step(model, batch, corrupted, stage, rate, rng, optimiser, layer)
+                require_finite(loss, batch, rate, state, checkpoint)
+                state.end_step(loss, len(batch))
+                yield
+                if checkpoint is not None:
+                    checkpoint.save_when_due(state)
+        state.end_stage()
 
-    def step(chosen: np.ndarray, rate: float) -> float:
-        return denoising_step(model, x[chosen], stage, rate, rng, optimiser, layer)
 
-    def nonfinite_part(chosen: np.ndarray) -> str:
-        windows = ", ".join(str(number + 1) for number in chosen[:8])
-        finite = np.isfinite(x[chosen]).all()
-        part = ", ".join(nonfinite(weights)) or f"the output of {name}"
-        return f"{part if finite else 'the input'}, windows {windows}{', …' * (len(chosen) > 8)}"
-
-    return Task(name, stage, len(x), True, step, nonfinite_part, optimiser)
-
-
-def _encode(layer: ConvLayer, inputs: np.ndarray, at_once: int = 64) -> np.ndarray:
-    """The layer's hidden units for clean input, `at_once` windows at a time to save memory."""
-    parts = [inputs[start : start + at_once] for start in range(0, len(inputs), at_once)]
-    return np.concatenate([layer.encode_with_pullback(part)[0] for part in parts])
+def hidden_below(
+    model: ConvAutoencoder, windows: np.ndarray, layer: int, at_once: int = 64
+) -> np.ndarray:
+    """The input of a layer: what the layers below it make of clean windows, `at_once` at a time to
+    save memory."""
+    for below in model.layers[:layer]:
+        parts = [windows[start : start + at_once] for start in range(0, len(windows), at_once)]
+        windows = np.concatenate([below.encode_with_pullback(part)[0] for part in parts])
+    return windows

@@ -1,4 +1,4 @@
-"""What is reported between steps: progress on standard error, and divergence as an error."""
+"""What is said of a training while it runs: lines of progress, and an error if it diverges."""
 
 import sys
 import time
@@ -7,33 +7,36 @@ import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.training.checkpoint import Checkpoint
-from numpy_cae.training.loop import Callback, Loop
+from numpy_cae.training.state import TrainingState
 
 INTERVAL = 30.0
+ADVICE = "a lower rate, smaller input or a bound on the norm (--rate, --rms, --norm) may help"
 
 
-class Progress(Callback):
-    """Prints lines such as "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left", after
-    each epoch and every `INTERVAL` seconds within one."""
+class ProgressPrinter:
+    """A `report` that prints a line after each epoch, and every `INTERVAL` seconds within one.
+
+    The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
+
+    Examples
+    --------
+    >>> printer = ProgressPrinter()  # train_autoencoder(model, windows, report=printer)
+    """
 
     def __init__(self) -> None:
         self.printed = time.monotonic()
 
-    def after_step(self, loop: Loop) -> None:
-        """Print a line if the last one is older than `INTERVAL` seconds."""
-        if time.monotonic() - self.printed > INTERVAL and loop.position.step < loop.steps:
-            self._print(loop, loop.position.epoch + loop.position.step / loop.steps, "")
-
-    def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Print a line with the mean loss."""
-        self._print(loop, loop.position.epoch, f": loss {loss:.5f}")
-
-    def _print(self, loop: Loop, done: float, loss: str) -> None:
-        elapsed, epochs = loop.position.seconds, loop.task.stage.epochs
-        left = elapsed / done * (epochs - done)
-        epoch = f"{done:.2f}" if done % 1 else f"{done:.0f}"
+    def __call__(self, state: TrainingState) -> None:
+        """Print a line if it is time."""
+        if state.step and time.monotonic() - self.printed <= INTERVAL:
+            return
+        done, loss = f"{state.epoch + state.step / state.steps:.2f}", ""
+        if state.step == 0:
+            done, loss = f"{state.epoch}", f": loss {state.history.losses[state.name][-1]:.5f}"
+        elapsed = state.history.seconds[state.name]
+        left = elapsed * (state.epochs / (state.epoch + state.step / state.steps) - 1)
         times = f"{elapsed:.0f} s elapsed, {left:.0f} s left"
-        line = f"{loop.task.name}, epoch {epoch}/{epochs}{loss}, {times}"
+        line = f"{state.name}, epoch {done}/{state.epochs}{loss}, {times}"
         print(line, file=sys.stderr, flush=True)
         self.printed = time.monotonic()
 
@@ -42,37 +45,25 @@ class DivergedError(NumpyCaeError, ArithmeticError):
     """Training whose loss or weights are no longer finite."""
 
 
-class DivergenceCheck(Callback):
-    """Raises DivergedError after a step whose loss, or an epoch whose weights, are not finite.
+def require_finite(
+    loss: float, x: np.ndarray, rate: float, state: TrainingState, checkpoint: Checkpoint | None
+) -> None:
+    """Raise DivergedError if the loss of the step that was made is not finite or, since a finite
+    loss can precede infinite weights, if a weight is not finite at the end of an epoch.
 
-    The message names the stage, the epoch, the step, the rate, the part of the network, the last
-    good state in `checkpoint` and what may help, `advice`.
+    The message names the first array, from the input x on, that is not finite.
     """
-
-    def __init__(self, advice: str, checkpoint: Checkpoint | None):
-        self.advice, self.checkpoint = advice, checkpoint
-
-    def after_step(self, loop: Loop) -> None:
-        """Check the loss."""
-        if not np.isfinite(loop.loss):
-            where = f"epoch {loop.position.epoch + 1}, step {loop.position.step}"
-            part = loop.task.nonfinite_part(loop.examples)
-            self._raise(loop, where, f"the loss is {loop.loss}", part)
-
-    def after_epoch(self, loop: Loop, loss: float) -> None:
-        """Check the weights: the loss before a step can be finite and the weights after it not."""
-        if names := nonfinite(loop.parameters):
-            where = f"epoch {loop.position.epoch}"
-            self._raise(loop, where, "weights are no longer finite", f"the weights {names[0]}")
-
-    def _raise(self, loop: Loop, where: str, problem: str, part: str) -> None:
-        status = self.checkpoint.status() if self.checkpoint else "there is no checkpoint"
-        raise DivergedError(
-            f"{loop.task.name}, {where}: {problem} at rate {loop.rate:.4g}, first in {part}; "
-            f"{status}; {self.advice}"
-        )
+    last = state.step + 1 == state.steps
+    if np.isfinite(loss) and not (last and nonfinite(state.weights)):
+        return
+    parts = [*nonfinite({"the input": x} | state.weights), f"the output of {state.name}"]
+    status = checkpoint.status() if checkpoint else "there is no checkpoint"
+    raise DivergedError(
+        f"{state.name}, epoch {state.epoch + 1}, step {state.step + 1}: the loss is {loss:.4g} at "
+        f"rate {rate:.4g}; not finite: {parts[0]}; {status}; {ADVICE}"
+    )
 
 
-def nonfinite(weights: dict[str, np.ndarray]) -> list[str]:
+def nonfinite(arrays: dict[str, np.ndarray]) -> list[str]:
     """The names of the arrays that hold a number that is not finite."""
-    return [name for name, array in weights.items() if not np.isfinite(array).all()]
+    return [name for name, array in arrays.items() if not np.isfinite(array).all()]

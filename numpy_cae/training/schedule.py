@@ -1,7 +1,7 @@
 """How long and how fast to train; the defaults are those of holden2015, section 6."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 RANDOM, EVEN = "random", "even"
@@ -11,7 +11,7 @@ FIRST, LAST = 1 / 25, 1e-5
 """The rate of a one-cycle schedule at its start and at its end, as shares of its peak."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stage:
     """One stage of training; the defaults are the paper's for one layer."""
 
@@ -43,8 +43,17 @@ class Schedule:
     layer: Stage = field(default_factory=Stage)
     fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
 
+    def stages(self, layers: int) -> list[tuple[str, int | None, Stage]]:
+        """The stages with their names and the index of the layer that each trains, None for all;
+        those of 0 epochs are left out."""
+        stages: list[tuple[str, int | None, Stage]] = [
+            *((f"layer {n + 1}", n, self.layer) for n in range(layers)),
+            ("fine tuning", None, self.fine_tuning),
+        ]
+        return [(name, layer, stage) for name, layer, stage in stages if stage.epochs]
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class SequenceSchedule:
     """Training of jang2018's network; the paper states none of these numbers.
 
@@ -64,6 +73,42 @@ class SequenceSchedule:
     posture: float = 0.0  # standard deviation of a constant added to each number of a clip
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
+
+
+_FAST = Stage(
+    epochs=40,
+    rate=0.0015,
+    alpha=0.0,
+    batch=16,
+    zeroed=(0.1, 0.8),
+    rescaled=True,
+    norm=0.03,
+    optimiser="adam",
+    rate_schedule="one-cycle",
+)
+RECIPES = {
+    "paper": Schedule(),
+    "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
+    "best": Schedule(layer=Stage(epochs=0), fine_tuning=replace(_FAST, epochs=130)),
+}
+"""Schedules by name; docs/lab_book/end_to_end.md has what each measures. The settings of fast and
+best were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test takes
+*_005."""
+SEQUENCE_RECIPES = {
+    "paper": SequenceSchedule(),
+    "fast": SequenceSchedule(
+        steps=50, rate=0.005, batch=64, optimiser="adam", rate_schedule="one-cycle"
+    ),
+}
+"""Of the sequential network. The settings of fast were chosen on synthetic people of another
+seed."""
+
+
+def recipe(name: str) -> Schedule:
+    """The schedule of that name for the convolutional autoencoder."""
+    if name not in RECIPES:
+        raise ValueError(f"there is no recipe {name!r}, expected one of {', '.join(RECIPES)}")
+    return RECIPES[name]
 
 
 def decayed_rate(initial: float, decay: float, epoch: int) -> float:

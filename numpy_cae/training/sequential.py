@@ -1,77 +1,96 @@
 """The training of jang2018's network: clips, a prior and directions drawn anew at every step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import deepcopy
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.loop import Loop, Task
-from numpy_cae.training.progress import DivergenceCheck, Progress, nonfinite
-from numpy_cae.training.schedule import SequenceSchedule
+from numpy_cae.training.progress import require_finite
+from numpy_cae.training.schedule import SequenceSchedule, rate_at
+from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import make_optimiser, sequence_step
 
-ADVICE = "a lower rate or a lower bound on the gradient's norm may keep it finite"
-
-
-@dataclass
-class SequenceHistory:
-    """For each step: the mean squared error of its batch, the sliced Wasserstein distance from its
-    latent vectors to draws of the prior, and the norm of the gradient before it was clipped."""
-
-    reconstruction: list[float] = field(default_factory=list)
-    discrepancy: list[float] = field(default_factory=list)
-    norm: list[float] = field(default_factory=list)
-    seconds: float = 0.0
+Draw = Callable[[np.random.Generator, int], np.ndarray]
+"""Takes a generator and a number B, and returns B clips (B, T, features), others at each call."""
 
 
 def train_sequential(
     model: SequentialAutoencoder,
-    draw: Callable[[np.random.Generator, int], np.ndarray],
+    draw: Draw,
     schedule: SequenceSchedule | None = None,
-    rng: np.random.Generator | None = None,
-    show_progress: bool = True,
-    each: Callable[[int], None] | None = None,
+    rng: np.random.Generator | int = 0,
+    report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
-) -> SequenceHistory:
-    """Train a `SequentialAutoencoder`, or what `fast.accelerate` makes of it, in place.
+) -> History:
+    """Train a `SequentialAutoencoder` in place.
 
-    `draw(rng, batch)` returns other normalised clips (batch, T, features) at every call, in the
-    dtype of the model. `rng` draws the clips, the prior and the directions. `each` is called after
-    every step with the number of steps made so far; it must not draw from `rng`. Checkpoints and
-    errors are as in `train_autoencoder`; a checkpoint identifies the data by a first draw.
+    Parameters
+    ----------
+    model : SequentialAutoencoder
+        Or what `fast.accelerate` makes of it, which trains faster.
+    draw : function (rng, B) -> (B, T, features) array
+        Draws other normalised clips, in the dtype of the model, at every call. The first ones
+        identify the data for `checkpoint`.
+    schedule : SequenceSchedule, optional
+        One of `SEQUENCE_RECIPES`; "paper" by default.
+    rng, report, checkpoint
+        As in `train_autoencoder`; `rng` draws the clips, the prior and the directions.
+
+    Returns
+    -------
+    history : History
+        With the mean squared error ("reconstruction") and the sliced Wasserstein distance to the
+        prior ("discrepancy") of every step.
+
+    Raises
+    ------
+    DivergedError, CheckpointError
+        As `train_autoencoder`.
+
+    Examples
+    --------
+    >>> def waves(rng, count):
+    ...     phases = rng.uniform(0, 6, size=(count, 1, 1))
+    ...     return np.sin(np.arange(8)[:, None] + phases).astype(np.float32)
+    >>> model = SequentialAutoencoder(features=1, hidden=8, latent=2)
+    >>> history = train_sequential(model, waves, SequenceSchedule(epochs=2, steps=20, batch=16))
+    >>> len(history.losses["reconstruction"])
+    40
     """
     schedule = schedule or SequenceSchedule()
-    rng = rng or np.random.default_rng(0)
-    history = SequenceHistory()
-    shown = [Progress()] if show_progress else []
-    loop = Loop(model.weights, rng, history, [DivergenceCheck(ADVICE, checkpoint), *shown])
-    optimiser = make_optimiser(schedule, model.weights)
-    clips = np.zeros(0)
-
-    def step(_: np.ndarray, rate: float) -> float:
-        nonlocal clips
-        clips = draw(rng, schedule.batch)
-        losses, norm = sequence_step(model, clips, schedule, rate, rng, optimiser)
-        history.reconstruction.append(losses.reconstruction)
-        history.discrepancy.append(losses.discrepancy)
-        history.norm.append(norm)
-        if each is not None:
-            each(len(history.norm))
-        return losses.total
-
-    def nonfinite_part(_: np.ndarray) -> str:
-        if not np.isfinite(clips).all():
-            return "the clips"
-        return ", ".join(nonfinite(model.weights)) or "the output of the network"
-
+    state = TrainingState(model.weights, np.random.default_rng(rng))
     if checkpoint is not None:
         # A copy draws, so that a run with a checkpoint draws the same as one without.
-        data = [*model.weights.values(), draw(deepcopy(rng), schedule.batch)]
-        checkpoint.attach(loop, fingerprint(data, schedule, rng.bit_generator.state))
-    count = schedule.steps * schedule.batch  # an example is a clip, which the step draws itself
-    loop.run(Task("sequences", schedule, count, False, step, nonfinite_part, optimiser))
-    history.seconds = loop.position.seconds
-    return history
+        data = [*model.weights.values(), draw(deepcopy(state.rng), schedule.batch)]
+        checkpoint.load_into(state, fingerprint(data, schedule, state.rng.bit_generator.state))
+    for _ in sequential_steps(model, draw, schedule, state, checkpoint):
+        if report is not None:
+            report(state)
+    return state.history
+
+
+def sequential_steps(
+    model: SequentialAutoencoder,
+    draw: Draw,
+    schedule: SequenceSchedule,
+    state: TrainingState,
+    checkpoint: Checkpoint | None = None,
+) -> Iterator[None]:
+    """Train from `state` on, and yield after every step: the loop of `train_sequential`."""
+    optimiser, steps = make_optimiser(schedule, model.weights), schedule.steps
+    state.begin_stage("sequences", optimiser, schedule.epochs, steps, examples=steps)
+    terms = state.history.losses
+    for epoch in range(state.epoch, schedule.epochs):
+        for step in range(state.step, steps):
+            clips = draw(state.rng, schedule.batch)
+            rate = rate_at(schedule, epoch, step, steps)
+            losses = sequence_step(model, clips, schedule, rate, state.rng, optimiser)
+            require_finite(losses.total, clips, rate, state, checkpoint)
+            terms.setdefault("reconstruction", []).append(losses.reconstruction)
+            terms.setdefault("discrepancy", []).append(losses.discrepancy)
+            state.end_step(losses.total, examples=1)
+            yield
+            if checkpoint is not None:
+                checkpoint.save_when_due(state)

@@ -4,7 +4,6 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.corruption import corrupt, damage_stretches
 from numpy_cae.training.schedule import EVEN, RANDOM, SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 
@@ -12,24 +11,20 @@ from numpy_cae.training.sgd import Sgd, clip_norm
 def denoising_step(
     model: ConvAutoencoder,
     x: np.ndarray,
+    corrupted: np.ndarray,
     stage: Stage,
     rate: float,
     rng: np.random.Generator,
     optimiser: Sgd | Adam,
     layer: int | None = None,
 ) -> float:
-    """Corrupt the input, compute the loss and its gradients, update the weights: holden2015.
+    """Compute the loss of restoring x from X_c and its gradients, and update the weights.
 
     x : (B, T, C) are clean windows or, when one layer is trained, the output of the layers below
-    it; `layer` is this layer, 0 the lowest, or None for all. Returns the loss of equation 3 before
-    the step; if it is not finite, no weight is changed.
+    it; `corrupted` is X_c. `layer` is the index of the layer to train (0 is the lowest), or None
+    for the whole stack. Returns the loss of equation 3 before the step; if it is not finite, no
+    weight is changed.
     """
-    corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
-    if stage.chains:
-        corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
-    if stage.noise:
-        deviation = stage.noise * rng.random((len(x), 1, 1), dtype=x.dtype)
-        corrupted = corrupted + deviation * rng.standard_normal(x.shape, dtype=x.dtype)
     layers = model.layers if layer is None else [model.layers[layer]]
     # The paper unpools at random while one layer is trained, and evenly while all are.
     unpooling = stage.unpooling or (EVEN if layer is None else RANDOM)
@@ -51,11 +46,11 @@ def sequence_step(
     rate: float,
     rng: np.random.Generator,
     optimiser: Sgd | Adam,
-) -> tuple[Losses, float]:
+) -> Losses:
     """Draw from the prior, compute the loss and its gradients, update the weights: jang2018.
 
-    x : (B, T, features) are normalised clips. Returns the losses before the step and the norm of
-    the gradient before it was clipped; if the total is not finite, no weight is changed.
+    x : (B, T, features) are normalised clips. Returns the losses before the step; if the total
+    is not finite, no weight is changed.
     """
     if schedule.posture:
         shape = (len(x), 1, x.shape[2])
@@ -63,11 +58,10 @@ def sequence_step(
     prior = rng.standard_normal((len(x), model.latent)).astype(x.dtype)
     directions = unit_directions(schedule.directions, model.latent, rng, x.dtype)
     losses, gradients = model.loss_and_gradients(x, prior, directions, schedule.weight)
-    if not np.isfinite(losses.total):
-        return losses, float("nan")
-    norm = clip_norm(list(gradients.values()), schedule.norm)
-    optimiser.update(gradients.values(), rate)
-    return losses, norm
+    if np.isfinite(losses.total):
+        clip_norm(list(gradients.values()), schedule.norm)
+        optimiser.update(gradients.values(), rate)
+    return losses
 
 
 def unit_directions(
@@ -88,8 +82,8 @@ def make_optimiser(
 def _unpooling_masks(
     layers: list[ConvLayer], x: np.ndarray, rng: np.random.Generator
 ) -> list[np.ndarray]:
-    """For each layer a mask: True, with probability 1/2, where the value goes to the first frame of
-    its pair."""
+    """One boolean mask for each layer: True (with probability 1/2) puts the unpooled value on the
+    first frame of its pair, False on the second."""
     batch, frames, _ = x.shape
     shapes = [(batch, frames >> (k + 1), trained.b.size) for k, trained in enumerate(layers)]
     return [rng.random(shape, dtype=np.float32) < 0.5 for shape in shapes]

@@ -9,9 +9,9 @@ import pytest
 from numpy_cae.bench import quality, trainings
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.bench.quality import Quality, Training, train_in_turns
-from numpy_cae.cli.shared.train_options import SEQUENCE_RECIPES
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
+    SEQUENCE_RECIPES,
     Schedule,
     SequenceSchedule,
     Stage,
@@ -20,8 +20,20 @@ from numpy_cae.training import (
     zero_values,
 )
 
-STAGE = Stage(8, 0.001, 1.0, 0.0, 2, (0.1, 0.8), True, 0.0, 1.0, None, "adam", "one-cycle")
-SEQUENCES = SequenceSchedule(2, 20, 0.01, batch=8, optimiser="adam", rate_schedule="one-cycle")
+STAGE = Stage(
+    epochs=8,
+    rate=0.001,
+    alpha=0.0,
+    batch=2,
+    zeroed=(0.1, 0.8),
+    rescaled=True,
+    norm=1.0,
+    optimiser="adam",
+    rate_schedule="one-cycle",
+)
+SEQUENCES = SequenceSchedule(
+    epochs=2, steps=20, rate=0.01, batch=8, optimiser="adam", rate_schedule="one-cycle"
+)
 
 
 def waves(rng, batch):
@@ -62,7 +74,7 @@ def test_our_training_is_that_of_numpy_cae_train():
     trained, expected = (ConvAutoencoder(filters=(3, 4, 5), taps=3) for _ in range(2))
     assert len(list(trainings.epochs(trained, windows, STAGE))) == STAGE.epochs
     schedule = Schedule(Stage(epochs=0), STAGE)
-    train_autoencoder(expected, windows, schedule, np.random.default_rng(0), show_progress=False)
+    train_autoencoder(expected, windows, schedule, np.random.default_rng(0))
     for name, weight in trained.parameters.items():
         np.testing.assert_array_equal(weight, expected.parameters[name])
 
@@ -86,7 +98,7 @@ def test_our_training_of_sequences_is_that_of_numpy_cae_train():
         SequentialAutoencoder(3, 7, 2, np.random.default_rng(0), burn_in=2) for _ in range(2)
     )
     assert len(list(trainings.sequence_epochs(trained, waves, SEQUENCES))) == SEQUENCES.epochs
-    train_sequential(expected, waves, SEQUENCES, np.random.default_rng(0), show_progress=False)
+    train_sequential(expected, waves, SEQUENCES, np.random.default_rng(0))
     for name, weight in trained.weights.items():
         np.testing.assert_array_equal(weight, expected.weights[name])
 

@@ -15,8 +15,11 @@ from numpy_cae.training import Schedule, Stage
 def walked():
     """A manifold of walks, and the features and root of one that it was not trained on."""
     takes = [body_of(make_take("walk", seed=seed, seconds=6, rate=30).motion) for seed in range(6)]
-    schedule = Schedule(Stage(4, 0.5, 0.9, 0.0), Stage(6, 0.1, 0.9, 0.0))
-    manifold = learn_manifold(takes[1:], schedule, 0, 64, 32, (16, 24), show_progress=False)
+    schedule = Schedule(
+        Stage(epochs=4, rate=0.5, alpha=0.0),
+        Stage(epochs=6, rate=0.1, alpha=0.0),
+    )
+    manifold = learn_manifold(takes[1:], schedule, 0, 64, 32, (16, 24))
     features, start = manifold.features(takes[0][:70])
     return manifold, features, start
 

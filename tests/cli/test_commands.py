@@ -5,7 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -15,7 +15,7 @@ from numpy_cae.cli import SUBCOMMANDS, main
 from numpy_cae.cli.commands import demo
 from numpy_cae.manifold import load_manifold
 from numpy_cae.motion import load_motion
-from numpy_cae.training import Schedule, Stage
+from numpy_cae.training import Schedule, Stage, recipe
 
 
 def run_python(*words):
@@ -76,7 +76,7 @@ def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
     assert picture.read_bytes().startswith(b"\x89PNG")
     settings = load_manifold(file).settings
     assert settings["takes"] == 3
-    expected = json.loads(json.dumps(asdict(Stage(2, 0.05, alpha=0.0))))
+    expected = json.loads(json.dumps(asdict(Stage(epochs=2, rate=0.05, alpha=0.0))))
     assert settings["schedule"]["fine_tuning"] == expected
 
 
@@ -98,14 +98,14 @@ def test_several_folders_and_patterns_are_saved_with_the_model(walks, tmp_path, 
     assert manifold.rescales
 
 
-FAST = Stage(9, 0.01, 0.9, 0.0, 16, (0.1, 0.8), True, 0.0, 0.03, None, "adam", "one-cycle")
+FAST = replace(recipe("fast").fine_tuning, epochs=9, rate=0.01)
 
 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
         ("", Schedule()),
-        ("--epochs 3 --fine-rate 0.2", Schedule(Stage(3), Stage(rate=0.2, alpha=0))),
+        ("--epochs 3 --fine-rate 0.2", Schedule(Stage(epochs=3), Stage(rate=0.2, alpha=0))),
         ("--recipe fast --epochs 9 --rate 0.01", Schedule(Stage(epochs=0), FAST)),
     ],
 )
@@ -156,7 +156,11 @@ def test_show_draws_a_strip(walks, tmp_path, run):
 def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     monkeypatch.setattr(demo, "TAKES", 6 * len(demo.KINDS))
     monkeypatch.setattr(demo, "SECONDS", 1.5)
-    monkeypatch.setattr(demo, "SCHEDULE", Schedule(Stage(epochs=1), Stage(1, 0.05, 0.9, 0.0)))
+    monkeypatch.setattr(
+        demo,
+        "SCHEDULE",
+        Schedule(Stage(epochs=1), Stage(epochs=1, rate=0.05, alpha=0.0)),
+    )
     run("demo", "-o", tmp_path / "demo", "--quiet")
     out = capsys.readouterr().out
     for method in ("as damaged", "PCA on frames", "PCA on windows", "the network"):

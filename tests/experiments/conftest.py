@@ -49,9 +49,9 @@ def labelled(tmp_path_factory):
 @pytest.fixture(scope="session")
 def small_manifold(labelled):
     """Two layers, learned in a second."""
-    quick = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(3, 0.05, 0.9, 0.0))
+    quick = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(epochs=3, rate=0.05, alpha=0.0))
     takes = [take.positions for take in labelled.training]
-    return learn_manifold(takes, quick, 0, 32, 16, (12, 16), 5, show_progress=False)
+    return learn_manifold(takes, quick, 0, 32, 16, (12, 16), 5)
 
 
 @pytest.fixture(scope="session")

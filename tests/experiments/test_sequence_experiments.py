@@ -36,7 +36,7 @@ from numpy_cae.training import SequenceSchedule
 from numpy_cae.verify import check_gradients
 
 SHORT = SequenceSchedule(epochs=1, steps=4, batch=8, directions=4)
-SIZES = {"hidden": 8, "latent": 4, "show_progress": False}
+SIZES = {"hidden": 8, "latent": 4}
 
 
 @pytest.fixture(scope="module")

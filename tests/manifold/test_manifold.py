@@ -9,8 +9,8 @@ from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, bone_lengths
 from numpy_cae.training import Schedule, Stage
 
-TINY = {"window": 32, "overlap": 16, "filters": (4,), "taps": 3, "show_progress": False}
-ONCE = Schedule(layer=Stage(epochs=1), fine_tuning=Stage(1, 0.01, 0.9, 0.0))
+TINY = {"window": 32, "overlap": 16, "filters": (4,), "taps": 3}
+ONCE = Schedule(layer=Stage(epochs=1), fine_tuning=Stage(epochs=1, rate=0.01, alpha=0.0))
 
 
 @pytest.fixture(scope="module")
@@ -77,4 +77,4 @@ def test_unusable_takes_are_refused(walk_takes):
         learn_manifold(walk_takes[:1], window=30, overlap=0)
     still = np.repeat(walk_takes[0][:1], 40, axis=0)
     with pytest.raises(ValueError, match="nothing to learn"):
-        learn_manifold([still], show_progress=False)
+        learn_manifold([still])

@@ -17,10 +17,15 @@ from numpy_cae.training import (
 
 WINDOWS = (0.25 * np.random.default_rng(1).normal(size=(12, 40, 9))).astype(np.float32)
 STAGES = {
-    "paper": Schedule(Stage(epochs=2), Stage(2, 0.01, alpha=0.0)),
-    "momentum": Schedule(Stage(epochs=1), Stage(2, 0.1, batch=4, rescaled=True, momentum=0.9)),
+    "paper": Schedule(Stage(epochs=2), Stage(epochs=2, rate=0.01, alpha=0.0)),
+    "momentum": Schedule(
+        Stage(epochs=1), Stage(epochs=2, rate=0.1, batch=4, rescaled=True, momentum=0.9)
+    ),
     "end to end": Schedule(
-        Stage(epochs=0), Stage(3, 0.001, 1.0, 0.0, 4, optimiser="adam", rate_schedule="one-cycle")
+        Stage(epochs=0),
+        Stage(
+            epochs=3, rate=0.001, alpha=0.0, batch=4, optimiser="adam", rate_schedule="one-cycle"
+        ),
     ),
 }
 
@@ -28,7 +33,7 @@ STAGES = {
 def trained(schedule, engine):
     model = ConvAutoencoder(9, (16, 24), taps=5, rng=np.random.default_rng(0))
     rng = np.random.default_rng(2)
-    history = train_autoencoder(engine(model), WINDOWS, schedule, rng, show_progress=False)
+    history = train_autoencoder(engine(model), WINDOWS, schedule, rng)
     return [array for layer in model.layers for array in (layer.w, layer.b)], history.losses
 
 
@@ -44,14 +49,16 @@ def test_both_engines_train_the_convolutional_model_alike(name):
 
 @pytest.mark.parametrize("optimiser", ["sgd", "adam"])
 def test_both_engines_train_the_sequential_model_alike(optimiser):
-    schedule = SequenceSchedule(3, 5, 0.01, batch=6, directions=4, optimiser=optimiser)
+    schedule = SequenceSchedule(
+        epochs=3, steps=5, rate=0.01, batch=6, directions=4, optimiser=optimiser
+    )
 
     def draw(rng, batch):
         return rng.normal(size=(batch, 6, 3)).astype(np.float32)
 
     models = [SequentialAutoencoder(3, 7, 2, np.random.default_rng(0)) for _ in range(2)]
     for model, engine in zip(models, (lambda model: model, accelerate), strict=True):
-        train_sequential(engine(model), draw, schedule, np.random.default_rng(1), False)
+        train_sequential(engine(model), draw, schedule, np.random.default_rng(1))
     for name, weight in models[0].weights.items():
         np.testing.assert_allclose(models[1].weights[name], weight, atol=2e-4, err_msg=name)
 

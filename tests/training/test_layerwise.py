@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import Schedule, Stage, layerwise, train_autoencoder
+from numpy_cae.training import RECIPES, Schedule, Stage, layerwise, recipe, train_autoencoder
 from numpy_cae.training.step import make_optimiser
 
 
@@ -25,17 +25,34 @@ def small_model():
 
 
 def trained(**changes):
-    schedule = Schedule(Stage(epochs=4, **changes), Stage(4, 0.05, 0.9, 0.0, **changes))
+    schedule = Schedule(
+        Stage(epochs=4, **changes), Stage(epochs=4, rate=0.05, alpha=0.0, **changes)
+    )
     model = small_model()
     rng = np.random.default_rng(0)
-    history = train_autoencoder(model, waves(), schedule, rng, show_progress=False)
+    history = train_autoencoder(model, waves(), schedule, rng)
     return model, history
 
 
 def test_the_defaults_are_the_papers():
-    layer = Stage(25, 0.5, 0.9, 0.01, 1, 0.1, False, 0.0, None, None, "sgd", "decay")
-    assert Schedule().layer == layer
-    assert Schedule().fine_tuning == replace(layer, rate=0.01, alpha=0.0)
+    layer = Stage(
+        epochs=25,
+        rate=0.5,
+        decay=0.9,
+        alpha=0.01,
+        batch=1,
+        zeroed=0.1,
+        rescaled=False,
+        momentum=0.0,
+        norm=None,
+        unpooling=None,
+        optimiser="sgd",
+        rate_schedule="decay",
+    )
+    assert Schedule() == RECIPES["paper"] == Schedule(layer, replace(layer, rate=0.01, alpha=0.0))
+    with pytest.raises(ValueError, match="expected one of paper, fast, best"):
+        recipe("slow")
+    assert recipe("best").fine_tuning == replace(recipe("fast").fine_tuning, epochs=130)
 
 
 def test_every_stage_lowers_its_loss():
@@ -64,8 +81,8 @@ def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
         return original(x, corrupted, alpha, first, layer)
 
     monkeypatch.setattr(model, "loss_and_gradients", recorded)
-    stages = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(2, 0.01, 0.9, 0.0))
-    train_autoencoder(model, windows, stages, np.random.default_rng(0), show_progress=False)
+    stages = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(epochs=2, rate=0.01, alpha=0.0))
+    train_autoencoder(model, windows, stages, np.random.default_rng(0))
     assert [call[:3] for call in calls] == (
         [(0, 0.01, True)] * 36 + [(1, 0.01, True)] * 36 + [(None, 0.0, False)] * 24
     )
@@ -79,7 +96,7 @@ def test_an_epoch_shows_every_window_once_in_a_new_order(monkeypatch):
     )
     windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 3), np.float32)
     schedule = Schedule(Stage(epochs=2, batch=3), Stage(epochs=0))
-    train_autoencoder(ConvAutoencoder(3, (4,), taps=3), windows, schedule, show_progress=False)
+    train_autoencoder(ConvAutoencoder(3, (4,), taps=3), windows, schedule)
     first, second = shown[:4], shown[4:]
     assert [len(batch) for batch in first] == [3, 3, 3, 1]
     assert sorted(np.concatenate(first)) == list(range(10))
@@ -96,6 +113,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         rng = np.random.default_rng(0)
         stage = Stage(alpha=0.0, zeroed=0.0)
         optimiser = make_optimiser(stage, model.parameters)
-        layerwise.denoising_step(model, windows[chosen], stage, rate, rng, optimiser)
+        x = windows[chosen]
+        layerwise.denoising_step(model, x, x, stage, rate, rng, optimiser)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)

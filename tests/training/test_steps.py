@@ -16,9 +16,8 @@ from numpy_cae.training import (
     zero_values,
 )
 from numpy_cae.training import step as module
-from numpy_cae.training.corruption import corrupt
+from numpy_cae.training.corruption import corrupt, corrupted_copy
 from numpy_cae.training.schedule import rate_at
-from numpy_cae.training.sgd import Sgd
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 
@@ -143,17 +142,7 @@ def test_a_one_cycle_rate_rises_to_its_peak_and_falls_to_nearly_zero():
     assert one_cycle(0.2, 1.0) == pytest.approx(0.2e-5)
 
 
-def test_a_step_uses_the_corruption_of_its_stage():
-    class Network:
-        layers = ()
-
-        def loss_and_gradients(self, x, corrupted, *_):
-            self.seen = x, corrupted
-            return 0.0, []
-
-    network, stage = Network(), Stage(zeroed=(0.3, 0.6), rescaled=True)
-    module.denoising_step(network, X, stage, 0.1, np.random.default_rng(5), Sgd({}))
-    x, corrupted = network.seen
-    assert x is X
+def test_a_stage_corrupts_by_its_own_settings():
+    corrupted = corrupted_copy(X, Stage(zeroed=(0.3, 0.6), rescaled=True), np.random.default_rng(5))
     expected = corrupt(X, (0.3, 0.6), True, np.random.default_rng(5))
     np.testing.assert_array_equal(corrupted, expected)

@@ -76,24 +76,24 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     from numpy_cae.bench.trainings import trainings
     from numpy_cae.cli.shared.ablation import material_of
-    from numpy_cae.cli.shared.train_options import RECIPES
     from numpy_cae.experiments.ablation.evaluation import HALF_REMOVED, Evaluation
+    from numpy_cae.training import recipe
 
     evaluation = Evaluation(material_of(args))
 
     def error(repair: Callable[[np.ndarray], np.ndarray]) -> float:
         return evaluation.measure(repair, seed=0)[HALF_REMOVED]
 
-    return trainings(evaluation.windows, RECIPES["fast"].fine_tuning, error)
+    return trainings(evaluation.windows, recipe("fast").fine_tuning, error)
 
 
 def _sequential_trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the sequential network, on synthetic walking; the error is of other people's clips."""
     from numpy_cae.bench.trainings import sequence_trainings
-    from numpy_cae.cli.shared.train_options import SEQUENCE_RECIPES
     from numpy_cae.experiments.sequences.study import synthetic_action
     from numpy_cae.manifold.learning import mean_and_deviation
     from numpy_cae.motion import cut_clips, draw_clips
+    from numpy_cae.training import SEQUENCE_RECIPES
 
     if args.data:
         raise ValueError("--quality --sequential trains on synthetic walking: leave out --data")

@@ -14,13 +14,15 @@ from numpy_cae.experiments.material import unlabelled
 from numpy_cae.experiments.repair import half_removed
 from numpy_cae.manifold import learn_manifold, project_motion, save_manifold
 from numpy_cae.motion import fit_motion, load_motion, write_bvh, write_like
-from numpy_cae.training import Schedule, Stage
+from numpy_cae.training import ProgressPrinter, Schedule, Stage
 from numpy_cae.viz import save_viewer
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES = 96
 SECONDS = 8.0
-SCHEDULE = Schedule(layer=Stage(epochs=7), fine_tuning=Stage(20, 0.15, 0.93, 0.0))
+SCHEDULE = Schedule(
+    layer=Stage(epochs=7), fine_tuning=Stage(epochs=20, rate=0.15, decay=0.93, alpha=0.0)
+)
 """Shorter than the paper's, on a hundredth of its motion, so that the demo takes about a minute."""
 
 
@@ -37,7 +39,9 @@ def run(args: argparse.Namespace) -> int:
     (out / "motions").mkdir(parents=True, exist_ok=True)
     paths = _make_motions(out / "motions", args.seed)
     training, testing = read_takes(paths, test=["*_test.bvh"])
-    manifold = learn_manifold(training, SCHEDULE, args.seed, show_progress=not args.quiet)
+    manifold = learn_manifold(
+        training, SCHEDULE, args.seed, report=None if args.quiet else ProgressPrinter()
+    )
     save_manifold(manifold, out / "model.npz")
     material = unlabelled(training, testing)
     print(f"\n{half_removed.run(manifold, material, args.seed).text()}\n")

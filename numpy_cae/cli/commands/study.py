@@ -14,6 +14,7 @@ from numpy_cae.cli.shared.output import print_json, write_texts
 from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
+from numpy_cae.training import ProgressPrinter
 from numpy_cae.viz import save_viewer
 
 ACTIONS = ("walking", "waiting", "walking_dog")
@@ -43,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     schedule = train_options.sequence_schedule_of(args)
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
-    how = network | {"show_progress": not args.quiet}
+    how = network | {"report": None if args.quiet else ProgressPrinter()}
     results, manifolds = sequential(actions, schedule, args.seed, **how)
     tables = [result for result in results.values() if result.tables]
     claims = [claim.text() for result in tables for claim in result.claims]

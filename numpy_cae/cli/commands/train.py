@@ -21,7 +21,7 @@ from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
-from numpy_cae.training import Checkpoint
+from numpy_cae.training import Checkpoint, ProgressPrinter
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,7 +63,8 @@ def run(args: argparse.Namespace) -> int:
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
         sequential = args.model == "sequential"
         learn = _learn_sequences if sequential else _learn_windows
-        how = {"show_progress": not args.quiet, "checkpoint": checkpoint, "engine": args.engine}
+        report = None if args.quiet else ProgressPrinter()
+        how = {"report": report, "checkpoint": checkpoint, "engine": args.engine}
         manifold, summary, measure = learn(args, options.network_of(args, sequential) | how)
         manifold.settings["test"] = args.test
         save_manifold(manifold, args.output, half=args.recipe == "starter")

@@ -16,9 +16,9 @@ from numpy_cae.manifold.augmentation import damaged_chains
 from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
 from numpy_cae.motion import CLIP
 from numpy_cae.motion.windows import LENGTH, OVERLAP
-from numpy_cae.training import Schedule, SequenceSchedule, Stage
+from numpy_cae.training import RECIPES as TRAINING_RECIPES
+from numpy_cae.training import SEQUENCE_RECIPES, Schedule, SequenceSchedule, Stage
 
-_FAST = Stage(40, 0.0015, 0.9, 0.0, 16, (0.1, 0.8), True, 0.0, 0.03, None, "adam", "one-cycle")
 _STARTER = Stage(
     epochs=50,
     rate=3e-4,
@@ -33,21 +33,7 @@ _STARTER = Stage(
 )
 MIRRORED = ("starter",)
 """Recipes that learn from mirrored copies as well."""
-RECIPES = {
-    "paper": Schedule(),
-    "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
-    "best": Schedule(layer=Stage(epochs=0), fine_tuning=replace(_FAST, epochs=130)),
-    "starter": Schedule(layer=Stage(epochs=0), fine_tuning=_STARTER),
-}
-"""docs/lab_book/end_to_end.md has what each measures. The settings of fast and best were chosen on
-Bandai's takes *_004 after training on *_001 to *_003, not on the test takes *_005."""
-SEQUENCE_RECIPES = {
-    "paper": SequenceSchedule(),
-    "fast": SequenceSchedule(
-        steps=50, rate=0.005, batch=64, optimiser="adam", rate_schedule="one-cycle"
-    ),
-}
-"""Of the sequential model. The settings of fast were chosen on synthetic people of another seed."""
+RECIPES = TRAINING_RECIPES | {"starter": Schedule(layer=Stage(epochs=0), fine_tuning=_STARTER)}
 
 _COMMON = {
     "epochs": (arguments.whole_number, "number of epochs, of each layer where layers are trained"),

@@ -100,7 +100,7 @@ def _train_and_measure(evaluation: Evaluation, choice: Choice, seed: int) -> Mea
     rng = np.random.default_rng(seed)
     network = choice.network(rng)
     try:
-        train_autoencoder(network, evaluation.windows, choice.schedule, rng, show_progress=False)
+        train_autoencoder(network, evaluation.windows, choice.schedule, rng)
     except DivergedError:
         return None
     manifold = evaluation.manifold(network, choice.schedule.fine_tuning.rescaled)

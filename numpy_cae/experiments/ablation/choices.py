@@ -79,8 +79,8 @@ def choices(
     unpooling are the paper's.
     """
     three = doubling(width, 3)
-    layer = Stage(layer_epochs, 0.5, _decay(layer_epochs), batch=8, momentum=0.9)
-    fine = Stage(fine_epochs, 0.3, _decay(fine_epochs), alpha=0.0, batch=8, momentum=0.9)
+    layer = Stage(epochs=layer_epochs, rate=0.5, decay=_decay(layer_epochs), batch=8, momentum=0.9)
+    fine = replace(layer, epochs=fine_epochs, rate=0.3, decay=_decay(fine_epochs), alpha=0.0)
 
     def varied(
         name: str,

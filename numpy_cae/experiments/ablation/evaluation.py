@@ -33,7 +33,7 @@ class Evaluation:
         takes = [take.positions for take in material.training]
         untrained = Schedule(Stage(epochs=0), Stage(epochs=0))
         # For the mean pose, the scale and the mean skeleton; its network is not used.
-        self.frame = learn_manifold(takes, untrained, filters=(1,), taps=1, show_progress=False)
+        self.frame = learn_manifold(takes, untrained, filters=(1,), taps=1)
         self.split = split_of(self.frame, material)
         self.windows = np.concatenate(
             [self.frame.normalise(cut_windows(self.frame.features(take)[0])[0]) for take in takes]

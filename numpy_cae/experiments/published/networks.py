@@ -17,7 +17,9 @@ from numpy_cae.experiments.published.protocol import FOLDS, GROUPS, Fill, Learn,
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import Adam, clip_norm, one_cycle, unit_directions
+from numpy_cae.training import Adam, Stage, clip_norm, one_cycle, unit_directions
+from numpy_cae.training.schedule import rate_at
+from numpy_cae.training.step import denoising_step, make_optimiser
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
 """Settings of `ridge`, chosen by leaving takes out, as is everything below."""
@@ -25,8 +27,11 @@ VISIBLE, HIDDEN = 0.05, 0.4
 """Factors of the standardised columns, so that the loss is mostly that of the hidden ones."""
 NOISE = 0.3
 """Standard deviation of what is added to the standardised input."""
-BATCH, NORM = 16, 0.05
-FILTERS, TAPS, WINDOW, STEPS, RATE = (128,), 15, 32, 500, 2e-3
+BATCH = 16
+FILTERS, TAPS, WINDOW, STEPS = (128,), 15, 32, 500
+STAGE = Stage(
+    epochs=1, rate=2e-3, alpha=0.0, norm=0.05, optimiser="adam", rate_schedule="one-cycle"
+)
 UNITS, LATENT, CLIP, SEQUENCE_STEPS, SEQUENCE_RATE = 96, 32, 8, 600, 3e-3
 WEIGHT, DIRECTIONS = 0.001, 32
 """λ of the sliced Wasserstein distance, and its directions."""
@@ -87,18 +92,15 @@ def convolutional(draw: Draw, seed: int) -> Project:
     """Train a `ConvAutoencoder`."""
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
-    optimiser, unit = Adam(network.parameters), network.stride
+    optimiser, stride = make_optimiser(STAGE, network.parameters), network.stride
     for step in range(STEPS):
         x, corrupted = draw(rng, WINDOW)
-        _, gradients = network.loss_and_gradients(x, corrupted)
-        flat = [gradient for layer in gradients for gradient in layer]
-        clip_norm(flat, NORM)
-        optimiser.update(flat, one_cycle(RATE, step / STEPS))
+        denoising_step(network, x, corrupted, STAGE, rate_at(STAGE, 0, step, STEPS), rng, optimiser)
 
     def project(take: np.ndarray) -> np.ndarray:
         padded = _padded(take, WINDOW)
-        padded = padded[: len(padded) // unit * unit]
-        return project_shifted(network, padded[None], unit)[0, WINDOW : WINDOW + len(take)]
+        padded = padded[: len(padded) // stride * stride]
+        return project_shifted(network, padded[None], stride)[0, WINDOW : WINDOW + len(take)]
 
     return project
 

@@ -8,7 +8,7 @@ discrepancy   the sliced Wasserstein distance between the latent vectors of held
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +20,8 @@ from numpy_cae import ops
 from numpy_cae.evaluation import angle_distance
 from numpy_cae.experiments.material import each_usable, is_test
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.manifold import SequenceManifold, learn_sequences
+from numpy_cae.manifold import SequenceManifold
+from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
 from numpy_cae.motion import (
     ANGLE_RATE,
     AngleSequence,
@@ -32,7 +33,7 @@ from numpy_cae.motion import (
     draw_clips,
     load_angles,
 )
-from numpy_cae.training import SequenceSchedule, unit_directions
+from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,26 +125,41 @@ class Study:
         return body_positions(self.manifold.motion(clip))
 
 
-def train_study(action: Action, schedule: SequenceSchedule, seed: int = 0, **options) -> Study:
+def train_study(
+    action: Action,
+    schedule: SequenceSchedule,
+    seed: int = 0,
+    report: Callable[[TrainingState], None] | None = None,
+    **network,
+) -> Study:
     """Train on one action and record the curve of held-out errors.
 
-    `schedule`, `seed` and `options` are those of `learn_sequences`.
+    `network` are the arguments of `untrained_sequences` that describe the network.
     """
+    rng, rng_of_errors = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    manifold = untrained_sequences(action.training, rng, **network)
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
     measured: list[tuple[int, float, float]] = []
-    rng = np.random.default_rng([seed, 1])
 
-    def watch(manifold: SequenceManifold, step: int) -> None:
-        if step % interval:
-            return
+    def measure(step: int) -> None:
         # Both errors use the same fresh clips: all test clips would take a third of the training.
-        x = manifold.normalise(draw_clips(action.testing, CLIPS, rng, manifold.frames))
+        clips = draw_clips(action.testing, CLIPS, rng_of_errors, manifold.frames)
+        x = manifold.normalise(clips)
         z = manifold.network.encode(x)
         x_hat = manifold.network.decode(z, x.shape[1])
         error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
-        measured.append((step, error, discrepancy(z, rng)))
+        measured.append((step, error, discrepancy(z, rng_of_errors)))
 
-    manifold = learn_sequences(action.training, schedule, seed, watch=watch, **options)
+    def report_and_measure(state: TrainingState) -> None:
+        if report is not None:
+            report(state)
+        step = state.epoch * state.steps + state.step
+        if step % interval == 0:
+            measure(step)
+
+    measure(0)
+    train_on_sequences(manifold, action.training, schedule, rng, report_and_measure)
+    manifold.settings = {"seed": seed} | manifold.settings
     names, columns = ("steps", "error", "discrepancy"), map(np.array, zip(*measured, strict=True))
     return Study(action, manifold, dict(zip(names, columns, strict=True)))
 
