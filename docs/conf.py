@@ -38,7 +38,7 @@ html_theme_options = {
 }
 html_sidebars = {page: [] for page in ("repair", "course", "verify", "map", "starter_model")}
 html_show_sourcelink = False
-copyright = "MIT licence"
+copyright = "the numpy_cae authors, MIT licence"
 nb_execution_mode = "off"  # the lessons are stored executed
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3
