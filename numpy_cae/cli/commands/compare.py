@@ -15,7 +15,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import print_json
 from numpy_cae.cli.shared.takes import usable_bodies
-from numpy_cae.manifold import distance_matrix, hidden_units, signature
+from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files
 from numpy_cae.viz import matrix_figure, save_figure
 
@@ -33,17 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
     manifold = one_motion.load_model(args)
-    files = _named_files(args.motions)
-    if len(files) < 2:
-        raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
-    mapping, names_of = arguments.chosen_mapping(args), {path: name for name, path in files.items()}
-    paths, coordinates, names, units = list(names_of), arguments.chosen_coordinates(args), [], []
-    for body in usable_bodies(paths, mapping, coordinates, strict=len(files) == 2):
-        names.append(names_of[body.path])
-        units.append(hidden_units(manifold, manifold.features(body.positions)[0]))
-    if len(names) < 2:
-        raise ValueError(f"{names[0]}: one motion is left, name another to compare it with")
-    distances = distance_matrix([signature(each) for each in units])
+    names, distances = _distances(args, manifold)
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     nearest = [names[n] for n in others.argmin(axis=1)]
     if args.output:
@@ -61,21 +51,38 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _named_files(motions: Sequence[Path]) -> dict[str, Path]:
-    """Every motion file by a unique name: its path below its folder, or its whole path."""
-    found = []
-    for each in motions:
-        if each.is_dir():
-            paths = find_motion_files(each)
-            found += [(path.relative_to(each).as_posix(), path) for path in paths]
-        else:
-            found.append((each.name, each))
-    short = dict(found)
-    return short if len(short) == len(found) else {str(path): path for _, path in found}
+def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list[str], np.ndarray]:
+    """The names of the motions that can be used, and G between every two."""
+    name_of = _names(args.motions)
+    if len(name_of) < 2:
+        raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
+    names, signatures = [], []
+    for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
+        names.append(name_of[body.path])
+        features = manifold.features(body.positions)[0]
+        signatures.append(signature(hidden_units(manifold, features)))
+    if len(names) < 2:
+        raise ValueError(f"{names[0]}: one motion is left, name another to compare it with")
+    return names, distance_matrix(signatures)
+
+
+def _names(motions: Sequence[Path]) -> dict[Path, str]:
+    """A unique name of every motion file: its path below its folder, or its whole path."""
+    names = {}
+    for motion in motions:
+        folder, paths = motion.parent, [motion]
+        if motion.is_dir():
+            folder, paths = motion, find_motion_files(motion)
+        names |= {path: path.relative_to(folder).as_posix() for path in paths}
+    unique = len(set(names.values())) == len(names)
+    return names if unique else {path: str(path) for path in names}
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
-    with atomic_write(path) as beside, open(beside, "w", newline="", encoding="utf-8") as file:
+    with (
+        atomic_write(path) as temporary,
+        open(temporary, "w", newline="", encoding="utf-8") as file,
+    ):
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["", *names])
         for name, row in zip(names, distances, strict=True):

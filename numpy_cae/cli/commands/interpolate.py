@@ -36,11 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
     require_writer(args.output)
-    manifold, mapping = one_motion.load_model(args), arguments.chosen_mapping(args)
-    paths, coordinates = (args.first, args.second), arguments.chosen_coordinates(args)
+    manifold, reading = one_motion.load_model(args), arguments.reading(args)
     with working(f"{args.first} and {args.second}"):
-        motions = [load_body(path, mapping, coordinates)[1] for path in paths]
-        first, second = (manifold.body(motion) for motion in motions)
+        motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
+        first, second = map(manifold.body, motions)
         between = interpolate(manifold, first.features, second.features, args.share)
         made = first.to_rig(between)
     frames = len(between)

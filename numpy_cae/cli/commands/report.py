@@ -93,9 +93,8 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     """The model, the takes, and what a reader of the report must know of both."""
     manifold = one_motion.load_model(args)
     patterns = _test_patterns(manifold, args)
-    known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
     with working(f"reading {data}"):
-        material = read_material(args.data, patterns, *known)
+        material = read_material(args.data, patterns, *arguments.reading(args))
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         advice = "if the model has seen none of these files, add --unseen"

@@ -1,5 +1,6 @@
-"""Say what a motion file is: the twenty joints in its rig, the known rig that fits, up axis, floor,
-unit and rate; and write its mapping of joint names, to correct and to pass to other commands.
+"""Print how a motion file is understood: its rig, the names of the twenty joints in the rig, the up
+axis, the floor, the unit and the frame rate. With -o, also write the names of the joints to a file,
+which can be corrected and given to other commands with --mapping.
 
 examples:
   numpy-cae rig walk.bvh
@@ -33,15 +34,15 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.motion.retarget.rigs import match_rig
     from numpy_cae.motion.retarget.suggest import suggest_mapping
 
-    mapping, known = arguments.chosen_mapping(args), vars(arguments.chosen_coordinates(args))
-    motion = load_motion(args.file, mapping=mapping, **known)
+    mapping, coordinates = arguments.reading(args)
+    motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
     rig, found = match_rig(motion.skeleton)
     names = {joint: motion.skeleton.names[index] for joint, index in found.items()}
     if len(names) < len(JOINTS):
         suggested = suggest_mapping(motion.skeleton)
         # A few names that a known rig has too may mean other joints here.
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
-        motion = load_motion(args.file, mapping=mapping, **known)
+        motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
         found = match_rig(motion.skeleton)[1]
         rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
     skeleton = motion.skeleton
@@ -57,8 +58,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
     if args.output is not None:
         chosen = {j: skeleton.names[found[j]] for j in JOINTS if found.get(j, joints) < joints}
-        with atomic_write(args.output) as beside:
+        with atomic_write(args.output) as temporary:
             text = json.dumps(chosen, indent=1, ensure_ascii=False)
-            beside.write_text(text + "\n", encoding="utf-8")
+            temporary.write_text(text + "\n", encoding="utf-8")
         print(f"{args.output}: {len(chosen)} joints; pass it with --mapping")
     return 0

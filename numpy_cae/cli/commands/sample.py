@@ -6,16 +6,17 @@ example: numpy-cae sample --data motions/ -o new.bvh --number 3 --like take.bvh 
 """
 
 import argparse
+from collections.abc import Callable
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import with_progress
 from numpy_cae.cli.shared.takes import usable_bodies
-from numpy_cae.manifold import NeighbourPrior, SequenceManifold, sample
-from numpy_cae.manifold.model_file import Manifold
+from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import (
+    Motion,
     RootTransform,
     body_of,
     features_to_positions,
@@ -27,7 +28,7 @@ from numpy_cae.motion.formats.write import require_writer
 from numpy_cae.motion.retarget.body import hold_first_pose
 from numpy_cae.viz import PROJECTED
 
-MAX_DRAWN, SECONDS = 5, 5.0
+MOST_SHOWN, SECONDS = 5, 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,47 +51,54 @@ def run(args: argparse.Namespace) -> int:
     require_writer(args.output)
     manifold = one_motion.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
-    numbers = with_progress(range(args.number), args.number, "motions drawn")
     if isinstance(manifold, SequenceManifold):
-        if args.data or args.like or args.seconds:
-            problem = "a sequential model takes no --data, --like and --seconds"
-            raise ValueError(f"{args.model}: {problem}")
-        made = [manifold.sample(1, rng)[0] for _ in numbers]
+        draw = _of_sequences(args, manifold, rng)
     else:
-        frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
-        prior, made = _prior(args, manifold), []
-        if args.like:
-            like = load_body(
-                args.like, arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
-            )[1]
-            body = manifold.body(hold_first_pose(like, frames))
-        for _ in numbers:
-            features = sample(manifold, frames, rng, prior)
-            if args.like:
-                made.append(body.to_rig(features, RootTransform()))
-            else:
-                positions = features_to_positions(features)
-                made.append(fit_motion(positions, manifold.lengths, manifold.rate))
-    for number, motion in enumerate(made, start=1):
-        stem = args.output.stem if len(made) == 1 else f"{args.output.stem}_{number}"
+        draw = _of_windows(args, manifold, rng)
+    motions = [draw() for _ in with_progress(range(args.number), args.number, "motions drawn")]
+    for number, motion in enumerate(motions, start=1):
+        stem = args.output.stem if args.number == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
     if args.html:
         actors = [
             one_motion.body_actor(body_of(motion), str(number), PROJECTED)
-            for number, motion in enumerate(made[:MAX_DRAWN], start=1)
+            for number, motion in enumerate(motions[:MOST_SHOWN], start=1)
         ]
         one_motion.write_page(args.output, "motions drawn from the prior", actors)
     return 0
 
 
-def _prior(args: argparse.Namespace, manifold: Manifold) -> NeighbourPrior | None:
-    if args.prior == "uniform":
-        return None
-    if not args.data:
-        raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
-    files = [path for folder in args.data for path in find_motion_files(folder)]
-    bodies = usable_bodies(
-        files, arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
-    )
-    features = [manifold.features(body.positions)[0] for body in bodies]
-    return NeighbourPrior(encode_windows(manifold, features))
+def _of_sequences(
+    args: argparse.Namespace, manifold: SequenceManifold, rng: np.random.Generator
+) -> Callable[[], Motion]:
+    """A function that draws a motion from a sequential model."""
+    if args.data or args.like or args.seconds:
+        problem = "a sequential model takes no --data, --like and --seconds"
+        raise ValueError(f"{args.model}: {problem}")
+    return lambda: manifold.sample(1, rng)[0]
+
+
+def _of_windows(
+    args: argparse.Namespace, manifold: MotionManifold, rng: np.random.Generator
+) -> Callable[[], Motion]:
+    """A function that draws a motion from a convolutional model, in the rig of --like if given."""
+    reading = arguments.reading(args)
+    frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
+    prior = None
+    if args.prior == "fitted":
+        if not args.data:
+            raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
+        files = [path for folder in args.data for path in find_motion_files(folder)]
+        bodies = usable_bodies(files, *reading)
+        features = [manifold.features(body.positions)[0] for body in bodies]
+        prior = NeighbourPrior(encode_windows(manifold, features))
+    if args.like:
+        like = load_body(args.like, *reading)[1]
+        body = manifold.body(hold_first_pose(like, frames))
+        return lambda: body.to_rig(sample(manifold, frames, rng, prior), RootTransform())
+
+    def draw() -> Motion:
+        positions = features_to_positions(sample(manifold, frames, rng, prior))
+        return fit_motion(positions, manifold.lengths, manifold.rate)
+
+    return draw

@@ -7,13 +7,14 @@ examples:
 """
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.motion import Coordinates
 from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
 
 COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
@@ -26,9 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output = "folder to write, created if it does not exist (default: the current folder)"
     add("-o", "--output", **arguments.FOLDER, default=Path(), help=output)
     page = (
-        "write one interactive page with all files instead of pictures; joints of the later files "
-        "are coloured by their distance from the first file's if both have the same joints and as "
-        "many frames"
+        "write one interactive page with all motions instead of pictures; if a motion has the "
+        "joints and the number of frames of the first, its joints are coloured by their distance"
     )
     add("--html", **arguments.FLAG, help=page)
     arguments.add_shared(parser, "unit up floor")
@@ -36,20 +36,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
-    drawn = [_read(path, arguments.chosen_coordinates(args)) for path in args.files]
+    from numpy_cae.viz import save_figure, strip_figure
+
+    actors, rates = zip(*[_read(path, args) for path in args.files], strict=True)
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:
-        return _write_page(args, drawn)
-    for actor, rate in drawn:
-        _write_pictures(args, replace(actor, colour=PLAIN), rate)
+        return _write_page(args, actors, rates)
+    for source, actor, rate in zip(args.files, actors, rates, strict=True):
+        path = args.output / f"{source.stem}.png"
+        save_figure(strip_figure([actor], rate), path)
+        print(f"{path}: a strip of poses")
     return 0
 
 
-def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
+def _read(path: Path, args: argparse.Namespace) -> tuple[Actor, float]:
     """A file's motion, labelled with its name, and the rate at which it is drawn."""
     from numpy_cae.motion import load_motion
 
-    motion = load_motion(path, **vars(coordinates))
+    motion = load_motion(path, **vars(arguments.reading(args)[1]))
     joints = len(motion.skeleton.names) - motion.skeleton.added
     print(
         f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
@@ -58,34 +62,27 @@ def _read(path: Path, coordinates: Coordinates) -> tuple[Actor, float]:
     return motion_actor(motion, path.name), min(30.0, motion.rate)
 
 
-def _write_pictures(args: argparse.Namespace, actor: Actor, rate: float) -> None:
-    from numpy_cae.viz import save_figure, strip_figure
-
-    path = args.output / f"{Path(actor.label).stem}.png"
-    save_figure(strip_figure([actor], rate), path)
-    print(f"{path}: a strip of poses")
-
-
-def _write_page(args: argparse.Namespace, drawn: list[tuple[Actor, float]]) -> int:
+def _write_page(args: argparse.Namespace, actors: Sequence[Actor], rates: Sequence[float]) -> int:
     from numpy_cae.viz import save_viewer
 
-    rates = {rate for _, rate in drawn}
-    if len(rates) > 1:
-        listed = ", ".join(f"{actor.label} {rate:g}" for actor, rate in drawn)
+    if len(set(rates)) > 1:
+        listed = ", ".join(
+            f"{path.name} {rate:g}" for path, rate in zip(args.files, rates, strict=True)
+        )
         raise ValueError(f"motions of different rates cannot be compared frame by frame: {listed}")
-    first = drawn[0][0]
-    actors = [
-        replace(_compared(actor, first), colour=COLOURS[place % len(COLOURS)])
-        for place, (actor, _) in enumerate(drawn)
+    coloured = [
+        replace(_compared(actor, actors[0]), colour=colour)
+        for actor, colour in zip(actors, cycle(COLOURS))
     ]
     path = args.output / ("_".join(file.stem for file in args.files) + ".html")
-    save_viewer(actors, path, rates.pop())
+    save_viewer(coloured, path, rates[0])
     print(f"{path}: open it in a browser")
     return 0
 
 
 def _compared(actor: Actor, first: Actor) -> Actor:
-    """The motion with the distance of its joints from those of the first, where they agree."""
+    """The motion with its joints' distances from those of the first, if both have the same joints
+    and as many frames."""
     same = actor.names == first.names and actor.positions.shape == first.positions.shape
     if actor is first or not same:
         return actor

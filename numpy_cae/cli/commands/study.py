@@ -70,8 +70,8 @@ def run(args: argparse.Namespace) -> int:
 def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
         return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
-    how = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
-    actions = [read_action(each.resolve().name, [each], args.test, *how) for each in args.data]
+    reading = arguments.reading(args)
+    actions = [read_action(each.resolve().name, [each], args.test, *reading) for each in args.data]
     for action in actions:
         if not (action.training and action.testing):
             which = "train" if action.testing else "test"

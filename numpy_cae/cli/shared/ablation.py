@@ -81,8 +81,7 @@ def material_of(args: argparse.Namespace) -> Material:
     if args.data and not args.test:
         raise ValueError("--data needs the takes to hold out: --test PATTERN")
     if args.data:
-        known = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
-        return read_material(args.data, args.test, *known)
+        return read_material(args.data, args.test, *arguments.reading(args))
     return synthetic_material(SYNTHETIC_MINUTES, TEST_EVERY)
 
 

@@ -10,16 +10,18 @@ if TYPE_CHECKING:
     from numpy_cae.motion import Coordinates, Mappings
 
 
-def _number(kind: Callable[[str], float], allowed: Callable[[float], bool], expected: str) -> Any:
-    """A type for argparse: numbers that are allowed; others are refused with what is expected."""
+def _number(
+    to_number: Callable[[str], float], allowed: Callable[[float], bool], expected: str
+) -> Any:
+    """A type for argparse, which refuses numbers that are not allowed and says what is expected."""
 
     def parse(text: str) -> float:
-        value = kind(text)
+        value = to_number(text)
         if not allowed(value):
             raise argparse.ArgumentTypeError(f"{text} is not {expected}")
         return value
 
-    parse.__name__ = kind.__name__  # argparse names it where the text is no number at all
+    parse.__name__ = to_number.__name__  # argparse names it where the text is no number at all
     return parse
 
 
@@ -33,7 +35,7 @@ fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
 momentum = _number(float, lambda x: 0 <= x < 1, "from 0 to below 1")
 bound = _number(float, lambda x: 0 < x < 1, "between 0 and 1, both excluded")
 
-# Settings of `add_argument` for each kind of argument; help and default are added where it is used.
+# Settings of `add_argument` for common types of argument; each use adds its help and default.
 FLAG: dict[str, Any] = {"action": "store_true"}
 COUNT: dict[str, Any] = {"type": positive_number, "metavar": "N"}
 FILE: dict[str, Any] = {"type": Path, "metavar": "FILE"}
@@ -43,10 +45,9 @@ PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
 
 UP = ("x", "y", "z", "-x", "-y", "-z")
 
-_METRES: dict[str, Any] = {"type": positive, "metavar": "METRES"}
 _MAPPING = (
-    "file that maps our joint names to those of an unknown rig (from `numpy-cae rig`); "
-    "of several --mapping options each motion takes the first that fits"
+    "file with the names of our joints in an unknown rig (made by `numpy-cae rig`); "
+    "of several --mapping options each motion uses the first that fits"
 )
 
 SHARED: dict[str, dict[str, Any]] = {
@@ -55,10 +56,11 @@ SHARED: dict[str, dict[str, Any]] = {
     "json": FLAG | {"help": "print JSON instead of text"},
     "html": FLAG | {"help": "also write a page beside the output that plays the motions"},
     "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
-    "unit": _METRES | {"help": "length unit of the files in metres, as 0.01 (default: guessed)"},
-    "up": {"choices": UP, "help": "axis that is up in the files; --up=-z for -z (default: found)"},
+    "unit": {"type": positive, "metavar": "METRES"}
+    | {"help": "length unit of the files in metres, such as 0.01 (default: guessed)"},
+    "up": {"choices": UP, "help": "axis that points up; --up=-z for -z (default: guessed)"},
     "floor": {"type": finite, "metavar": "METRES"}
-    | {"help": "height of the floor in the files along that axis (default: found, if not near 0)"},
+    | {"help": "height of the floor along the up axis (default: guessed)"},
 }
 
 
@@ -68,16 +70,11 @@ def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
         parser.add_argument(f"--{name}", **SHARED[name])
 
 
-def chosen_mapping(args: argparse.Namespace) -> "Mappings":
-    """Read the mappings that `--mapping` names: None, one or several."""
-    from numpy_cae.motion import read_mapping
+def reading(args: argparse.Namespace) -> "tuple[Mappings, Coordinates]":
+    """How motion files are read: the mappings in the files that `--mapping` names (None, one or
+    several), and what `--unit`, `--up` and `--floor` say."""
+    from numpy_cae.motion import Coordinates, read_mapping
 
-    mappings = [read_mapping(path) for path in args.mapping]
-    return mappings if len(mappings) > 1 else next(iter(mappings), None)
-
-
-def chosen_coordinates(args: argparse.Namespace) -> "Coordinates":
-    """What `--unit`, `--up` and `--floor` say."""
-    from numpy_cae.motion import Coordinates
-
-    return Coordinates(args.unit, args.up, args.floor)
+    mappings = [read_mapping(path) for path in getattr(args, "mapping", [])]
+    mapping = mappings if len(mappings) > 1 else next(iter(mappings), None)
+    return mapping, Coordinates(args.unit, args.up, args.floor)

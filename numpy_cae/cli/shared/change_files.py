@@ -68,7 +68,7 @@ class ChangedFiles:
 
     def __init__(self, args: argparse.Namespace):
         self.args = args
-        self.mapping = arguments.chosen_mapping(args)
+        self.mapping, self.coordinates = arguments.reading(args)
         self.single = len(args.files) == 1 and not args.files[0].is_dir()
         self.targets = self._targets()
         self.rows: list[list[str]] = []
@@ -94,8 +94,7 @@ class ChangedFiles:
 
     def load(self, source: Path) -> Motion:
         """The motion in a file."""
-        coordinates = vars(arguments.chosen_coordinates(self.args))
-        motion = load_motion(source, mapping=self.mapping, **coordinates)
+        motion = load_motion(source, mapping=self.mapping, **vars(self.coordinates))
         if self.single:
             note(f"{source}: {len(motion)} frames, {motion.unit_note}")
         return motion
