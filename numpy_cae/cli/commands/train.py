@@ -96,12 +96,11 @@ Learned = tuple[Any, str, Callable[[], tuple]]
 
 
 def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    schedule, mapping = options.schedule_of(args), arguments.chosen_mapping(args)
+    schedule = options.schedule_of(args)
     found = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for some in found.values() for path in some]
-    training, testing = read_takes(
-        paths, mapping, arguments.chosen_coordinates(args), args.test, args.strict
-    )
+    reading = arguments.reading(args)
+    training, testing = read_takes(paths, *reading, args.test, args.strict)
     mirror = args.recipe in options.MIRRORED
     manifold = learn_manifold(training, schedule, args.seed, mirror=mirror, **how)
     manifold.settings["folders"] = [
@@ -124,8 +123,8 @@ def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
     from numpy_cae.experiments.sequences.study import read_action
 
     schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
-    how_read = arguments.chosen_mapping(args), arguments.chosen_coordinates(args)
-    action = read_action(name, args.folders, args.test, *how_read, args.strict)
+    reading = arguments.reading(args)
+    action = read_action(name, args.folders, args.test, *reading, args.strict)
     if args.test and not action.testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:
