@@ -14,6 +14,7 @@ from numpy_cae.experiments.clips import Clips, clips_of
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.result import Result, Table, moving
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.motion.features import VELOCITY, features_to_positions
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
@@ -45,12 +46,15 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         reconstructed, repaired = (manifold.project_windows(x, shifts) for x in (truth, damaged))
         return [name, error(reconstructed), error(repaired), None]
 
+    inputs = {"": damaged}
+    if manifold.rescales:  # PCA gets the same information as the network
+        inputs[", input divided by 1 - p"] = damaged / (1 - zeroed_fraction(damaged))
     fewer = training.evenly(PCA_WINDOWS)
     rows = [
         ["as damaged", error(truth), damage, None],
         ["the mean pose", error(0 * truth), error(0 * truth), None],
-        _pca("PCA on frames", training.x, testing, damaged, features),
-        _pca("PCA on windows", fewer.x, testing, damaged, length * features),
+        *_pca("PCA on frames", training.x, testing, inputs, features),
+        *_pca("PCA on windows", fewer.x, testing, inputs, length * features),
         network("the network", 1),
         network("the network, averaged over all shifts", manifold.shifts),
     ]
@@ -59,8 +63,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result("Repair: half of the values removed", [table], note=NOTE)
 
 
-def _pca(name: str, x: np.ndarray, truth: Clips, damaged: np.ndarray, numbers: int) -> list:
-    """PCA, fitted to x in rows of so many numbers, at the best of `SIZES` for each column."""
+def _pca(
+    name: str, x: np.ndarray, truth: Clips, inputs: dict[str, np.ndarray], numbers: int
+) -> list[list]:
+    """A row for each input of PCA, fitted to x in rows of so many numbers, at the best of `SIZES`
+    for each column."""
     pca = PCA.fit(x.reshape(-1, numbers))
     largest = len(pca.axes)
     sizes = [size for size in SIZES if size < largest] + [largest]
@@ -68,8 +75,12 @@ def _pca(name: str, x: np.ndarray, truth: Clips, damaged: np.ndarray, numbers: i
     def best(x: np.ndarray) -> tuple[float, int]:
         return min((truth.error(pca.project(x, size)), size) for size in sizes)
 
-    (reconstruction, size), (repair, repair_size) = best(truth.x), best(damaged)
-    return [name, reconstruction, repair, f"{size}; {repair_size}"]
+    reconstruction, size = best(truth.x)
+    rows = []
+    for kind, damaged in inputs.items():
+        repair, repair_size = best(damaged)
+        rows.append([name + kind, reconstruction, repair, f"{size}; {repair_size}"])
+    return rows
 
 
 def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
