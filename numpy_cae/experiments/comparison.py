@@ -15,7 +15,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.retrieval import average_precision, precision_at_1
 from numpy_cae.experiments.material import LabelledTake, Material, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
@@ -31,9 +30,7 @@ EQUATION_4 = "G: min and max of the hidden units"
 UNTRAINED = "the same of an untrained network"
 EUCLIDEAN = "Euclidean distance of windows"
 RAW_EXTREMES = "min and max of the features"
-WHITENED = "min and max of 20 PCA numbers, whitened"
 RANDOM = "drawn at random"
-AXES = 20
 Rows = Callable[[np.ndarray], np.ndarray]
 """From the features (F, 63) of a clip to its rows, (n, d) numbers."""
 Scores = dict[str, dict[str, np.ndarray]]
@@ -47,7 +44,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """
     used = material.labelled("comparison needs")
     training, testing = features_of(manifold, used.training), features_of(manifold, used.testing)
-    rows = rows_of_distances(manifold, training, seed)
+    rows = rows_of_distances(manifold, seed)
     between = {name: distances(of_clip, testing, training) for name, of_clip in rows.items()}
     between[RANDOM] = np.random.default_rng(seed).random((len(testing), len(training)))
     precision, average = retrieved(between, used.testing, used.training)
@@ -91,7 +88,7 @@ def _claims(precision: Scores, average: Scores) -> list[Claim]:
                 f"{first:.2f} against {their_first:.2f}.",
             )
         )
-    for other in (RAW_EXTREMES, UNTRAINED, WHITENED):
+    for other in (RAW_EXTREMES, UNTRAINED):
         gaps = {label: (x[EQUATION_4] - x[other]).mean() for label, x in average.items()}
         claims.append(
             Claim(
@@ -152,10 +149,8 @@ def _first_rows(parts: Sequence[np.ndarray]) -> np.ndarray:
     return np.cumsum([0, *(len(part) for part in parts[:-1])])
 
 
-def rows_of_distances(
-    manifold: MotionManifold, training: Sequence[np.ndarray], seed: int = 0
-) -> dict[str, Rows]:
-    """The rows of every distance, by name; PCA is fitted to the features of training takes."""
+def rows_of_distances(manifold: MotionManifold, seed: int = 0) -> dict[str, Rows]:
+    """The rows of every distance, by name."""
     initial = untrained(manifold, seed)
 
     def windows(features: np.ndarray) -> np.ndarray:
@@ -168,21 +163,7 @@ def rows_of_distances(
         UNTRAINED: lambda features: signature(hidden_units(initial, features))[None],
         EUCLIDEAN: windows,
         RAW_EXTREMES: lambda features: signature(manifold.normalise(features))[None],
-        WHITENED: _whitened_extremes(manifold, training),
     }
-
-
-def _whitened_extremes(manifold: MotionManifold, training: Sequence[np.ndarray]) -> Rows:
-    """Minimum and maximum of PCA on frames, whose axes are scaled to unit variance."""
-    frames = np.concatenate([manifold.normalise(take) for take in training]).astype(np.float64)
-    by_frame = PCA.fit(frames)
-    axes = by_frame.axes[:AXES]
-    spread = ((frames - by_frame.mean) @ axes.T).std(axis=0)
-
-    def rows(features: np.ndarray) -> np.ndarray:
-        return signature((manifold.normalise(features) - by_frame.mean) @ axes.T / spread)[None]
-
-    return rows
 
 
 def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:

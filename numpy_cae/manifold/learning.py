@@ -114,7 +114,6 @@ def learn_sequences(
     latent: int = LATENT,
     burn_in: int = BURN_IN,
     frames: int = CLIP,
-    network: type[SequentialAutoencoder] = SequentialAutoencoder,
     report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
@@ -129,13 +128,9 @@ def learn_sequences(
         As in `learn_manifold`.
     hidden, latent, burn_in, frames : int
         Of `SequentialAutoencoder`, and of a clip.
-    network : type
-        `SequentialAutoencoder` or a subclass with another loss, which is not accelerated.
     """
     rng = np.random.default_rng(seed)
-    manifold = untrained_sequences(
-        sequences, rng, hidden, latent, burn_in, frames, network=network, engine=engine
-    )
+    manifold = untrained_sequences(sequences, rng, hidden, latent, burn_in, frames, engine)
     train_on_sequences(manifold, sequences, schedule, rng, report, checkpoint)
     manifold.settings = {"seed": seed} | manifold.settings
     return manifold
@@ -148,7 +143,6 @@ def untrained_sequences(
     latent: int = LATENT,
     burn_in: int = BURN_IN,
     frames: int = CLIP,
-    network: type[SequentialAutoencoder] = SequentialAutoencoder,
     engine: str = "fast",
 ) -> SequenceManifold:
     """The manifold of `learn_sequences` before its training."""
@@ -156,7 +150,8 @@ def untrained_sequences(
         raise ValueError("there are no motions to learn from")
     table, bones = common_bones(sequences)
     clips = cut_clips(sequences, CLIP_STEP, frames)
-    model = with_engine(network(len(table.columns), hidden, latent, rng, burn_in=burn_in), engine)
+    network = SequentialAutoencoder(len(table.columns), hidden, latent, rng, burn_in=burn_in)
+    model = with_engine(network, engine)
     manifold = SequenceManifold(model, *mean_and_deviation(clips), table, bones)
     manifold.frames = frames
     return manifold

@@ -15,6 +15,7 @@ from numpy_cae.experiments.sequences.reconstruction import (
     SQUARED,
     reconstruction,
 )
+from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import (
     FITTED,
     PRIOR,
@@ -30,10 +31,8 @@ from numpy_cae.experiments.sequences.study import (
     synthetic_action,
     train_study,
 )
-from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
-from numpy_cae.verify import check_gradients
 
 SHORT = SequenceSchedule(epochs=1, steps=4, batch=8, directions=4)
 SIZES = {"hidden": 8, "latent": 4}
@@ -111,31 +110,12 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
-    monkeypatch.setattr("numpy_cae.experiments.sequences.training.REPEATS", 1)
+    monkeypatch.setattr("numpy_cae.experiments.sequences.regulariser.REPEATS", 1)
     free = train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
     result = regulariser(studies[:1], [free])
     _, error, error_without, *_ = result.tables[0].rows[0]
     assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
     assert result.claims[1].confirmed == (error < error_without)
-
-
-def test_teacher_forcing_is_trained_by_its_own_gradient_and_measured_self_fed(studies):
-    model = TeacherForced(5, 4, 3, np.random.default_rng(0), np.float64)
-    rng = np.random.default_rng(1)
-    x, prior = rng.normal(size=(3, 6, 5)), rng.normal(size=(3, 3))
-    directions = np.eye(3)
-
-    def loss(weight_u):
-        model.weights["decoder_u"] = weight_u
-        losses, gradients = model.loss_and_gradients(x, prior, directions, 0.3)
-        return np.float64(losses.total), lambda dy=1.0: dy * gradients["decoder_u"]
-
-    check_gradients(loss, model.weights["decoder_u"].copy())
-    forced = train_study(studies[0].action, SHORT, network=TeacherForced, **SIZES)
-    own, given = (study.manifold.network.weights["decoder_u"] for study in (studies[0], forced))
-    assert not np.array_equal(own, given)
-    (claim,) = teacher_forcing(studies[0], forced).claims
-    assert claim.confirmed == (studies[0].squared_error() < forced.squared_error())
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder):

@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     evaluation = Evaluation(material)
     rows = measure_rows(evaluation, networks, args.seeds, progress)
     seconds = time.monotonic() - started
-    result = ablation_result(rows, evaluation.split.sample)
+    result = ablation_result(rows, evaluation.sample)
     folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
     stages = networks[0].schedule
     how = {

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 
@@ -21,11 +20,10 @@ from numpy_cae.experiments.ablation.evaluation import (
     RECONSTRUCTION,
     Evaluation,
     Measured,
-    baselines,
 )
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.training import DivergedError, train_autoencoder
-from numpy_cae.viz import PLAIN, PROJECTED, dots_figure
+from numpy_cae.viz import PROJECTED, dots_figure
 
 MEASURES = RECONSTRUCTION, HALF_REMOVED
 DEEP = (
@@ -47,13 +45,10 @@ ADAM = "With Adam too, training layer by layer first repairs better than end to 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table; `measured` has an entry for each seed, None where it diverged.
-
-    `parameters` is None for a baseline.
-    """
+    """One line of the table; `measured` has an entry for each seed, None where it diverged."""
 
     name: str
-    parameters: int | None = None
+    parameters: int = 0
     measured: list[Measured | None] = field(default_factory=list)
 
     def values(self, measure: str) -> np.ndarray:
@@ -77,18 +72,14 @@ def measure_rows(
     seeds: int = SEEDS,
     progress: Callable[[str], None] = lambda line: None,
 ) -> list[Row]:
-    """Train and measure every choice and every baseline, all of them from one seed after another.
+    """Train and measure every choice, all of them from one seed after another.
 
     The paper's choice is the first. `progress` gets a line of text after each measurement.
     """
     rows = [Row(choice.name, choice.parameters) for choice in choices]
-    measures = [partial(_train_and_measure, evaluation, choice) for choice in choices]
-    for name, repair in baselines(evaluation.split).items():
-        rows.append(Row(name))
-        measures.append(partial(evaluation.measure, repair))
     for seed in range(seeds):
-        for row, measure in zip(rows, measures, strict=True):
-            last = measure(seed)
+        for row, choice in zip(rows, choices, strict=True):
+            last = _train_and_measure(evaluation, choice, seed)
             row.measured.append(last)
             status = f"half removed {last[HALF_REMOVED]:.2f} cm" if last else "diverged"
             progress(f"seed {seed}: {row.name}: {status}")
@@ -109,11 +100,10 @@ def _train_and_measure(evaluation: Evaluation, choice: Choice, seed: int) -> Mea
 
 def ablation_result(rows: Sequence[Row], sample: str) -> Result:
     """Compare every row with the first, the paper's network; `sample` says what was measured on."""
-    cells = [[row.name, row.parameters or "–", *map(row.cell, MEASURES)] for row in rows]
+    cells = [[row.name, row.parameters, *map(row.cell, MEASURES)] for row in rows]
     note = (
-        f"Mean ± standard deviation of {len(rows[0].measured)} seeds; for a baseline, which learns "
-        "nothing at random, over the removed values alone. Every row differs from the first in "
-        f"what it is named after. {sample}"
+        f"Mean ± standard deviation of {len(rows[0].measured)} seeds. Every row differs from the "
+        f"first in what it is named after. {sample}"
     )
     named = {row.name: row for row in rows}
     claims = [_claim(sentence, rows[0], named[name]) for name, sentence in SENTENCES.items()]
@@ -124,7 +114,7 @@ def ablation_result(rows: Sequence[Row], sample: str) -> Result:
         claims,
         lambda: dots_figure(
             [row.name for row in rows],
-            [PROJECTED if row.parameters else PLAIN for row in rows],
+            [PROJECTED] * len(rows),
             {measure: [row.values(measure) for row in rows] for measure in MEASURES},
         ),
         note=note,

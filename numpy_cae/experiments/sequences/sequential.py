@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from numpy_cae.experiments.result import Result
 from numpy_cae.experiments.sequences.reconstruction import reconstruction
+from numpy_cae.experiments.sequences.regulariser import regulariser
 from numpy_cae.experiments.sequences.samples import COLOURS, figure_3, samples
 from numpy_cae.experiments.sequences.study import Action, figure_2, train_study
-from numpy_cae.experiments.sequences.training import TeacherForced, regulariser, teacher_forcing
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
 
@@ -15,7 +15,7 @@ from numpy_cae.training import SequenceSchedule
 def sequential(
     actions: Sequence[Action], schedule: SequenceSchedule, seed: int = 0, **options
 ) -> tuple[dict[str, Result], dict[str, SequenceManifold]]:
-    """Train on each action with the regulariser and without, and teacher-forced on the first.
+    """Train on each action with the regulariser and without.
 
     The schedule's weight λ is that of the regulariser; `seed` and `options` are those of
     `learn_sequences`. Returns the results by the names of their picture files, and the manifolds
@@ -24,13 +24,11 @@ def sequential(
     free = replace(schedule, weight=0.0)
     studies = [train_study(action, schedule, seed, **options) for action in actions]
     without = [train_study(action, free, seed, **options) for action in actions]
-    forced = train_study(actions[0], schedule, seed, network=TeacherForced, burn_in=0, **options)
     results = {
         "figure_2": figure_2(studies),
         "reconstruction": reconstruction(studies, seed),
         "samples": samples(studies, seed),
         "regulariser": regulariser(studies, without, seed),
-        "teacher_forcing": teacher_forcing(studies[0], forced),
     }
     for study in studies:
         for source in COLOURS:

@@ -43,8 +43,6 @@ PERIODIC = ("walking", "walking_extra")
 """Actions of which jang2018 says that all samples look alike."""
 CLIPS, DIRECTIONS = 1000, 128
 """Latent vectors, and directions, of one measurement of the discrepancy."""
-REPEATS = 10
-"""Measurements in a mean: a single discrepancy varies by a seventh."""
 CURVE_POINTS = 40
 Curve = dict[str, np.ndarray]
 """"error" and "discrepancy" against the number of "steps", (P,) arrays."""
@@ -170,13 +168,6 @@ def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
     prior = rng.standard_normal(z.shape)
     directions = unit_directions(DIRECTIONS, z.shape[1], rng, np.float64)
     return float(ops.sliced_wasserstein(z, prior, directions)[0])
-
-
-def prior_discrepancy(latent: int, seed: int = 0) -> float:
-    """The mean discrepancy between two draws of the prior: the least that can be expected."""
-    rng = np.random.default_rng(seed)
-    draws = (rng.standard_normal((CLIPS, latent)) for _ in range(REPEATS))
-    return float(np.mean([discrepancy(z, rng) for z in draws]))
 
 
 def figure_2(studies: Sequence[Study]) -> Result:
