@@ -12,7 +12,8 @@ from PIL import Image
 from numpy_cae.course import catalogue
 from numpy_cae.course.copies import student_copy
 from numpy_cae.course.executed import execute, source_hash
-from numpy_cae.course.exercises import EXERCISES, Exercise
+from numpy_cae.course.exercises import EXERCISES
+from numpy_cae.course.exercises import LESSONS as EXERCISES_OF
 from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade
@@ -31,30 +32,25 @@ def checks(notebook: dict) -> list[dict]:
     return [c for c in notebook["cells"] if c["metadata"].get("nbgrader", {}).get("grade")]
 
 
-def checked(cell: dict) -> Exercise:
-    return EXERCISES[cell["metadata"]["nbgrader"]["grade_id"].removesuffix("_check")]
+def points_of(cell: dict) -> int:
+    return EXERCISES[cell["metadata"]["nbgrader"]["grade_id"].removesuffix("_check")].points
 
 
-def assert_all_points(cell: dict) -> None:
-    points = checked(cell).points
-    assert f" {points} of {points} points" in shown(cell), shown(cell)
-    assert "FAILED" not in shown(cell)
+def assert_all_points(notebook: dict) -> None:
+    for cell in checks(notebook):
+        points, text = points_of(cell), shown(cell, "text/plain")
+        assert f" {points} of {points} points" in text and "FAILED" not in text, text
 
 
-def shown(cell: dict) -> str:
-    """What a cell shows as text."""
-    texts = [output.get("data", {}).get("text/plain", "") for output in cell["outputs"]]
-    return "".join("".join(text) for text in texts)
+def shown(cell: dict, kind: str) -> str:
+    """What a cell shows in one of the forms of its outputs."""
+    return "".join("".join(o.get("data", {}).get(kind, "")) for o in cell.get("outputs", ()))
 
 
 def pictures(notebook: dict) -> tuple[int, int]:
-    """How many pictures and how many animations a notebook shows."""
-    data = [o.get("data", {}) for c in notebook["cells"] for o in c.get("outputs", ())]
-    animations = ["".join(d.get("text/html", "")) for d in data]
-    return (
-        sum("image/png" in d for d in data),
-        sum("motion-viewer" in html for html in animations),
-    )
+    """How many cells of a notebook show a picture, and how many an animation."""
+    drawn = [bool(shown(cell, "image/png")) for cell in notebook["cells"]]
+    return sum(drawn), sum("motion-viewer" in shown(c, "text/html") for c in notebook["cells"])
 
 
 @every_lesson
@@ -68,12 +64,9 @@ def test_stored_as_executed(path):
     assert drawn >= 2 and moving >= 1
     text = path.read_text(encoding="utf-8")
     assert '"output_type": "error"' not in text and '"name": "stderr"' not in text
-    assert all(
-        c["execution_count"] == number
-        for number, c in enumerate((c for c in notebook["cells"] if c["cell_type"] == "code"), 1)
-    )
-    for cell in checks(notebook):
-        assert_all_points(cell)
+    counts = [cell["execution_count"] for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert counts == list(range(1, len(counts) + 1))
+    assert_all_points(notebook)
 
 
 @every_lesson
@@ -88,36 +81,25 @@ def test_its_picture_in_the_gallery_is_of_its_outputs(path):
 
 
 @every_lesson
-def test_marked_for_nbgrader(path):
+def test_marked_for_nbgrader_and_without_solutions_in_the_student_copy(path):
     notebook = read_notebook(path)
     cells, ids = notebook["cells"], [cell["id"] for cell in notebook["cells"]]
     assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
-    assert len(set(ids)) == len(ids)
-    assert cells[0]["cell_type"] == "markdown" and cells[0]["source"].startswith("# ")
+    assert len(set(ids)) == len(ids) and cells[0]["source"].startswith("# ")
+    copied = student_copy(notebook)["cells"]
     exercises = [place for place, cell in enumerate(cells) if is_exercise(cell)]
-    assert (1 if path.name[:2] == "00" else 3) <= len(exercises) <= 6
+    assert len(checks(notebook)) == len(exercises) > 0
     for place in exercises:
-        marks, check = cells[place]["metadata"]["nbgrader"], cells[place + 1]
-        name = marks["grade_id"]
+        check, name = cells[place + 1], cells[place]["metadata"]["nbgrader"]["grade_id"]
         assert f"def {name}(" in cells[place]["source"] and '"""' in cells[place]["source"]
+        assert "    # YOUR CODE HERE\n    raise NotImplementedError()" in copied[place]["source"]
         assert check["source"] == f'course.report("{name}", {name})'
         assert check["metadata"]["nbgrader"]["points"] == EXERCISES[name].points
         assert check["metadata"]["nbgrader"]["locked"]
         assert cells[place + 2]["source"] == f'{name} = course.solved("{name}", {name})'
-    assert len(checks(notebook)) == len(exercises)
-
-
-@every_lesson
-def test_the_student_copy_holds_no_solution(path):
-    notebook = read_notebook(path)
-    copy = student_copy(notebook)
-    assert "SOLUTION" in json.dumps(notebook) and "SOLUTION" not in json.dumps(copy)
-    for before, after in zip(notebook["cells"], copy["cells"], strict=True):
-        assert not after.get("outputs")
-        if is_exercise(before):
-            assert "    # YOUR CODE HERE\n    raise NotImplementedError()" in after["source"]
-        else:
-            assert after["source"] == before["source"]
+        copied[place] = {"source": cells[place]["source"]}
+    assert [cell["source"] for cell in copied] == [cell["source"] for cell in cells]
+    assert not any(cell.get("outputs") for cell in copied)
 
 
 def test_lesson_00_ends_with_the_glossary():
@@ -138,8 +120,7 @@ def test_links_to_the_glossary_name_its_headings(path):
 @every_lesson
 def test_the_instructor_copy_runs_and_every_check_passes(path):
     ran = execute(read_notebook(path), mine_before(path))
-    for cell in checks(ran):
-        assert_all_points(cell)
+    assert_all_points(ran)
     assert pictures(ran) == pictures(read_notebook(path))
 
 
@@ -149,8 +130,9 @@ def test_the_student_copy_runs_and_every_check_fails(path):
     notebook = read_notebook(path)
     ran = execute(student_copy(notebook))
     for cell in checks(ran):
-        assert f" 0 of {checked(cell).points} points" in shown(cell), shown(cell)
-        assert "not solved yet" in shown(cell) and "hint" not in shown(cell)
+        text = shown(cell, "text/plain")
+        assert f" 0 of {points_of(cell)} points" in text, text
+        assert "not solved yet" in text and "hint" not in text
     assert pictures(ran) == pictures(notebook)  # with the package's own in place of what is missing
 
 
@@ -159,11 +141,7 @@ def test_the_student_copy_runs_and_every_check_fails(path):
 def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, tmp_path):
     solved = grade(path, catalogue)
     assert solved.held and solved.points == solved.possible, str(solved)
-    assert {r.operation for r in solved.reports} == {
-        cell["metadata"]["nbgrader"]["grade_id"]
-        for cell in read_notebook(path)["cells"]
-        if is_exercise(cell)
-    }
+    assert [r.operation for r in solved.reports] == [e.name for e in EXERCISES_OF[path.name[:2]]]
     unsolved = tmp_path / path.name
     unsolved.write_text(json.dumps(student_copy(read_notebook(path))), encoding="utf-8")
     report = grade(unsolved, catalogue)
