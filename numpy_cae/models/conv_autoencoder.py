@@ -1,8 +1,7 @@
 """The convolutional autoencoder of holden2015: tied layers between motion and its manifold.
 
-Encoding applies the layers' operations in order, decoding those of the layers in reverse order;
-a gradient applies the pullbacks of all of these in the opposite order. `numpy_cae.fast` computes
-the same numbers in less time (`accelerate(model)`).
+Encoding runs layers 1…n, decoding layers n…1; the backward pass calls the pullbacks in the reverse
+of that order. `fast.accelerate(model)` computes the same numbers in less time.
 """
 
 from __future__ import annotations
@@ -24,6 +23,11 @@ Gradients = list[tuple[np.ndarray, np.ndarray]]
 class ConvAutoencoder:
     """Φ and Φ† of section 5, a stack of `ConvLayer`.
 
+    >>> model = ConvAutoencoder(features=63, filters=(64, 128, 256), taps=15)
+    >>> y = model.encode(np.zeros((1, 240, 63), np.float32))  # 8 seconds of motion
+    >>> y.shape, model.decode(y).shape
+    ((1, 30, 256), (1, 240, 63))
+
     Every method raises ValueError, naming the argument, if a shape does not fit.
 
     Parameters
@@ -35,8 +39,8 @@ class ConvAutoencoder:
     taps : int
         Frames that a filter covers, odd.
     bound : float
-        tanh⁻¹ is infinite at ±1 and a decoded layer can exceed 1, so y is clipped to ±bound
-        first: see docs/lab_book/arctanh_bound.md.
+        The decoder clips the input of arctanh to ±bound: arctanh(±1) is infinite, and the layer
+        above can output more than 1 (docs/lab_book/arctanh_bound.md).
     rng : numpy.random.Generator, optional
         For the initial weights; seeded with 0 where none is given.
     dtype : float32 (for training) or float64 (for checking gradients)
@@ -44,6 +48,19 @@ class ConvAutoencoder:
     Attributes
     ----------
     layers : list of ConvLayer, lowest first
+
+    Examples
+    --------
+    One step of gradient descent by hand:
+
+    >>> x = np.random.default_rng(1).normal(size=(4, 16, 5)) / 4
+    >>> model = ConvAutoencoder(5, filters=(6, 7), taps=3, dtype=np.float64)
+    >>> loss, gradients = model.loss_and_gradients(x, x)
+    >>> for layer, (dw, db) in zip(model.layers, gradients, strict=True):
+    ...     layer.w -= 0.1 * dw
+    ...     layer.b -= 0.1 * db
+    >>> model.loss_and_gradients(x, x)[0] < loss
+    True
     """
 
     def __init__(
@@ -80,7 +97,7 @@ class ConvAutoencoder:
 
     @property
     def stride(self) -> int:
-        """Frames of motion for one hidden frame, a time step of Y; 8 in the paper."""
+        """Input frames per hidden frame: 2**layers, 8 in the paper."""
         return 2 ** len(self.layers)
 
     def encode(self, x: np.ndarray) -> np.ndarray:
@@ -165,7 +182,7 @@ class ConvAutoencoder:
             Masks of `ops.unpool_random`, drawn by the caller; a layer whose mask is None, or
             every layer where `first` is None, unpools evenly.
         layer : int, optional
-            Use this layer alone, its own input being `x`; the whole stack where None.
+            Index of the one layer to train, with `x` as its input; None trains the whole stack.
 
         Returns
         -------
@@ -214,25 +231,25 @@ def loss_and_shares(
     """
     masks = [None] * len(layers) if first is None else list(first)
 
-    y = corrupted
+    y = corrupted  # (B, T, C)
     encode_pullbacks = []
     for layer in layers:
-        y, encode_pullback = layer.encode_with_pullback(y)
+        y, encode_pullback = layer.encode_with_pullback(y)  # (B, T/2, 64), (B, T/4, 128), …
         encode_pullbacks.append(encode_pullback)
-    x_hat, decode_pullbacks = _decode_layers(layers, y, masks)
+    x_hat, decode_pullbacks = _decode_layers(layers, y, masks)  # (B, T, C)
     error, error_pullback = ops.mean_squared_error(x_hat, x)
     sparsity, sparsity_pullback = ops.mean_absolute(y)
     loss = error + alpha * sparsity
 
     decoder_shares = []  # the lowest layer decodes last, so its pullback is the first
-    d = error_pullback()
+    d = error_pullback()  # (B, T, C)
     for decode_pullback in reversed(decode_pullbacks):
-        d, dw, db = decode_pullback(d)
+        d, dw, db = decode_pullback(d)  # (B, T/2, 64), (B, T/4, 128), …; dw (K, C, D), db (D,)
         decoder_shares.append((dw, db))
     encoder_shares = []
-    d = d + sparsity_pullback(alpha)
+    d = d + sparsity_pullback(alpha)  # (B, T/8, 256): both terms of the loss
     for encode_pullback in reversed(encode_pullbacks):
-        d, dw, db = encode_pullback(d)
+        d, dw, db = encode_pullback(d)  # …, (B, T/2, 64), (B, T, C)
         encoder_shares.append((dw, db))
     return float(loss), encoder_shares[::-1], decoder_shares
 

@@ -26,6 +26,14 @@ class ConvLayer:
         b_k.
     bound : float
         Where the decoder's `arctanh` clips, below 1.
+
+    Examples
+    --------
+    >>> layer = ConvLayer.initial(3, 5, 8, bound=0.9, rng=np.random.default_rng(0))
+    >>> y, pullback = layer.encode_with_pullback(np.zeros((2, 16, 5), np.float32))
+    >>> dx, dw, db = pullback(np.ones_like(y))
+    >>> y.shape, dw.shape
+    ((2, 8, 8), (3, 5, 8))
     """
 
     w: np.ndarray
@@ -70,8 +78,8 @@ class ConvLayer:
             With V = X * W + b before pooling; Ψ' puts a value on the larger frame of its pair:
             dV = Ψ'((1 - Y²) ∘ dY),  dX = dV * W̃,  dW[k] = Σ_t X[t+k-K//2]ᵀ dV[t],  db = Σ_t dV[t]
         """
-        convolved, convolve_pullback = ops.conv1d(x, self.w, self.b)
-        pooled, pool_pullback = ops.max_pool(convolved)
+        convolved, convolve_pullback = ops.conv1d(x, self.w, self.b)  # (B, T, D)
+        pooled, pool_pullback = ops.max_pool(convolved)  # (B, T/2, D)
         y, tanh_pullback = ops.tanh(pooled)
 
         def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -105,10 +113,10 @@ class ConvLayer:
             unpooled, unpool_pullback = ops.unpool_even(activated)
         else:
             unpooled, unpool_pullback = ops.unpool_random(activated, first)
-        w_tilde, transpose_pullback = ops.transpose_filters(self.w)
+        w_tilde, transpose_pullback = ops.transpose_filters(self.w)  # (K, D, C)
         # Equation 2 adds nothing after its convolution: the bias is subtracted before it.
         no_bias = np.zeros(self.w.shape[1], dtype=self.w.dtype)
-        x, convolve_pullback = ops.conv1d(unpooled - self.b, w_tilde, no_bias)
+        x, convolve_pullback = ops.conv1d(unpooled - self.b, w_tilde, no_bias)  # (B, 2T, C)
 
         def pullback(dx: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             d_unpooled, dw_tilde, _ = convolve_pullback(dx)

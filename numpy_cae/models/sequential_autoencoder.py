@@ -38,6 +38,11 @@ class Losses(NamedTuple):
     `reconstruction` is the mean squared error over every element, independent of the clip's length
     and the batch; `discrepancy` is the sliced Wasserstein distance between the batch's latent
     vectors and draws of the prior.
+
+    Examples
+    --------
+    >>> Losses(total=0.75, reconstruction=0.5, discrepancy=0.25).reconstruction
+    0.5
     """
 
     total: float
@@ -47,6 +52,11 @@ class Losses(NamedTuple):
 
 class SequentialAutoencoder:
     """Clips of any length to a latent vector z each, and back.
+
+    >>> model = SequentialAutoencoder(features=54, hidden=128, latent=8)
+    >>> z = model.encode(np.zeros((16, 50, 54), np.float32))  # 16 clips of 2 seconds
+    >>> z.shape, model.decode(z).shape
+    ((16, 8), (16, 50, 54))
 
     We take the standard normal distribution as prior of z; jang2018 does not state which.
 
@@ -71,6 +81,17 @@ class SequentialAutoencoder:
     ----------
     weights : dict of name to array
         Training changes the arrays in place.
+
+    Examples
+    --------
+    A loss and the gradients, by the names of the weights:
+
+    >>> rng = np.random.default_rng(0)
+    >>> model = SequentialAutoencoder(features=3, hidden=4, latent=2)
+    >>> x, prior = np.zeros((5, 6, 3), np.float32), rng.standard_normal((5, 2))
+    >>> losses, gradients = model.loss_and_gradients(x, prior, directions=np.eye(2), weight=1.0)
+    >>> list(gradients) == list(model.weights), gradients["latent_w"].shape
+    (True, (4, 2))
     """
 
     def __init__(
@@ -255,13 +276,13 @@ class SequentialAutoencoder:
             In the order of `weights`.
         """
         require_sequence_arguments(x, prior, self.weights)
-        z, encode_pullback = self.encode_with_pullback(x)
-        x_hat, decode_pullback = self.decode_with_pullback(z, x.shape[1])
+        z, encode_pullback = self.encode_with_pullback(x)  # (B, latent)
+        x_hat, decode_pullback = self.decode_with_pullback(z, x.shape[1])  # (B, T, features)
         reconstruction, error_pullback = ops.mean_squared_error(x_hat, x)
         discrepancy, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
         total = reconstruction + weight * discrepancy
 
-        dz, decoder_gradients = decode_pullback(error_pullback())
+        dz, decoder_gradients = decode_pullback(error_pullback())  # (B, latent), of weights by name
         encoder_gradients = encode_pullback(dz + prior_pullback(weight))
         losses = Losses(float(total), float(reconstruction), float(discrepancy))
         return losses, {**encoder_gradients, **decoder_gradients}

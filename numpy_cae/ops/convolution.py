@@ -17,7 +17,9 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
 
     As usual in deep learning, w is not flipped (a cross-correlation in signal processing).
 
-    With dy short for dL/dy, the derivatives are
+    Tap k takes frame t + k - K//2 to frame t, so the gradient takes the way back: from frame t to
+    frame t + k - K//2. That is a convolution too, with the taps in reverse order and with filters
+    and channels exchanged. With dy short for dL/dy, the derivatives are
 
         dL/dx[t] = Σ_k dy[t + k - K//2] · w̃[k]        the same convolution, with W̃
         dL/dw[k] = Σ_windows Σ_t x[t + k - K//2]ᵀ · dy[t]
@@ -46,6 +48,17 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     References
     ----------
     holden2015, section 5, equation 1 (X * W_k + b_k).
+
+    Examples
+    --------
+    >>> x = np.array([0.0, 1.0, 0.0, 0.0]).reshape(1, 4, 1)
+    >>> w = np.array([1.0, 2.0, 3.0]).reshape(3, 1, 1)
+    >>> y, pullback = conv1d(x, w, np.zeros(1))
+    >>> y.ravel()  # an impulse shows the taps in reverse order
+    array([3., 2., 1., 0.])
+    >>> dx, dw, db = pullback(x)  # the gradient of the second frame reaches its three inputs
+    >>> dx.ravel()
+    array([1., 2., 3., 0.])
     """
     require_shape("w", w, ("taps", "in", "out"))
     taps, channels, filters = w.shape
@@ -85,7 +98,9 @@ def unfold(padded: np.ndarray, taps: int) -> np.ndarray:
 def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
     """W̃[k] = W[K - 1 - k]ᵀ: flipped in time, with filters and channels exchanged.
 
-    Both the flip and the exchange are their own inverses, so the pullback is the same map.
+    Convolving with W̃ is the transpose of convolving with W, which is why a decoder with W̃ needs no
+    filters of its own. The flip and the exchange are their own inverses, so the pullback is the
+    same map.
 
     Parameters
     ----------
@@ -104,6 +119,13 @@ def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray],
     References
     ----------
     holden2015, section 5, the W̃ of equation 2.
+
+    Examples
+    --------
+    >>> w = np.arange(6.0).reshape(3, 2, 1)
+    >>> w_tilde, _ = transpose_filters(w)
+    >>> w_tilde.shape, w_tilde[0].ravel()
+    ((3, 1, 2), array([4., 5.]))
     """
     require_shape("w", w, ("taps", "in", "out"))
     w_tilde = w[::-1].transpose(0, 2, 1)

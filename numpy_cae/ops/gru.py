@@ -24,8 +24,9 @@ def gru_step(
         n = tanh(a_n + r ∘ s_n)               new
         h' = (1 - z) ∘ n + z ∘ h
 
-    The state h reaches h' along four paths: directly (z ∘ h), and through each of s_r, s_z, s_n.
-    With dh' short for dL/dh', from the last line to the first:
+    The last line is why a GRU remembers: where z is near 1, h passes unchanged, and so does its
+    gradient. The state h reaches h' along four paths: directly (z ∘ h), and through each of s_r,
+    s_z, s_n. With dh' short for dL/dh', from the last line to the first:
 
         dn   = dh' ∘ (1 - z)
         dz   = dh' ∘ (h - n)
@@ -60,6 +61,15 @@ def gru_step(
     References
     ----------
     Cho et al., EMNLP 2014; the reset gate after the product as in cuDNN and PyTorch's `GRU`.
+
+    Examples
+    --------
+    >>> x, h = np.zeros((1, 1)), np.ones((1, 1))
+    >>> w, u, c = np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(3)
+    >>> b = np.array([0.0, 4.0, 0.0])  # a large bias opens the update gate: h is kept
+    >>> h_next, pullback = gru_step(x, h, w, u, b, c)
+    >>> h_next.round(3), pullback(np.ones((1, 1)))[1].round(3)
+    (array([[0.982]]), array([[0.982]]))
     """
     require_shape("h", h, ("batch", "hidden"))
     batch, hidden = h.shape
@@ -129,6 +139,16 @@ def gru(
     ----------
     jang2018, "Sequential Auto-Encoders with Wasserstein Regularizer"; Werbos, "Backpropagation
     through time: what it does and how to do it", Proceedings of the IEEE 78, 1990.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> w, u = rng.normal(size=(3, 12)), rng.normal(size=(4, 12))
+    >>> x, h0, b = rng.normal(size=(2, 50, 3)), np.zeros((2, 4)), np.zeros(12)
+    >>> y, pullback = gru(x, h0, w, u, b, b)
+    >>> dx, dh0, dw, du, db, dc = pullback(np.ones_like(y))
+    >>> y.shape, dx.shape, dw.shape
+    ((2, 50, 4), (2, 50, 3), (3, 12))
     """
     require_shape("x", x, ("batch", "frames", "in"))
     batch, frames, channels = x.shape

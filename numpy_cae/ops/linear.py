@@ -8,7 +8,8 @@ from numpy_cae.ops.shapes import Pullback, require_shape
 def linear(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """y = x · W + b along the last axis.
 
-    With dy short for dL/dy, and all axes but the last taken as rows,
+    Every row uses the same W and b, so their gradients are sums over the rows. With dy short for
+    dL/dy, and all axes but the last taken as rows,
 
         dL/dx = dy · Wᵀ
         dL/dW = Σ_rows xᵀ · dy
@@ -29,6 +30,15 @@ def linear(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     ------
     ValueError
         If a shape does not fit.
+
+    Examples
+    --------
+    >>> y, pullback = linear(np.array([[1.0, 2.0]]), np.array([[3.0], [4.0]]), np.array([0.5]))
+    >>> y
+    array([[11.5]])
+    >>> dx, dw, db = pullback(np.array([[1.0]]))
+    >>> dx, dw.ravel()  # W is the gradient for x, x is that for W
+    (array([[3., 4.]]), array([1., 2.]))
     """
     require_shape("w", w, ("in", "out"))
     channels, features = w.shape

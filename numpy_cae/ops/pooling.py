@@ -14,7 +14,9 @@ from numpy_cae.ops.shapes import Pullback, require_shape
 def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """y[t] = max(x[2t], x[2t + 1]) in each channel; in a tie the earlier frame counts.
 
-    The value depends on the larger frame alone, so that frame gets the whole gradient:
+    The value depends on the larger frame alone, so that frame gets the whole gradient. In a tie
+    both frames have the value, but the gradient must not count twice: one frame has to be chosen,
+    and always the earlier one, so that runs can be repeated.
 
         dL/dx[2t]     = dy[t] where x[2t] >= x[2t + 1], else 0
         dL/dx[2t + 1] = dy[t] where x[2t] <  x[2t + 1], else 0
@@ -37,6 +39,12 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     References
     ----------
     holden2015, section 5, the Ψ of equation 1.
+
+    Examples
+    --------
+    >>> y, pullback = max_pool(np.array([1.0, 5.0, 2.0, 2.0]).reshape(1, 4, 1))
+    >>> y.ravel(), pullback(np.ones((1, 2, 1))).ravel()
+    (array([5., 2.]), array([0., 1., 1., 0.]))
     """
     _require_pairs(x)
     earlier, later = x[:, 0::2], x[:, 1::2]
@@ -55,6 +63,8 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
 
 def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """x[2t] = x[2t + 1] = y[t] / 2: half of the value on both frames.
+
+    Half, because the next convolution adds up both frames: together they carry the value once.
 
         dL/dy[t] = (dx[2t] + dx[2t + 1]) / 2
 
@@ -75,6 +85,12 @@ def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
     References
     ----------
     holden2015, section 5, the Ψ† of equation 2 in fine tuning and in use.
+
+    Examples
+    --------
+    >>> x, pullback = unpool_even(np.array([4.0, 2.0]).reshape(1, 2, 1))
+    >>> x.ravel()
+    array([2., 2., 1., 1.])
     """
     require_shape("y", y, ("batch", "frames", "channels"))
     x = np.repeat(y / 2, 2, axis=1)
@@ -88,6 +104,9 @@ def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
 
 def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullback]:
     """x[2t] = y[t] where `first`, else x[2t + 1] = y[t]; the other frame of the pair is 0.
+
+    Pooling forgets which frame had the maximum, so a fixed choice would be wrong half of the time.
+    The mask is an argument, so that the function itself draws nothing and can be differentiated:
 
         dL/dy[t] = dx[2t] where `first`, else dx[2t + 1]
 
@@ -111,6 +130,13 @@ def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullbac
     References
     ----------
     holden2015, section 5, the Ψ† of equation 2 while a layer is trained.
+
+    Examples
+    --------
+    >>> first = np.array([True, False]).reshape(1, 2, 1)  # rng.random(y.shape) < 0.5 in training
+    >>> x, pullback = unpool_random(np.array([4.0, 2.0]).reshape(1, 2, 1), first)
+    >>> x.ravel()
+    array([4., 0., 0., 2.])
     """
     require_shape("y", y, ("batch", "frames", "channels"))
     require_shape("first", first, y.shape)

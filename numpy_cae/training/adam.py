@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.99, 1e-8
-"""The paper suggests 0.999 for β₂; 0.99 left a smaller error here (docs/lab_book/end_to_end.md)."""
+"""Kingma and Ba suggest 0.999 for β₂; 0.99 left a smaller error here
+(docs/lab_book/end_to_end.md)."""
 BLOCK = 32_768
 """Numbers of an array that are updated together; they stay in the processor's cache."""
 
@@ -23,8 +24,19 @@ class Adam:
 
     Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step is η · g / (|g| + ε).
 
-    `state` holds m, v and t for a checkpoint. The source is Kingma and Ba, "Adam: a method for
-    stochastic optimization", ICLR 2015, algorithm 1.
+    `state` holds m, v and t for a checkpoint.
+
+    References
+    ----------
+    Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
+
+    Examples
+    --------
+    >>> w = np.zeros(2)
+    >>> adam = Adam({"w": w})
+    >>> adam.update([np.array([0.001, -1000.0])], rate=0.1)
+    >>> w.round(3)  # the first step has the length of the rate, whatever the gradient's size
+    array([-0.1,  0.1])
     """
 
     def __init__(self, parameters: dict[str, np.ndarray]):

@@ -13,7 +13,23 @@ LONGEST = 80
 def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """X_c: each value of x set to zero with probability p, independently; zero is the mean pose.
 
-    p is between 0 and 1, or an array of such numbers that broadcasts to x, which has any shape.
+    Parameters
+    ----------
+    x : array of float, any shape
+    p : float or array
+        Between 0 and 1; an array must broadcast to x.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    corrupted : array of the same shape
+
+    Examples
+    --------
+    >>> x = np.ones((1, 1000, 5), np.float32)
+    >>> corrupted = zero_values(x, 0.1, np.random.default_rng(0))
+    >>> round(float(corrupted.mean()), 1)
+    0.9
     """
     if not np.all((0 <= np.asarray(p)) & (np.asarray(p) <= 1)):
         raise ValueError(f"p is {p}, expected a probability between 0 and 1")
@@ -27,9 +43,9 @@ def corrupt(
 
         X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
 
-    `zeroed` is p, or the two numbers that each window's p is drawn between; below 1 where rescaled.
+    `zeroed` is p, or the two numbers between which each window's p is drawn; below 1 if `rescaled`.
     Zeroing values with probability p multiplies their expected sum by 1 - p. Dividing by 1 - p
-    restores it, whatever p is, so the filters need not be fitted to one p.
+    restores the sum for every p, so the filters are not fitted to one p.
     """
     p: float | np.ndarray
     if isinstance(zeroed, (int, float)):
@@ -60,9 +76,9 @@ def damage_stretches(
     its base, interpolated or displaced. Short stretches are as likely as long ones. Not in the
     paper, which only zeroes single values.
 
-    A chain is the first channel of each of its points, from the base outwards: channels c, c + 1
-    and c + 2 are one point, and the base itself is not damaged. `size` is the standard deviation of
-    the displacement of a chain's last point; the others are displaced in proportion.
+    A chain is a tuple of points, base first; each is given by the index c of its x (y and z are
+    c + 1 and c + 2). The base is not damaged. `size` is the standard deviation of the displacement
+    of a chain's last point; the others are displaced in proportion.
     """
     damaged, frames = x.copy(), x.shape[1]
     for window in damaged:

@@ -13,7 +13,13 @@ FIRST, LAST = 1 / 25, 1e-5
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One stage of training; the defaults are the paper's for one layer."""
+    """One stage of training; the defaults are the paper's for one layer.
+
+    Examples
+    --------
+    >>> Stage().rate, Stage(rate=0.1, momentum=0.9).epochs
+    (0.5, 25)
+    """
 
     epochs: int = 25  # times that every window is used
     rate: float = 0.5  # learning rate of the first epoch; the peak of "one-cycle"
@@ -38,14 +44,21 @@ class Schedule:
 
     With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
     fine tuning; we take as many as for a layer.
+
+    Examples
+    --------
+    >>> [(name, stage.rate) for name, _, stage in Schedule().stages(layers=2)]
+    [('layer 1', 0.5), ('layer 2', 0.5), ('fine tuning', 0.01)]
     """
 
     layer: Stage = field(default_factory=Stage)
     fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
 
     def stages(self, layers: int) -> list[tuple[str, int | None, Stage]]:
-        """The stages with their names and the index of the layer that each trains, None for all;
-        those of 0 epochs are left out."""
+        """(name, index of the layer or None for the whole stack, stage) of each stage in turn.
+
+        A stage of 0 epochs is left out.
+        """
         stages: list[tuple[str, int | None, Stage]] = [
             *((f"layer {n + 1}", n, self.layer) for n in range(layers)),
             ("fine tuning", None, self.fine_tuning),
@@ -59,6 +72,12 @@ class SequenceSchedule:
 
     The mean sliced distance between two random samples of the prior is 2.1 for 1 point, 0.28 for
     16, 0.08 for 64: with a batch below 64 this noise dominates the regulariser.
+
+    Examples
+    --------
+    >>> schedule = SequenceSchedule(epochs=10, weight=0.5)
+    >>> schedule.epochs * schedule.steps
+    650
     """
 
     epochs: int = 40  # every step draws new clips, so an epoch is only the period of the decay
@@ -105,24 +124,80 @@ seed."""
 
 
 def recipe(name: str) -> Schedule:
-    """The schedule of that name for the convolutional autoencoder."""
+    """The schedule of that name in `RECIPES`, for the convolutional autoencoder.
+
+    Parameters
+    ----------
+    name : {"paper", "fast", "best"}
+        That of holden2015; all layers at once with Adam; the same for three times as many epochs.
+
+    Returns
+    -------
+    schedule : Schedule
+
+    Raises
+    ------
+    ValueError
+        If there is no such recipe.
+
+    Examples
+    --------
+    >>> recipe("fast").fine_tuning.optimiser, recipe("fast").layer.epochs
+    ('adam', 0)
+    """
     if name not in RECIPES:
         raise ValueError(f"there is no recipe {name!r}, expected one of {', '.join(RECIPES)}")
     return RECIPES[name]
 
 
 def decayed_rate(initial: float, decay: float, epoch: int) -> float:
-    """η_e = η_0 · decay^e: "initially set to the value of 0.5 and slowly decayed by a factor of
-    0.9 at each epoch". Epochs count from 0."""
+    """η_e = η_0 · decay^e: the learning rate of an epoch in holden2015, section 6.
+
+    "initially set to the value of 0.5 and slowly decayed by a factor of 0.9 at each epoch"
+
+    Parameters
+    ----------
+    initial, decay : float
+        η_0 and the factor.
+    epoch : int
+        e, counted from 0.
+
+    Returns
+    -------
+    rate : float
+
+    Examples
+    --------
+    >>> [round(decayed_rate(0.5, 0.9, epoch), 3) for epoch in (0, 1, 24)]
+    [0.5, 0.45, 0.04]
+    """
     return initial * decay**epoch
 
 
 def one_cycle(peak: float, share: float) -> float:
-    """The rate when a share (0 to 1) of all steps is done: half a cosine up, then one down.
+    """The learning rate at a point of the training: half a cosine up, then half a cosine down.
 
-    It starts at peak / 25, reaches the peak after 30% of the steps and ends near 0: the small first
-    rates let Adam's estimates settle, the small last ones the weights. The source is Smith and
-    Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
+    The rate starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small
+    rates at the start let Adam's estimates settle, those at the end let the weights settle.
+
+    Parameters
+    ----------
+    peak : float
+    share : float
+        The steps done, as a share (0 to 1) of all steps.
+
+    Returns
+    -------
+    rate : float
+
+    References
+    ----------
+    Smith and Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
+
+    Examples
+    --------
+    >>> [round(one_cycle(1.0, share), 3) for share in (0, 0.15, 0.3, 0.65, 1)]
+    [0.04, 0.52, 1.0, 0.5, 0.0]
     """
     if share < WARM_UP:
         start, end, share = FIRST, 1.0, share / WARM_UP

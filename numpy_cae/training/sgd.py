@@ -6,7 +6,22 @@ import numpy as np
 
 
 def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], rate: float) -> None:
-    """θ ← θ - η · dL/dθ, each parameter in place."""
+    """θ ← θ - η · dL/dθ, each parameter in place.
+
+    Parameters
+    ----------
+    parameters, gradients : iterables of arrays
+        In the same order.
+    rate : float
+        η.
+
+    Examples
+    --------
+    >>> w = np.array([1.0, 2.0])
+    >>> descend([w], [np.array([10.0, -10.0])], rate=0.1)
+    >>> w
+    array([0., 3.])
+    """
     for parameter, gradient in zip(parameters, gradients, strict=True):
         parameter -= rate * gradient
 
@@ -18,10 +33,25 @@ def descend_with_momentum(
     rate: float,
     momentum: float,
 ) -> None:
-    """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place; holden2015 has none of it.
+    """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place; holden2015 has no momentum.
 
     With a constant gradient the step grows to 1 / (1 - μ) times the plain step. Steps of
     alternating sign partly cancel.
+
+    Parameters
+    ----------
+    parameters, velocities, gradients : iterables of arrays
+        θ, v (zero at first) and dL/dθ, in the same order.
+    rate, momentum : float
+        η and μ.
+
+    Examples
+    --------
+    >>> w, v = np.zeros(1), np.zeros(1)
+    >>> for _ in range(3):
+    ...     descend_with_momentum([w], [v], [np.ones(1)], rate=0.1, momentum=0.5)
+    >>> v  # approaches -0.2, twice the plain step
+    array([-0.175])
     """
     for parameter, velocity, gradient in zip(parameters, velocities, gradients, strict=True):
         velocity *= momentum
@@ -30,11 +60,28 @@ def descend_with_momentum(
 
 
 def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
-    """g ← g · min(1, bound / |g|), in place, |g| over all the gradients together; return |g|.
+    """g ← g · min(1, bound / |g|), in place, with |g| over all the gradients together.
 
     Backpropagation through fifty steps can return a gradient a thousand times as long as the one
     before, and one such step would ruin the weights (Pascanu, Mikolov and Bengio, "On the
     difficulty of training recurrent neural networks", ICML 2013, algorithm 1).
+
+    Parameters
+    ----------
+    gradients : sequence of arrays
+    bound : float
+        Above 0.
+
+    Returns
+    -------
+    norm : float
+        |g| before clipping.
+
+    Examples
+    --------
+    >>> gradient = np.array([30.0, 40.0])
+    >>> clip_norm([gradient], bound=1.0), gradient
+    (50.0, array([0.6, 0.8]))
     """
     if not bound > 0:
         raise ValueError(f"the bound on the gradient's norm is {bound}, expected it above 0")

@@ -67,7 +67,25 @@ def sequence_step(
 def unit_directions(
     count: int, dimensions: int, rng: np.random.Generator, dtype: np.dtype | type = np.float32
 ) -> np.ndarray:
-    """Rows of length 1 in uniformly distributed directions: (count, dimensions)."""
+    """Random directions, uniformly distributed: a normal vector has no preferred direction.
+
+    Parameters
+    ----------
+    count, dimensions : int
+    rng : numpy.random.Generator
+    dtype : float32 or float64
+
+    Returns
+    -------
+    directions : (count, dimensions) array
+        Rows of length 1.
+
+    Examples
+    --------
+    >>> directions = unit_directions(4, 3, np.random.default_rng(0))
+    >>> np.linalg.norm(directions, axis=1).round(5)
+    array([1., 1., 1., 1.], dtype=float32)
+    """
     drawn = rng.standard_normal((count, dimensions))
     return (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).astype(dtype)
 
@@ -75,7 +93,7 @@ def unit_directions(
 def make_optimiser(
     stage: Stage | SequenceSchedule, parameters: dict[str, np.ndarray]
 ) -> Sgd | Adam:
-    """A new optimiser of the kind that `stage` names, for these parameters."""
+    """A new optimiser for these parameters, the one that the stage names."""
     return Adam(parameters) if stage.optimiser == "adam" else Sgd(parameters, stage.momentum)
 
 
