@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read or synthesise the actions, train, measure and write."""
-    network = train_options.network_of(args, sequential=True)
+    network = train_options.network_of(args, "sequential")
     if network["frames"] < 3:
         raise ValueError(f"--frames is {network['frames']}, expected 3 or more")
     schedule = train_options.sequence_schedule_of(args)

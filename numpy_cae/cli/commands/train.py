@@ -11,14 +11,15 @@ import argparse
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from numpy_cae.cli.shared import arguments
-from numpy_cae.cli.shared import train_options as options
+from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import note, print_json, require_place
 from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
+from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import ANGLE_RATE, find_motion_files
 from numpy_cae.training import Checkpoint, ProgressPrinter
@@ -39,13 +40,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     models = ("convolutional", "sequential")
     model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
-    add("--recipe", choices=options.RECIPES, default="paper", help="recipe (default: paper)")
+    add("--recipe", choices=train_options.RECIPES, default="paper", help="recipe (default: paper)")
     engine = "code that computes the gradients: fast, or the definitions in ops (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     resume = "continue an interrupted run from MODEL.checkpoint.npz; the result is identical"
     add("--resume", **arguments.FLAG, help=resume)
     arguments.add_shared(parser, "seed quiet json mapping unit up floor")
-    options.add_training_options(parser)
+    train_options.add_training_options(parser)
     add = parser.add_argument_group("advanced, files").add_argument
     often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
     add("--checkpoint", type=arguments.rate, default=60.0, metavar="SECONDS", help=often)
@@ -54,31 +55,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
-    options.require_options_of_model(args)
+    train_options.require_options_of_model(args)
     if args.picture and not args.test:
         raise ValueError("--picture draws a test take: name the test takes with --test")
     require_place(args.output)
     if args.resume and args.output.exists() and not state_of(args.output).exists():
         return _print(args, "is complete, there is nothing to continue")
+    learn = _learn_sequences if args.model == "sequential" else _learn_windows
     with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
-        sequential = args.model == "sequential"
-        learn = _learn_sequences if sequential else _learn_windows
-        report = None if args.quiet else ProgressPrinter()
-        how = {"report": report, "checkpoint": checkpoint, "engine": args.engine}
-        manifold, summary, measure = learn(args, options.network_of(args, sequential) | how)
-        manifold.settings["test"] = args.test
-        save_manifold(manifold, args.output, half=args.recipe == "starter")
+        learned = learn(args, checkpoint)
+        learned.manifold.settings["test"] = args.test
+        save_manifold(learned.manifold, args.output, half=args.recipe == "starter")
         checkpoint.remove()
+    text = f"learned from {learned.source}"
+    table = None
     try:
-        table, figure = measure() if args.test else (None, None)
+        if args.test:
+            table = learned.measure()
+            text += f"\n\n{table.text()}"
+        else:
+            text += "; no error is measured without --test"
+        if args.picture:
+            learned.draw().save_picture(args.picture)
+            text += f"\n\n{args.picture}: written"
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
-    if figure:
-        figure.save_picture(args.picture)
-    text = f"learned from {summary}"
-    text += f"\n\n{table.text()}" if table else "; no error is measured without --test"
-    text += f"\n\n{args.picture}: written" if figure else ""
-    return _print(args, text, manifold.settings, table.data() if table else None)
+    return _print(args, text, learned.manifold.settings, table.data() if table else None)
 
 
 def _print(
@@ -91,58 +93,77 @@ def _print(
     return 0
 
 
-Learned = tuple[Any, str, Callable[[], tuple]]
-"""A manifold, what it was learned from, and a function that measures and draws it on test files."""
+@dataclass(frozen=True)
+class Learned:
+    """A trained manifold and what can be done with the takes that it was and was not trained on."""
+
+    manifold: Any
+    source: str  # what it was learned from, in words
+    measure: Callable[[], Result]  # its errors on the test takes
+    draw: Callable[[], Result]  # a picture of a test take, or of samples
 
 
-def _learn_windows(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    schedule = options.schedule_of(args)
-    found = {folder: find_motion_files(folder) for folder in args.folders}
-    paths = [path for some in found.values() for path in some]
-    reading = arguments.reading(args)
-    training, testing = read_takes(paths, *reading, args.test, args.strict)
-    mirror = args.recipe in options.MIRRORED
-    manifold = learn_manifold(training, schedule, args.seed, mirror=mirror, **how)
+def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
+    """Learn the convolutional model from every file in the folders."""
+    from numpy_cae.experiments.repair import half_removed
+
+    files = {folder: find_motion_files(folder) for folder in args.folders}
+    paths = [path for found in files.values() for path in found]
+    training, testing = read_takes(paths, *arguments.reading(args), args.test, args.strict)
+    manifold = learn_manifold(
+        training,
+        train_options.schedule_of(args),
+        args.seed,
+        mirror=args.recipe in train_options.MIRRORED,
+        report=None if args.quiet else ProgressPrinter(),
+        checkpoint=checkpoint,
+        engine=args.engine,
+        **train_options.network_of(args, args.model),
+    )
     manifold.settings["folders"] = [
-        {"name": folder.resolve().name, "files": len(files)}
-        | {"test": sum(is_test(path, args.test) for path in files)}
-        for folder, files in found.items()
+        {"name": folder.resolve().name, "files": len(found)}
+        | {"test": sum(is_test(path, args.test) for path in found)}
+        for folder, found in files.items()
     ]
-
-    def measure() -> tuple:
-        from numpy_cae.experiments.repair import half_removed
-
-        material = unlabelled(training, testing)
-        figure = half_removed.figure_1(manifold, material) if args.picture else None
-        return half_removed.run(manifold, material), figure
-
-    return manifold, f"{manifold.settings['windows']} windows", measure
+    material = unlabelled(training, testing)
+    return Learned(
+        manifold,
+        f"{manifold.settings['windows']} windows",
+        lambda: half_removed.run(manifold, material),
+        lambda: half_removed.figure_1(manifold, material),
+    )
 
 
-def _learn_sequences(args: argparse.Namespace, how: dict[str, Any]) -> Learned:
-    from numpy_cae.experiments.sequences.study import read_action
+def _learn_sequences(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
+    """Learn the sequential model of one action from every file in the folders."""
+    from numpy_cae.experiments.sequences.reconstruction import reconstruction
+    from numpy_cae.experiments.sequences.samples import figure_3
+    from numpy_cae.experiments.sequences.study import Study, read_action
 
-    schedule, name = options.sequence_schedule_of(args), args.folders[0].resolve().name
-    reading = arguments.reading(args)
-    action = read_action(name, args.folders, args.test, *reading, args.strict)
+    name, network = args.folders[0].resolve().name, train_options.network_of(args, args.model)
+    action = read_action(name, args.folders, args.test, *arguments.reading(args), args.strict)
     if args.test and not action.testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
     if not action.training:
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
-    count, tests = len(action.training), len(action.testing)
-    minutes = minutes_of(action.training, ANGLE_RATE)
-    note(f"{count} motions to train on ({minutes}), {tests} to test")
-    manifold = learn_sequences(action.training, schedule, args.seed, **how)
-
-    def measure() -> tuple:
-        from numpy_cae.experiments.sequences.reconstruction import reconstruction
-        from numpy_cae.experiments.sequences.samples import figure_3
-        from numpy_cae.experiments.sequences.study import Study
-
-        study = Study(action, manifold)
-        return reconstruction([study]), figure_3(study) if args.picture else None
-
-    return manifold, f"clips of {how['frames']} frames of {count} motions", measure
+    count, minutes = len(action.training), minutes_of(action.training, ANGLE_RATE)
+    note(f"{count} motions to train on ({minutes}), {len(action.testing)} to test")
+    manifold = learn_sequences(
+        action.training,
+        train_options.sequence_schedule_of(args),
+        args.seed,
+        report=None if args.quiet else ProgressPrinter(),
+        checkpoint=checkpoint,
+        engine=args.engine,
+        **network,
+    )
+    study = Study(action, manifold)
+    return Learned(
+        manifold,
+        f"clips of {network['frames']} frames of {count} motions",
+        lambda: reconstruction([study]),
+        lambda: figure_3(study),
+    )
 
 
 @contextmanager

@@ -7,15 +7,14 @@ arguments: the recipe or the default below applies.
 
 import argparse
 from dataclasses import fields, replace
+from inspect import signature
 from typing import Any
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold.augmentation import damaged_chains
-from numpy_cae.manifold.learning import HIDDEN, LATENT, RMS
-from numpy_cae.motion import CLIP
-from numpy_cae.motion.windows import LENGTH, OVERLAP
+from numpy_cae.manifold.learning import learn_manifold, learn_sequences
 from numpy_cae.training import RECIPES as TRAINING_RECIPES
 from numpy_cae.training import SEQUENCE_RECIPES, Schedule, SequenceSchedule, Stage
 
@@ -35,105 +34,120 @@ MIRRORED = ("starter",)
 """Recipes that learn from mirrored copies as well."""
 RECIPES = TRAINING_RECIPES | {"starter": Schedule(layer=Stage(epochs=0), fine_tuning=_STARTER)}
 
-_COMMON = {
-    "epochs": (arguments.whole_number, "number of epochs, of each layer where layers are trained"),
-    "rate": (
-        arguments.rate,
-        "learning rate: of the first epoch, or the peak of a one-cycle schedule",
-    ),
-    "batch": (arguments.positive_number, "number of windows or clips in one step"),
-    "decay": (arguments.rate, "factor applied to the learning rate after each epoch"),
-    "momentum": (arguments.momentum, "momentum of gradient descent, from 0 to below 1"),
-    "norm": (arguments.positive, "bound on the norm of the gradient"),
-    "optimiser": (("sgd", "adam"), "optimiser, sgd or adam"),
-    "rate-schedule": (("decay", "one-cycle"), "course of the learning rate, decay or one-cycle"),
+HELP = {
+    "epochs": "number of epochs, of each layer where layers are trained",
+    "rate": "learning rate: of the first epoch, or the peak of a one-cycle schedule",
+    "batch": "number of windows or clips in one step",
+    "decay": "factor applied to the learning rate after each epoch",
+    "momentum": "momentum of gradient descent, from 0 to below 1",
+    "norm": "bound on the norm of the gradient",
+    "optimiser": "optimiser, sgd or adam",
+    "rate-schedule": "course of the learning rate, decay or one-cycle",
+    "alpha": "weight of the sparsity term of equation 3",
+    "zeroed": "share of input values set to zero; two: range to draw it from",
+    "rescaled": "divide the corrupted input by 1 - the share of values set to zero",
+    "steps": "number of steps in an epoch",
+    "weight": "weight λ of the sliced Wasserstein distance",
+    "directions": "number of directions of the sliced distance",
+    "posture": "standard deviation of the random postures added to clips",
+    "window": "number of frames in a window, at 30 a second",
+    "overlap": "number of frames that successive windows share",
+    "filters": "number of filters of each layer",
+    "taps": "number of frames that a filter covers, odd",
+    "bound": "absolute value at which the input of arctanh is clipped",
+    "rms": "root mean square that the features are scaled to",
+    "hidden": "number of hidden units of each GRU",
+    "latent": "number of latent variables",
+    "frames": "number of frames in a clip, at 25 a second",
 }
-_CONVOLUTIONAL = {
-    "alpha": (arguments.rate, "weight of the sparsity term of equation 3"),
-    "zeroed": (arguments.fraction, "share of input values set to zero; two: range to draw it from"),
-    "rescaled": (None, "divide the corrupted input by 1 - the share of zeroed values"),
+COMMON = ("epochs", "rate", "batch", "decay", "momentum", "norm", "optimiser", "rate-schedule")
+CONVOLUTIONAL = ("alpha", "zeroed", "rescaled")
+SEQUENTIAL = ("steps", "weight", "directions", "posture")
+NETWORKS = {
+    "convolutional": ("window", "overlap", "filters", "taps", "bound", "rms"),
+    "sequential": ("hidden", "latent", "frames"),
 }
-_SEQUENTIAL = {
-    "steps": (arguments.positive_number, "number of steps in an epoch"),
-    "weight": (arguments.rate, "weight λ of the sliced Wasserstein distance"),
-    "directions": (arguments.positive_number, "number of directions of the sliced distance"),
-    "posture": (arguments.rate, "standard deviation of the random postures added to clips"),
+"""The arguments of `learn_manifold` and of `learn_sequences` that describe the network."""
+_TYPES = {
+    "epochs": arguments.whole_number,
+    "momentum": arguments.momentum,
+    "norm": arguments.positive,
+    "zeroed": arguments.fraction,
+    "overlap": arguments.whole_number,
+    "filters": arguments.positive_number,
+    "taps": arguments.odd_number,
+    "bound": arguments.bound,
+    "rms": arguments.positive,
 }
-_SEQUENTIAL_NETWORK = {
-    "hidden": (arguments.positive_number, "number of hidden units of each GRU", HIDDEN),
-    "latent": (arguments.positive_number, "number of latent variables", LATENT),
-    "frames": (
-        arguments.positive_number,
-        "number of frames in a clip, at 25 frames a second",
-        CLIP,
-    ),
-}
-_CONVOLUTIONAL_NETWORK = {
-    "window": (arguments.positive_number, "number of frames in a window, at 30 a second", LENGTH),
-    "overlap": (arguments.whole_number, "number of frames that successive windows share", OVERLAP),
-    "filters": (arguments.positive_number, "number of filters of each layer", [64, 128, 256]),
-    "taps": (arguments.odd_number, "number of frames that a filter covers, odd", 15),
-    "bound": (arguments.bound, "absolute value at which the input of arctanh is clipped", 0.9),
-    "rms": (arguments.positive, "root mean square that the features are scaled to", RMS),
-}
+"""Types of the values; others are positive whole numbers or rates, by their default."""
+_CHOICES = {"optimiser": ("sgd", "adam"), "rate-schedule": ("decay", "one-cycle")}
 
 
 def add_training_options(parser: argparse.ArgumentParser) -> None:
     """The options of both models; the few that people change are outside the advanced groups."""
-    paper, sequence = RECIPES["paper"], SequenceSchedule()
+    paper, sequence = Schedule(), SequenceSchedule()
     group: Any = parser
-    for name, (kind, text) in _COMMON.items():
+    for name in COMMON:
         if name == "decay":
             group = parser.add_argument_group("advanced")
-        usual = f"{_field(paper.layer, name)}, sequential model {_field(sequence, name)}"
-        _add(group, name, kind, f"{text} (recipe paper: {usual})")
+        usual = _default(paper.layer, name)
+        shown = f"recipe paper: {usual}, sequential model {_default(sequence, name)}"
+        _add(group, name, usual, f"{HELP[name]} ({shown})")
     group = parser.add_argument_group("advanced, convolutional model")
-    _add_all(group, _CONVOLUTIONAL_NETWORK)
-    for name, (kind, text) in _CONVOLUTIONAL.items():
-        _add(group, name, kind, f"{text} (recipe paper: {_field(paper.layer, name)})")
-    for name, (kind, _) in {**_COMMON, **_CONVOLUTIONAL}.items():
-        usual = _field(paper.fine_tuning, name)
-        _add(group, f"fine-{name}", kind, f"--{name} for fine tuning (recipe paper: {usual})")
-    group = parser.add_argument_group("advanced, sequential model")
-    _add_all(group, _SEQUENTIAL_NETWORK | _SEQUENTIAL)
+    for name, value in _network("convolutional").items():
+        _add(group, name, value, f"{HELP[name]} (default: {value})")
+    for name in CONVOLUTIONAL:
+        value = _default(paper.layer, name)
+        _add(group, name, value, f"{HELP[name]} (recipe paper: {value})")
+    for name in (*COMMON, *CONVOLUTIONAL):
+        value = _default(paper.fine_tuning, name)
+        text = f"--{name} for fine tuning (recipe paper: {value})"
+        _add(group, name, value, text, "fine-")
+    _add_sequential(parser.add_argument_group("advanced, sequential model"), SEQUENTIAL)
 
 
 def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     """The options of the sequential model alone, for `numpy-cae study`."""
-    options = _SEQUENTIAL_NETWORK | _COMMON | _SEQUENTIAL
-    _add_all(parser.add_argument_group("training"), options)
+    _add_sequential(parser.add_argument_group("training"), (*COMMON, *SEQUENTIAL))
 
 
-def _add_all(group: argparse._ArgumentGroup, options: dict[str, Any]) -> None:
-    """Options with their own defaults or those of the sequential model's schedule."""
-    for name, (kind, text, *default) in options.items():
-        shown = default[0] if default else _field(SequenceSchedule(), name)
-        _add(group, name, kind, f"{text} (default: {shown})")
+def _add_sequential(group: argparse._ArgumentGroup, names: tuple[str, ...]) -> None:
+    values = {name: _default(SequenceSchedule(), name) for name in names}
+    for name, value in (_network("sequential") | values).items():
+        _add(group, name, value, f"{HELP[name]} (default: {value})")
 
 
-def _add(group: Any, name: str, kind: Any, text: str) -> None:
+def _add(group: Any, name: str, default: Any, text: str, prefix: str = "") -> None:
+    """Add an option that is no attribute of the parsed arguments where it is not given."""
     settings: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
-    if kind is None:
+    if isinstance(default, bool):
         settings["action"] = argparse.BooleanOptionalAction
-    elif isinstance(kind, tuple):
-        settings["choices"] = kind
+    elif name in _CHOICES:
+        settings["choices"] = _CHOICES[name]
     else:
-        settings |= {"type": kind, "metavar": "N"}
-    if name.endswith(("zeroed", "filters")):
+        usual = arguments.positive_number if isinstance(default, int) else arguments.rate
+        settings |= {"type": _TYPES.get(name, usual), "metavar": "N"}
+    if name in ("zeroed", "filters"):
         settings["nargs"] = "+"
-    group.add_argument(f"--{name}", **settings)
+    group.add_argument(f"--{prefix}{name}", **settings)
 
 
-def _field(stage: Stage | SequenceSchedule, option: str) -> Any:
+def _default(stage: Stage | SequenceSchedule, option: str) -> Any:
     return getattr(stage, option.replace("-", "_"))
+
+
+def _network(model: str) -> dict[str, Any]:
+    """The network's options with the defaults of the function that learns it."""
+    learn = learn_sequences if model == "sequential" else learn_manifold
+    return {name: signature(learn).parameters[name].default for name in NETWORKS[model]}
 
 
 def require_options_of_model(args: argparse.Namespace) -> None:
     """Raise ValueError where an option of the other model is given."""
-    others = {*_SEQUENTIAL, *_SEQUENTIAL_NETWORK}
+    others = {*SEQUENTIAL, *NETWORKS["sequential"]}
     if args.model == "sequential":
-        fine = {f"fine-{name}" for name in (*_COMMON, *_CONVOLUTIONAL)}
-        others = {*_CONVOLUTIONAL, *_CONVOLUTIONAL_NETWORK, *fine}
+        fine = {f"fine-{name}" for name in (*COMMON, *CONVOLUTIONAL)}
+        others = {*CONVOLUTIONAL, *NETWORKS["convolutional"], *fine}
         if args.recipe not in SEQUENCE_RECIPES:
             raise ValueError(f"--recipe {args.recipe} is for the convolutional model")
     for name in sorted(others):
@@ -141,10 +155,9 @@ def require_options_of_model(args: argparse.Namespace) -> None:
             raise ValueError(f"--{name} is not an option of the {args.model} model")
 
 
-def network_of(args: argparse.Namespace, sequential: bool) -> dict[str, Any]:
+def network_of(args: argparse.Namespace, model: str) -> dict[str, Any]:
     """The arguments of `learn_manifold` or `learn_sequences` that describe the network."""
-    options = _SEQUENTIAL_NETWORK if sequential else _CONVOLUTIONAL_NETWORK
-    return {name: getattr(args, name, default) for name, (_, _, default) in options.items()}
+    return {name: getattr(args, name, default) for name, default in _network(model).items()}
 
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
