@@ -147,16 +147,14 @@ class Split:
         return Moments.of(self.training.x, self.training.real)
 
     def fitted(self) -> str:
-        """What the baselines were fitted to, and the network if that differs."""
+        """What the baselines were fitted to, and what the network learned from."""
         takes = 1 + int(self.training.take.max())
         learned = self.training.manifold.settings.get("takes", takes)
-        text = (
+        return (
             f"Baselines are fitted to {len(self.training)} windows of {takes} training takes; "
-            "their settings are chosen on every fifth of these takes, held back."
+            "their settings are chosen on every fifth of these takes, held back. The network "
+            f"learned from {learned} takes."
         )
-        if learned != takes:
-            text += f" The network learned from {learned} takes, not the same ones."
-        return text
 
 
 def split_of(manifold: MotionManifold, material: Material) -> Split:

@@ -41,10 +41,7 @@ def page(
         count=f"{sum(each.confirmed for each in results.values())} of {len(claims)} claims are "
         "confirmed on this data.",
         provenance=_definitions(provenance),
-        contents="\n".join(
-            f"<li>{link} {' '.join(_status(claim) for claim in results[name].claims)}</li>"
-            for name, link in links.items()
-        ),
+        contents="\n".join(f"<li>{link}</li>" for link in links.values()),
         claims="\n".join(
             f"<li>{_status(claim)} {escape(claim.sentence)} <small>{link}</small></li>"
             for link, claim in ordered

@@ -16,7 +16,6 @@ from numpy_cae.viz.curves import (
     bars_figure,
     curves_figure,
     dots_figure,
-    feature_figure,
     matrix_figure,
 )
 from numpy_cae.viz.live_curve import LiveCurve
@@ -35,7 +34,6 @@ __all__ = [
     "bars_figure",
     "curves_figure",
     "dots_figure",
-    "feature_figure",
     "in_notebook",
     "local_actors",
     "matrix_figure",

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.viz.actor import Motions
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -58,15 +56,6 @@ def curves_figure(
     _finish(axes, across, up)
     figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure
-
-
-def feature_figure(motions: Motions, column: int, rate: float, up: str) -> Figure:
-    """A position feature of each motion over time, cm; `up` names it."""
-    curves = [
-        Curve(np.arange(len(x)) / rate, 100 * x[:, column], label, colour)
-        for label, (x, colour) in motions.items()
-    ]
-    return curves_figure(curves, "time, s", f"{up}, cm", (9.5, 4.0))
 
 
 def dots_figure(

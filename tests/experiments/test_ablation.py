@@ -5,9 +5,16 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.experiments.ablation import ablation
-from numpy_cae.experiments.ablation.ablation import MEASURES, Row, ablation_result, measure_rows
+from numpy_cae.experiments.ablation.ablation import (
+    HALF_REMOVED,
+    MEASURES,
+    RECONSTRUCTION,
+    Evaluation,
+    Row,
+    ablation_result,
+    measure_rows,
+)
 from numpy_cae.experiments.ablation.choices import choices
-from numpy_cae.experiments.ablation.evaluation import HALF_REMOVED, RECONSTRUCTION, Evaluation
 from numpy_cae.training import DivergedError
 
 

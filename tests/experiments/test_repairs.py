@@ -9,7 +9,6 @@ from numpy_cae.experiments.clips import AVERAGED, ENDS_HELD, NETWORK, clips_of, 
 from numpy_cae.experiments.material import LabelledTake, unlabelled
 from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
-from numpy_cae.motion import PARENTS
 
 HALF = "p = 0.5"
 
@@ -74,8 +73,4 @@ def test_figure_1_has_one_clip_three_times(small_manifold, labelled):
     result = half_removed.figure_1(small_manifold, material)
     (table,) = result.tables
     assert table.value("truth", "error, cm") == 0 < table.value("corrupted", "error, cm")
-    truth = half_removed.half_removed_positions(small_manifold, take)["truth"]
-    bones = truth[:, 1:] - truth[:, list(PARENTS[1:])]
-    expected = small_manifold.lengths[1:]
-    np.testing.assert_allclose(np.linalg.norm(bones, axis=-1).mean(axis=0), expected, atol=1e-9)
     assert len(result.animation.actors) == 3 and result.png()

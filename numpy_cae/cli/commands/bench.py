@@ -76,7 +76,7 @@ def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     from numpy_cae.bench.trainings import trainings
     from numpy_cae.cli.shared.ablation import material_of
-    from numpy_cae.experiments.ablation.evaluation import HALF_REMOVED, Evaluation
+    from numpy_cae.experiments.ablation.ablation import HALF_REMOVED, Evaluation
     from numpy_cae.training import recipe
 
     evaluation = Evaluation(material_of(args))

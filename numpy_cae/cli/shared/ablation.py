@@ -9,8 +9,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, write_texts
 from numpy_cae.experiments.ablation import choices
-from numpy_cae.experiments.ablation.ablation import ablation_result, measure_rows
-from numpy_cae.experiments.ablation.evaluation import Evaluation
+from numpy_cae.experiments.ablation.ablation import Evaluation, ablation_result, measure_rows
 from numpy_cae.experiments.material import Material, read_material, synthetic_material
 from numpy_cae.experiments.page import page, plain_text
 

@@ -9,23 +9,29 @@ compared seed by seed.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from numpy_cae.experiments.ablation import choices as rows_of
 from numpy_cae.experiments.ablation.choices import SEEDS, Choice
-from numpy_cae.experiments.ablation.evaluation import (
-    HALF_REMOVED,
-    RECONSTRUCTION,
-    Evaluation,
-    Measured,
-)
+from numpy_cae.experiments.clips import testing_of
+from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.training import DivergedError, train_autoencoder
+from numpy_cae.manifold import MotionManifold, learn_manifold
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import cut_windows
+from numpy_cae.training import DivergedError, Schedule, Stage, train_autoencoder, zero_values
 from numpy_cae.viz import PROJECTED, dots_figure
 
+P = 0.5
+"""The probability with which a value of a test window is removed."""
+RECONSTRUCTION, HALF_REMOVED = "reconstruction, cm", "half of the values removed, cm"
+"""The two measures of a method, both errors of test windows: undamaged, and after each value was
+removed with probability `P`."""
 MEASURES = RECONSTRUCTION, HALF_REMOVED
+Measured = dict[str, float]
+"""The measures of one method for one seed."""
 DEEP = (
     "The deep architecture is effective (holden2015, section 7, leaves it to be justified): three "
     "layers repair better than {}, equal parameters."
@@ -41,6 +47,36 @@ SENTENCES = {
 }
 """The claim that a row tests, by the row without the paper's choice."""
 ADAM = "With Adam too, training layer by layer first repairs better than end to end alone."
+
+
+class Evaluation:
+    """Takes, cut into windows once; ValueError for none to train on or none to test."""
+
+    def __init__(self, material: Material):
+        takes = [take.positions for take in material.training]
+        untrained = Schedule(Stage(epochs=0), Stage(epochs=0))
+        # For the mean pose, the scale and the mean skeleton; its network is not used.
+        self.frame = learn_manifold(takes, untrained, filters=(1,), taps=1)
+        self.testing, self.sample = testing_of(self.frame, material)
+        self.windows = np.concatenate(
+            [self.frame.normalise(cut_windows(self.frame.features(take)[0])[0]) for take in takes]
+        )
+
+    def manifold(self, network: ConvAutoencoder, rescaled: bool) -> MotionManifold:
+        """The network with the common mean pose and scale."""
+        return replace(self.frame, network=network, rescales=rescaled)
+
+    def measure(self, repair: Callable[[np.ndarray], np.ndarray], seed: int) -> Measured:
+        """Both measures of a method that repairs normalised windows (N, T, 63).
+
+        The seed chooses the values that are removed.
+        """
+        truth = self.testing
+        damaged = zero_values(truth.x, P, np.random.default_rng(seed))
+        return {
+            RECONSTRUCTION: truth.error(repair(truth.x)),
+            HALF_REMOVED: truth.error(repair(damaged)),
+        }
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ Measured = dict[str, np.ndarray]
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Project test takes, as they are and half zeroed by the seed, plainly and constrained.
+    """Project test takes plainly and constrained: as they are, and with half of their values removed.
 
     Sliding is measured in the contacts that the constraint was given: those found in the plain
     projection, as the truth is unknown where a motion has to be repaired.
@@ -33,7 +33,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     tables, claims, motions = [], [], None
     for source in dict.fromkeys(take.source for take in material.testing):
         takes = evenly(material.of(source).testing, TAKES)
-        for lost, state in ((0.0, "as they are"), (P, "half zeroed")):
+        for lost, state in ((0.0, "as they are"), (P, "with half of the values removed")):
             rng = np.random.default_rng(seed)
             each = [_measured(manifold, take, lost, rng) for take in takes]
             measured = {

@@ -10,11 +10,10 @@ import numpy as np
 
 from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project_ends_held, testing_of
 from numpy_cae.experiments.material import Material
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
+from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.motion import POSITIONS, joint_slice
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, feature_figure, world_actors
+from numpy_cae.motion import joint_slice
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 EVERY = 15
 DELAY = (EVERY - 1) // 2
@@ -59,8 +58,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             Table(f"{STEPPED}:", ["method", "error, cm", "delayed, cm", "jitter, m/s²"], rows),
         ],
         [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)],
-        lambda: _figure(motions, manifold.rate),
-        Animation(world_actors(motions), manifold.rate),
+        *moving(motions, manifold.rate),
         sample,
     )
 
@@ -109,10 +107,3 @@ def _stepped_claims(measured: dict[str, tuple[float, float, float]]) -> list[Cla
             f"{delayed:.2f} cm.",
         ),
     ]
-
-
-def _figure(motions: dict[str, tuple[np.ndarray, str]], rate: float):
-    """The coordinate that moves most, over time."""
-    column = int(np.argmax(np.ptp(motions[TRUE][0][:, POSITIONS], axis=0)))
-    name = f"{JOINTS[column // 3]} {'xyz'[column % 3]}".replace("_", " ")
-    return feature_figure(motions, column, rate, name)

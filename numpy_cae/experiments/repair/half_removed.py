@@ -15,7 +15,6 @@ from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.result import Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
-from numpy_cae.motion.features import VELOCITY, features_to_positions
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
@@ -96,17 +95,6 @@ def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Res
         (),
         *moving(dict(zip([*labels, "truth"], drawn, strict=True)), manifold.rate, azimuth=55.0),
     )
-
-
-def half_removed_positions(
-    manifold: MotionManifold, take: np.ndarray, seed: int = 0
-) -> dict[str, np.ndarray]:
-    """World positions (F, 20, 3) in metres of a take, "corrupted" and "truth", on its own path."""
-    features, start = manifold.features(take)
-    corrupted = _half_removed(manifold, features, seed)["corrupted"]
-    corrupted[:, VELOCITY.start :] = features[:, VELOCITY.start :]
-    motions = {"corrupted": corrupted, "truth": features}
-    return {name: features_to_positions(x, start) for name, x in motions.items()}
 
 
 def _half_removed(

@@ -87,13 +87,8 @@ def repair_baselines(split: Split) -> list[RepairBaseline]:
         RepairBaseline(MEDIAN, LENGTHS, median, median),
         RepairBaseline(SAVITZKY_GOLAY, short, polynomial, polynomial),
         _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
-        pca_on_windows(split),
+        _pca(PCA_ON_WINDOWS, split, split.training.x[0].size),
     ]
-
-
-def pca_on_windows(split: Split) -> RepairBaseline:
-    """PCA of whole windows."""
-    return _pca(PCA_ON_WINDOWS, split, split.training.x[0].size)
 
 
 def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
@@ -118,22 +113,22 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
     for number, p in enumerate(PS):
         rng = np.random.default_rng([seed, number])
-        practice, _ = _zeroed(choosing, p, rng)
-        lost, known = _zeroed(testing, p, rng)
-        note(CORRUPTED_ROW, lost)
+        practice, _ = _removed(choosing, p, rng)
+        damaged, known = _removed(testing, p, rng)
+        note(CORRUPTED_ROW, damaged)
         for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
             for baseline in baselines:
                 if suffix and baseline.name == MEDIAN:
                     continue  # a median is a value that was there, or zero: it is not scaled
                 setting = baseline.best(practice * factor, choosing)
-                note(baseline.name + suffix, baseline.repair(lost * factor, setting))
-            note(NETWORK + suffix, project_shifted(manifold.network, lost * factor))
-            note(ENDS_HELD + suffix, project_ends_held(manifold, lost * factor))
+                note(baseline.name + suffix, baseline.repair(damaged * factor, setting))
+            note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
+            note(ENDS_HELD + suffix, project_ends_held(manifold, damaged * factor))
             if bool(suffix) == manifold.rescales:
-                shifted = project_ends_held(manifold, lost * factor, manifold.shifts)
-                note(AVERAGED + suffix, shifted)
-        note(LINEAR, split.moments.solve(1 - p).repair(lost))
-        mask_given.append(testing.error(interpolate_linearly(lost, known)))
+                averaged = project_ends_held(manifold, damaged * factor, manifold.shifts)
+                note(AVERAGED + suffix, averaged)
+        note(LINEAR, split.moments.solve(1 - p).repair(damaged))
+        mask_given.append(testing.error(interpolate_linearly(damaged, known)))
 
     columns = [f"p = {p}" for p in PS]
     easier = "An easier problem, mask given:"
@@ -151,7 +146,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     )
 
 
-def _zeroed(clips: Clips, p: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _removed(clips: Clips, p: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """X_c, and which of its values are known."""
     kept = zero_values(np.ones_like(clips.x), p, rng)
     return clips.x * kept, kept > 0
