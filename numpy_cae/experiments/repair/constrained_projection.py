@@ -25,7 +25,7 @@ Measured = dict[str, np.ndarray]
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Project test takes plainly and constrained: as they are, and with half of their values removed.
+    """Project test takes, as they are and with half of their values removed, in both ways.
 
     Sliding is measured in the contacts that the constraint was given: those found in the plain
     projection, as the truth is unknown where a motion has to be repaired.
