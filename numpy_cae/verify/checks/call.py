@@ -4,6 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+WORTH_PRINTING = 32
+"""An array of at most so many entries is printed in a counterexample."""
+
 
 def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
     """Call f; raise a TypeError unless it returns a value of floats, and a pullback."""
@@ -67,6 +70,15 @@ def is_float(thing: object) -> bool:
 def copies(things: Sequence) -> list:
     """The arrays among some things copied."""
     return [np.copy(x) if isinstance(x, np.ndarray) else x for x in things]
+
+
+def written(value: object) -> str:
+    """An argument or result as it is printed in a counterexample."""
+    if not isinstance(value, np.ndarray):
+        return f"{value:.6g}" if isinstance(value, float) else repr(value)
+    if value.dtype.kind == "f":
+        value = np.array([f"{v:.6g}" for v in value.flat], float).reshape(value.shape)
+    return str(value.tolist())
 
 
 def _described(thing: object) -> str:

@@ -1,4 +1,10 @@
-"""Differences against a pullback: the test that every derivative here has to pass."""
+"""Differences of the value against the pullback: the test that every derivative here has to pass.
+
+The slope of Σ dy ∘ f along an entry of an argument must be the entry of the gradient that the
+pullback returns for dy. `check_gradients` and the functions up to `_slope_agrees` are this check as
+textbooks have it, with one step. Below is what real functions need besides: arrays too large to
+try every entry, float32, tuples; `differences` judges what one step does not confirm.
+"""
 
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -6,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 
 from numpy_cae.verify.checks.call import (
+    WORTH_PRINTING,
     call,
     copies,
     flat,
@@ -13,9 +20,9 @@ from numpy_cae.verify.checks.call import (
     is_float,
     parts,
     require_array,
+    written,
 )
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
-from numpy_cae.verify.operations.case import WORTH_PRINTING, written
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 4
@@ -34,26 +41,45 @@ def check_gradients(
     only: Sequence[str] | None = None,
     second: bool = False,
 ) -> None:
-    """Raise an AssertionError unless the pullback of f agrees with differences in every argument.
+    """Raise unless the pullback of f agrees with differences of its value, in every argument.
 
-    docs/verify.md tells what is done about steps, kinks, float32 and functions of complex numbers.
-    Raises a TypeError if no input is an array of floats, or f returns no value and pullback.
+    docs/verify.md says what is done about steps, kinks, float32 and functions of complex numbers.
 
     Parameters
     ----------
     f : (*inputs) -> (value, pullback)
         In the form of `numpy_cae.ops`. The value may be an array, a number, or a tuple of these;
-        the pullback of a tuple takes a tuple, with None for what are no floats.
+        the pullback of a tuple takes a tuple, with None in the place of an output without floats.
     *inputs : arrays of float64 or float32, and others
-        The others are not differentiated: the pullback returns no gradient for them, or None.
+        Other arguments are not differentiated: the pullback returns no gradient for them, or None.
     rng : numpy.random.Generator, optional
         For the upstream gradient and the directions; the default has a fixed seed.
     tolerance : float
         Relative to the sizes of both numbers, and at least 1e-4 for float32.
-    names, only : sequence of str, optional
-        The arguments' names in messages, by default those in f's signature; those to check.
+    names : sequence of str, optional
+        The names of the arguments in messages, by default those in the signature of f.
+    only : sequence of str, optional
+        The names of the arguments to check, by default all.
     second : bool
         Whether to test second derivatives, by the gradients at inputs nearby.
+
+    Raises
+    ------
+    AssertionError
+        With the argument, the index and both numbers where they disagree.
+    TypeError
+        If no input is an array of floats, or f does not return a value and its pullback.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from numpy_cae.verify import check_gradients
+    >>> x = np.array([0.5, 2.0])
+    >>> check_gradients(lambda x: (x**3, lambda dy: 3 * x**2 * dy), x)
+    >>> check_gradients(lambda x: (x**3, lambda dy: 3 * x * dy), x)
+    Traceback (most recent call last):
+    AssertionError: the gradient for x, shape (2,), is wrong at index (1,)
+        ...
     """
     rng = np.random.default_rng(0) if rng is None else rng
     names = tuple(names) if names is not None else _names(f, len(inputs))
@@ -61,29 +87,53 @@ def check_gradients(
     if not places:
         raise TypeError("no argument is an array of float64 or float32")
     dys, gradients = _gradients_of_two_calls(f, inputs, names, places, rng)
-
-    wide = [x.astype(np.float64) if i in places else x for i, x in enumerate(inputs)]
-    outputs = parts(call(f, copies(wide))[0])
     is_single = any(inputs[i].dtype == np.float32 for i in places)
-    is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
-    if is_coarse and not is_single:
-        raise AssertionError(
-            "given float64, the value is float32\n"
-            "the value is computed in float32, too coarse for its slope to be measured"
-        )
     allowed = max(tolerance, SINGLE_TOLERANCE) if is_single else tolerance
-    epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
-    for i, gradient in zip(places, gradients, strict=True):
-        if only is None or names[i] in only:
-            along = _function_of_one(f, wide, i)
-            each = Argument(names[i], along, wide[i], flat(dys), flat(outputs), gradient, epsilon)
-            _check_argument(each, rng, allowed)
+    for argument in _arguments(f, inputs, names, places, dys, gradients):
+        if only is None or argument.name in only:
+            directions = list(_directions(argument, rng))
+            doubtful = [v for v in directions if not _slope_agrees(argument, v, allowed)]
+            if doubtful:
+                _judge(argument, doubtful, len(directions), rng, allowed)
     if second:
         near = [_nearby(x, rng) if i in places else x for i, x in enumerate(inputs)]
         try:
             check_gradients(f, *near, rng=rng, tolerance=tolerance, names=names, only=only)
         except AssertionError as error:
             raise AssertionError(f"second derivatives: near the inputs {error}") from None
+
+
+def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool:
+    """Whether the central difference along a direction confirms the gradient's number.
+
+    A difference of 0 confirms nothing: the step may be too small to change the value.
+    """
+    step = np.cbrt(
+        at.epsilon
+    )  # errors: step² from the third derivative, epsilon / step by rounding
+    ahead, behind = at.f(at.x + step * direction), at.f(at.x - step * direction)
+    numeric = np.sum(at.dy * (ahead - behind)) / (2 * step)
+    analytic = np.sum(at.gradient * direction)
+    allowed = tolerance * max(abs(numeric), abs(analytic))
+    return bool(numeric != 0 and abs(numeric - analytic) <= allowed)
+
+
+def _arguments(
+    f: Callable, inputs: Sequence, names: Sequence[str], places: Sequence[int], dys, gradients
+) -> Iterator[Argument]:
+    """Each argument with its gradient and f as a function of it alone, computed in float64."""
+    wide = [x.astype(np.float64) if i in places else x for i, x in enumerate(inputs)]
+    outputs = parts(call(f, copies(wide))[0])
+    is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
+    if is_coarse and all(inputs[i].dtype != np.float32 for i in places):
+        raise AssertionError(
+            "given float64, the value is float32\n"
+            "the value is computed in float32, too coarse for its slope to be measured"
+        )
+    epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
+    for i, gradient in zip(places, gradients, strict=True):
+        along = _function_of_one(f, wide, i)
+        yield Argument(names[i], along, wide[i], flat(dys), flat(outputs), gradient, epsilon)
 
 
 def _gradients_of_two_calls(
@@ -179,13 +229,16 @@ def _require_same(what: str, first: Sequence, second: Sequence) -> None:
         )
 
 
-def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) -> None:
-    """Compare one gradient with differences, and tell where they disagree most."""
-    tried = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
-    judged = [(direction, at.judge(direction, tolerance)) for direction in _directions(at, rng)]
-    if tried != "entries" and any(verdict.kind == KINK for _, verdict in judged):
+def _judge(
+    at: Argument, doubtful: list[np.ndarray], tried: int, rng: np.random.Generator, tolerance: float
+) -> None:
+    """Judge the directions that one step did not confirm; say where the numbers disagree most."""
+    of_what = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
+    judged = [(direction, at.judge(direction, tolerance)) for direction in doubtful]
+    if of_what != "entries" and any(verdict.kind == KINK for _, verdict in judged):
         entries = _entries(at.x, rng.choice(at.x.size, EVERY_ENTRY_UP_TO, replace=False))
         judged = [one for one in judged if one[1].kind == WRONG]
+        tried = len(judged) + EVERY_ENTRY_UP_TO
         judged += [(direction, at.judge(direction, tolerance)) for direction in entries]
     wrong = [one for one in judged if one[1].kind == WRONG]
     kinks = [one for one in judged if one[1].kind == KINK]
@@ -198,12 +251,12 @@ def _check_argument(at: Argument, rng: np.random.Generator, tolerance: float) ->
             f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}\n"
             f"    by the pullback                      {verdict.analytic + 0:.10g}\n"
             f"    by central differences of the value  {verdict.numeric + 0:.10g}\n"
-            f"    wrong in {len(wrong)} of {len(judged)} {tried}{dy}"
+            f"    wrong in {len(wrong)} of {tried} {of_what}{dy}"
         )
-    if len(kinks) > max(1, int(KINKS_EXCUSED * len(judged))):
+    if len(kinks) > max(1, int(KINKS_EXCUSED * tried)):
         index, verdict = _trace(at, *kinks[0], tolerance)
         raise AssertionError(
-            f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {len(judged)} "
+            f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} "
             f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
             "    too many to be excused: choose inputs away from kinks"
         )

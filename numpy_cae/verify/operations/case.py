@@ -14,7 +14,6 @@ from itertools import cycle, islice, product
 
 import numpy as np
 
-WORTH_PRINTING = 32
 MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
@@ -223,12 +222,3 @@ def example_call(name: str, case: Case) -> str:
     """The call of `verify.example` that returns a case."""
     sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
     return f'example("{name}", {sizes}, seed={case.seed})'
-
-
-def written(value: object) -> str:
-    """An argument or result as it is printed in a counterexample."""
-    if not isinstance(value, np.ndarray):
-        return f"{value:.6g}" if isinstance(value, float) else repr(value)
-    if value.dtype.kind == "f":
-        value = np.array([f"{v:.6g}" for v in value.flat], float).reshape(value.shape)
-    return str(value.tolist())

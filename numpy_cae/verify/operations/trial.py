@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.operations.case import WORTH_PRINTING, Case, example_call, smallest, written
+from numpy_cae.verify.checks.call import WORTH_PRINTING, is_pair, written
+from numpy_cae.verify.operations.case import Case, example_call, smallest
 from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.property import Outcome, Property, agrees, case_of, right_results
