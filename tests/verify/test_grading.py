@@ -28,25 +28,11 @@ def mine(a):
     return y, lambda dy: dy * y * (1 - y)
 
 def linear(x, w, b):
-    raise ValueError('\\x1b[2J' + 'x' * 10**6)
+    raise RuntimeError('\\x1b[2J' + 'x' * 10**6)
 
-def logistic(a):
-    return 1 / (1 + np.exp(-a))
-
-def gru_step(x, h, w, u, b, c):
-    H = h.shape[1]
-    a, s = x @ w + b, h @ u + c
-    r, z = logistic(a[:, :H] + s[:, :H]), logistic(a[:, H:2*H] + s[:, H:2*H])
-    n = np.tanh(a[:, 2*H:] + r * s[:, 2*H:])
-
-    def pullback(g):
-        dn = g * z * (1 - n * n)
-        dz = g * (n - h) * z * (1 - z)
-        dr = dn * s[:, 2*H:] * r * (1 - r)
-        da, ds = np.hstack([dr, dz, dn]), np.hstack([dr, dz, dn * r])
-        return da @ w.T, g * (1 - z) + ds @ u.T, x.T @ da, h.T @ ds, da.sum(0), ds.sum(0)
-
-    return z * n + (1 - z) * h, pullback
+def mean_squared_error(x_hat, x):
+    e = x_hat - x
+    return np.mean(e * e) / 2, lambda dloss=1.0: e * e.dtype.type(dloss / e.size)
 """
 
 ENDLESS = """
@@ -81,9 +67,9 @@ def test_each_function_of_a_file_has_its_report(graded):
     assert "smallest: batch 1, frames 1, channels 1" in str(of["tanh"])
     assert of["sigmoid"].held and of["sigmoid"].points == of["sigmoid"].possible == 11
     assert "mine as sigmoid" in str(of["sigmoid"])
-    assert not of["gru_step"].held
-    told = " ".join(str(of["gru_step"]).split())
-    assert "another convention, which may be allowed: z and 1 - z are" in told
+    assert not of["mean_squared_error"].held
+    told = " ".join(str(of["mean_squared_error"]).split())
+    assert "another convention, which may be allowed: half the mean" in told
     escaped = str(of["linear"])
     assert "\\x1b[2J" in escaped and "\x1b" not in escaped and len(escaped) < 5000
 
@@ -96,7 +82,7 @@ def gru_step(x, h):
 def helped(x):
     return gru_step(x, sigmoid(x))
 """
-    file = graded("from scipy.special import expit as sigmoid\n" + RIGHT + helpers)
+    file = graded("from numpy import exp as sigmoid\n" + RIGHT + helpers)
     assert file.held and [report.operation for report in file.reports] == ["tanh"]
     assert [note.partition(" is called")[0] for note in file.notes] == ["sigmoid", "gru_step"]
     assert not graded(helpers).held

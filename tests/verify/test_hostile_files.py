@@ -67,35 +67,22 @@ def graded(tmp_path, monkeypatch):
     ("content", "fault"),
     [
         ("def broken(:", "SyntaxError: invalid syntax"),
-        ("x = " + "(" * 5000 + ")" * 5000, "nested parentheses"),
-        ("x = " + "-" * 50_000 + "1", "Error"),
         (b"x = 1\0", "null bytes"),
-        (RIGHT.encode("utf-16"), "Error"),
-        (b"# coding: nonsense\n", "unknown encoding"),
         (b"#" * 2**21, "larger than 1 MB"),
-        (b"", "no function has an operation's name"),
         ("raise SystemExit", "it calls sys.exit"),
-        ("os._exit(0)", "its process ended"),
-        ("raise KeyboardInterrupt", "at import: KeyboardInterrupt"),
         (f"raise {EVIL}", "Evil, whose message cannot be printed"),
         ("atexit.register(os._exit, 0); 1 / 0", "ZeroDivisionError: division by zero (line 4)"),
-        ("f = lambda: f()\nf()", "RecursionError"),
         ("ctypes.string_at(0)", "its process ended"),
         ("x = np.ones(10**12)", "Unable to allocate"),
         ("m = __import__('to' + 'rch')", "torch may not be imported"),
-        ("from numpy_cae.ops import tanh", "numpy_cae may not be imported"),
-        ("os.fork()", "os.fork is not allowed"),
-        ("subprocess.run(['ls'])", "subprocess.Popen is not allowed"),
         ("os.kill(os.getppid(), 9)", "os.kill is not allowed"),
-        ("socket.create_connection(('127.0.0.1', 9))", "is not allowed"),
-        ("os.remove(__file__[:-3] + 'x')", "FileNotFoundError"),
         ("os.rename(__file__, '/x')", "os.rename is not allowed"),
         ("open('/x', 'w')", "open is not allowed"),
         ("time.sleep(60)", "did not finish"),
         ("while True: pass", "an endless loop?"),
         ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\x202e"),
     ],
-    ids=range(28),
+    ids=range(15),
 )
 def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     if isinstance(content, str):
@@ -107,44 +94,47 @@ def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     assert "\x1b" not in str(file)
 
 
+WRITES = "print('x' * 10**6, chr(0xd800), file=sys.stderr); os.write(1, b'x' * 10**5)"
+REPLACES_MODULES = """
+warnings.simplefilter('error'); np.seterr(all='raise')
+np.abs = np.sum = np.asarray = np.random = np.linalg = None
+builtins.len = builtins.isinstance = builtins.AssertionError = None
+json.dumps = json.dump = os.write = os._exit = time.monotonic = None
+sys.stdout = sys.stderr = sys.excepthook = None
+"""
+WAITS = """
+atexit.register(time.sleep, 100)
+try:
+    threading.Thread(target=time.sleep, args=(100,)).start()
+except RuntimeError:
+    pass
+"""
+
+
 @pytest.mark.parametrize(
     "content",
     [
-        b"\xef\xbb\xbf" + RIGHT.encode(),
-        b"# coding: latin-1\n# \xe9\n" + RIGHT.encode(),
-        RIGHT.replace("\n", "\r\n").encode(),
-        IMPORTS + TANH.format("print('x' * 10**6, chr(0xd800), file=sys.stderr)"),
-        IMPORTS + TANH.format("os.write(1, b'x' * 10**5)") + "print('hello'); sys.stdin.read()",
-        RIGHT + "warnings.simplefilter('error'); np.seterr(all='raise')",
-        RIGHT + "np.abs = np.sum = np.asarray = np.random = np.linalg = None",
-        RIGHT + "builtins.len = builtins.isinstance = builtins.AssertionError = None",
-        RIGHT + "json.dumps = json.dump = os.write = os._exit = time.monotonic = None",
-        RIGHT + "sys.stdout = sys.stderr = sys.excepthook = None",
-        RIGHT + TO_ALL.format(b'{"found": ["tanh"]}\n'),
-        RIGHT + TO_ALL.format(b"[" * 10**6 + b"\n"),
-        RIGHT + "os.closerange(3, 1000)",
-        RIGHT + "atexit.register(time.sleep, 100)",
-        RIGHT + "if __name__ == '__main__':\n    import torch\n",
-        RIGHT + "try:\n    threading.Thread(target=time.sleep, args=(100,)).start()\n"
-        "except RuntimeError:\n    pass\n",
+        b"\xef\xbb\xbf# coding: utf-8\n" + RIGHT.replace("\n", "\r\n").encode(),
+        IMPORTS + TANH.format(WRITES) + "print('hello'); sys.stdin.read()",
+        RIGHT + REPLACES_MODULES,
+        RIGHT + TO_ALL.format(b'{"found": ["tanh"]}\n') + "\nos.closerange(3, 1000)",
+        RIGHT + WAITS,
     ],
-    ids=range(16),
+    ids=["marks", "output", "modules", "open files", "unfinished work"],
 )
 def test_what_harms_nobody_costs_no_points(graded, content):
     file = graded(content)
     assert file.held and (file.points, file.possible) == (10, 10), str(file)
 
 
-@pytest.mark.parametrize(
-    "attempt",
-    [
-        "np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True",
-        "builtins.all = builtins.AssertionError = builtins.max = lambda *a: True",
-        "json.dumps = lambda *a, **k: '{\"report\": {}}'",
-        CHEAT,
-        "del tanh; tanh = type('T', (), {'__call__': lambda s, x: (x, lambda dy: dy)})()",
-    ],
-)
+REPLACES_TESTS = """
+np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True
+builtins.all = builtins.AssertionError = builtins.max = lambda *a: True
+json.dumps = lambda *a, **k: '{"outcomes": []}'
+"""
+
+
+@pytest.mark.parametrize("attempt", [REPLACES_TESTS, CHEAT], ids=["functions", "results"])
 def test_a_wrong_function_gets_no_points_by_replacing_what_tests_use(graded, attempt):
     file = graded(WRONG + attempt)
     assert not file.held and file.points <= 2 and file.possible == 10, str(file)

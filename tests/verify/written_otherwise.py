@@ -1,11 +1,9 @@
-"""Right implementations that look nothing like ours: einsum, FFT, loops, other formulas.
+"""Right implementations that look nothing like ours: einsum, FFT, other formulas.
 
 None of them may raise an alarm. Each is (operation, function).
 """
 
 import numpy as np
-from scipy.linalg import toeplitz
-from scipy.signal import correlate
 from scipy.special import expit, log1p
 
 RIGHT = []
@@ -64,76 +62,9 @@ def conv1d_by_fft(x, w, b):
     return y, pullback
 
 
-@right("conv1d")
-def conv1d_by_loops(x, w, b):
-    (batch, frames, _), (taps, _, filters) = x.shape, w.shape
-
-    def meetings():
-        for i, t, k in np.ndindex(batch, frames, taps):
-            if 0 <= t + k - taps // 2 < frames:
-                yield i, t, k, t + k - taps // 2
-
-    y = np.zeros((batch, frames, filters), x.dtype) + b
-    for i, t, k, s in meetings():
-        y[i, t] += x[i, s] @ w[k]
-
-    def pullback(dy):
-        dx, dw, db = np.zeros_like(x), np.zeros_like(w), np.zeros_like(b)
-        for i, t, k, s in meetings():
-            dx[i, s] += w[k] @ dy[i, t]
-            dw[k] += np.outer(x[i, s], dy[i, t])
-        for row in dy.reshape(-1, filters):
-            db += row
-        return dx, dw, db
-
-    return y, pullback
-
-
-@right("conv1d")
-def conv1d_by_correlation(x, w, b):
-    """Every pair of channels by itself, with scipy.signal."""
-
-    def pullback(dy):
-        dx, dw = np.zeros_like(x), np.zeros_like(w)
-        middle = x.shape[1] - 1 + np.arange(len(w)) - len(w) // 2
-        for i, c, d in np.ndindex(len(x), *w.shape[1:]):
-            taps, seen = w[::-1, c, d], np.pad(dy[i, :, d], len(w) // 2)
-            dx[i, :, c] += correlate(seen, taps, "valid")
-            lags = np.pad(correlate(x[i, :, c], dy[i, :, d]), len(w))
-            dw[:, c, d] += lags[middle + len(w)]
-        return dx, dw, dy.sum(axis=(0, 1))
-
-    y = np.zeros((*x.shape[:2], len(b)), x.dtype) + b
-    for i, c, d in np.ndindex(len(x), *w.shape[1:]):
-        y[i, :, d] += correlate(np.pad(x[i, :, c], len(w) // 2), w[:, c, d], "valid")
-    return y, pullback
-
-
-@right("conv1d")
-def conv1d_by_toeplitz_matrices(x, w, b):
-    frames, taps = x.shape[1], len(w)
-    lags = np.arange(frames)[None] - np.arange(frames)[:, None] + taps // 2
-    inside = (lags >= 0) & (lags < taps)
-    bands = np.where(inside[..., None, None], w[np.clip(lags, 0, taps - 1)], 0)
-
-    def pullback(dy):
-        of_bands = np.einsum("bsc,btd->tscd", x, dy)
-        dw = np.stack([of_bands[lags == k].sum(axis=0) for k in range(taps)])
-        return np.einsum("btd,tscd->bsc", dy, bands), dw, dy.sum(axis=(0, 1))
-
-    assert np.array_equal(lags, toeplitz(lags[:, 0], lags[0]))
-    return np.einsum("bsc,tscd->btd", x, bands) + b, pullback
-
-
 @right("transpose_filters")
 def transpose_by_einsum(w):
     return np.einsum("kcd->kdc", np.flip(w, 0)), lambda d: np.einsum("kdc->kcd", np.flip(d, 0))
-
-
-@right("transpose_filters")
-def transpose_by_lists(w):
-    w_tilde = np.array([tap.T for tap in w][::-1])
-    return w_tilde, lambda d: np.array([tap.T for tap in d][::-1])
 
 
 @right("max_pool")
