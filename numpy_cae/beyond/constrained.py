@@ -60,7 +60,7 @@ def project_constrained(
     """
     start = start or RootTransform()
     units = manifold.encode(features)
-    plain = manifold.project(features, manifold.shifts)
+    plain = manifold.project(features, average_shifts=True)
     positions = features_to_positions(plain, start)
     if contacts is None:
         contacts = find_contacts(positions, manifold.rate)

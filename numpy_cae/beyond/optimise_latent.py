@@ -45,16 +45,16 @@ def optimise_latent(
     (units, 256) array of float
     """
     network = manifold.network
-    own = slice(manifold.reach, manifold.reach + frames)
+    clip = slice(manifold.receptive_radius, manifold.receptive_radius + frames)
     bound = network.layers[-1].bound
     start = np.clip(start, -bound, bound)
 
     def total(flat: np.ndarray) -> tuple[float, np.ndarray]:
         y = flat.reshape(start.shape)
         x_hat, pullback = network.decode_with_pullback(y[None].astype(start.dtype))
-        loss, d_features = objective(manifold.denormalise(x_hat[0])[own])
+        loss, d_features = objective(manifold.denormalise(x_hat[0])[clip])
         dx_hat = np.zeros_like(x_hat)
-        dx_hat[0, own] = d_features / manifold.scale
+        dx_hat[0, clip] = d_features / manifold.scale
         difference = y - start
         dy = pullback(dx_hat)[0] + 2 * beta / difference.size * difference
         loss += beta * np.mean(difference**2)

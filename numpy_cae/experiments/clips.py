@@ -107,23 +107,13 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     return Clips(manifold, np.concatenate(windows), np.concatenate(reals), numbers)
 
 
-def project_ends_held(manifold: MotionManifold, x: np.ndarray, shifts: int = 1) -> np.ndarray:
+def project_ends_held(
+    manifold: MotionManifold, x: np.ndarray, average_shifts: bool = False
+) -> np.ndarray:
     """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project`
-    pads a clip; the mean over a number of shifts of the pooling grid."""
-    projected = project_shifted(manifold.network, hold_ends(manifold, x), shifts)
-    return cut_ends(manifold, projected, x.shape[1])
-
-
-def hold_ends(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
-    """Windows (N, T, C) padded with their end frames as far as the network sees."""
-    radius = manifold.reach
-    more = -(x.shape[1] + 2 * radius) % manifold.network.stride
-    return np.pad(x, ((0, 0), (radius, radius + more), (0, 0)), mode="edge")
-
-
-def cut_ends(manifold: MotionManifold, x: np.ndarray, frames: int) -> np.ndarray:
-    """Windows without the padding that `hold_ends` added to windows of so many frames."""
-    return x[:, manifold.reach : manifold.reach + frames]
+    pads a clip; with `average_shifts` averaged over all shifts of the pooling grid."""
+    projected = project_shifted(manifold.network, manifold.padded(x), average_shifts)
+    return manifold.unpadded(projected, x.shape[1])
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,13 @@
 from numpy_cae.array_file import ModelFileError
 from numpy_cae.manifold.compare import G, distance_matrix, hidden_units, signature
 from numpy_cae.manifold.detect import find_damage
-from numpy_cae.manifold.fill import fill, fill_motion, keyframe_mask
+from numpy_cae.manifold.fill import fill, keyframe_mask
 from numpy_cae.manifold.interpolate import interpolate
 from numpy_cae.manifold.learning import learn_manifold, learn_sequences
 from numpy_cae.manifold.model_file import load_manifold, save_manifold, starter
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.repair import project_motion, repair
-from numpy_cae.manifold.repaired import Repaired
+from numpy_cae.manifold.project_motion import project_motion
+from numpy_cae.manifold.repair import Repaired, fill_motion, repair
 from numpy_cae.manifold.sample import NeighbourPrior, draw_uniform, sample
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 

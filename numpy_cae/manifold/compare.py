@@ -3,7 +3,7 @@
     G(X_0, X_1) = ‖max_i Φ(X_0) - max_i Φ(X_1)‖² + ‖min_i Φ(X_0) - min_i Φ(X_1)‖²
 
 i counts the hidden frames, the time steps of Y. Only the largest and the smallest value of each
-unit (channel of Y) are kept, so neither the time of an event nor the length of a clip matters.
+unit (channel of Y) enter, so neither the time of an event nor the length of a clip matters.
 """
 
 from collections.abc import Sequence
@@ -14,29 +14,79 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 
 
 def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
-    """Φ(X) of a clip of one frame or more, (F, 63) to (⌈F/8⌉, k).
+    """Φ(X) of a clip, with one hidden frame for each `stride` frames of the clip.
 
-    As in `MotionManifold.encode` the first and last frame are repeated, but here the padding is a
-    whole number of pooling cells; hidden frames that belong to it are removed. Input is not
-    rescaled as for a network that `rescales`.
+    Unlike `MotionManifold.encode`, the clip is padded by whole hidden frames, which are removed
+    again, so that frame i belongs to hidden frame i // stride; and the input is not rescaled.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    features : (F, 63) array of float
+        On the mean skeleton, at thirty frames a second; F is at least 1.
+
+    Returns
+    -------
+    (⌈F / stride⌉, k) array
+        k units, in [-1, 1].
+
+    Raises
+    ------
+    ValueError
+        If there are no frames.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import hidden_units, starter
+    >>> features = starter().body(make_take("walk", 0, seconds=2.0, rate=30.0).motion).features
+    >>> len(features), hidden_units(starter(), features).shape
+    (60, (8, 256))
     """
     if len(features) == 0:
         raise ValueError("features have no frames to encode")
-    cell = manifold.network.stride
-    own = -(-len(features) // cell)
-    before = -(-manifold.reach // cell)
-    after = before * cell + own * cell - len(features)
-    padded = np.pad(manifold.normalise(features), ((before * cell, after), (0, 0)), mode="edge")
-    return manifold.network.encode(padded[None])[0, before : before + own]
+    before = -(-manifold.receptive_radius // manifold.stride)
+    padded = manifold.padded(manifold.normalise(features)[None], before * manifold.stride)
+    return manifold.network.encode(padded)[0, before : before - (-len(features) // manifold.stride)]
 
 
 def signature(series: np.ndarray) -> np.ndarray:
-    """max_i and min_i of a time series (i, k), concatenated: (2k,)."""
+    """The largest and the smallest value of each unit of a time series.
+
+    Parameters
+    ----------
+    series : (i, k) array
+
+    Returns
+    -------
+    (2k,) array
+        max_i, then min_i.
+
+    Examples
+    --------
+    >>> signature(np.array([[0.1, 0.5], [0.3, -0.5]]))
+    array([ 0.3,  0.5,  0.1, -0.5])
+    """
     return np.concatenate([series.max(axis=0), series.min(axis=0)])
 
 
 def G(y_0: np.ndarray, y_1: np.ndarray) -> float:
-    """Equation 4, of the hidden units (i, k) and (j, k) of two motions."""
+    """The distance of equation 4.
+
+    Parameters
+    ----------
+    y_0, y_1 : (i, k), (j, k) arrays
+        The hidden units of two motions.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> G(np.array([[0.0], [1.0]]), np.array([[0.5], [0.5], [1.0]]))
+    0.25
+    """
     largest = y_0.max(axis=0) - y_1.max(axis=0)
     smallest = y_0.min(axis=0) - y_1.min(axis=0)
     return float(np.sum(largest**2, dtype=np.float64) + np.sum(smallest**2, dtype=np.float64))
@@ -45,10 +95,25 @@ def G(y_0: np.ndarray, y_1: np.ndarray) -> float:
 def distance_matrix(
     signatures: Sequence[np.ndarray], others: Sequence[np.ndarray] | None = None
 ) -> np.ndarray:
-    """`G` of all pairs of M motions and N others, (M, N) of float64, from signatures (2k,).
+    """`G` of all pairs of motions, from their signatures.
 
-    The others are the same motions where None. The two squared norms of equation 4 together are
-    the squared norm of the difference of the signatures.
+    The two squared norms of equation 4 together are the squared norm of the difference of the
+    signatures.
+
+    Parameters
+    ----------
+    signatures, others : M and N arrays (2k,)
+        The others are the same motions where None.
+
+    Returns
+    -------
+    (M, N) array of float64
+
+    Examples
+    --------
+    >>> distance_matrix([np.array([0.0, 1.0]), np.array([1.0, 1.0])])
+    array([[0., 1.],
+           [1., 0.]])
     """
     rows = np.asarray(signatures, dtype=np.float64)
     columns = rows if others is None else np.asarray(others, dtype=np.float64)

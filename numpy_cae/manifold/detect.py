@@ -1,112 +1,169 @@
-"""Detection of damaged joints: by their distance from the manifold, and by direct tests."""
+"""Detection of damaged joints: by their distance from the manifold, and by direct tests.
+
+Arrays of shape (F, …) are at thirty frames a second, arrays of shape (frames, …) in the frames of
+the file.
+"""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae.manifold.fill import fill, whole_features
-from numpy_cae.manifold.holes import at_thirty, hole_lengths, spline, whole_stretches
+from numpy_cae.manifold.fill import bridged_features, fill, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import POSITIONS
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import frame_lengths
+from numpy_cae.motion.masks import at_thirty, in_file, run_lengths, runs, runs_with, with_margin
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.rigs import find_joints
 
-RATIO, FAR = 4.0, 0.1
-"""A joint is damaged where it is further from the manifold than `RATIO` times its median in the
-clip and than `FAR` metres; its damage reaches as far as half of that is exceeded."""
+RATIO = 4.0
+"""RATIO: a joint is damaged where its distance from the manifold exceeds max(RATIO · the median of
+this distance in the clip, FAR). The damage extends to the frames around that exceed half of it."""
+FAR = 0.1
+"""FAR: the least distance from the manifold (m) at which a joint is damaged; see RATIO."""
 LEAST = 0.05
-"""Metres by which a repair must move a joint: where it does not, nothing is changed."""
+"""LEAST: a run of frames counts as damage only if filling it in moves the joint by at least this
+(m)."""
 SUSPICION = 0.25
-"""Between two jumps, a joint is damaged from this share of these distances on."""
+"""SUSPICION: RATIO and FAR are multiplied by this between a jump and a jump back."""
 MOST_JOINTS = 8
-"""Where more joints are far from the manifold, the motion is unknown and not damaged."""
+"""MOST_JOINTS: where more joints than this are far from the manifold, it does not know the motion,
+and the joints are not damaged."""
 ROUNDS = 3
-"""Times that what was found is filled in and the rest is tested again."""
+"""ROUNDS: how often the damage found so far is filled in and the rest is tested again."""
 MARGIN = 2
-"""Frames on both sides of damage that are taken for damaged."""
-JUMP, JUMP_RATIO = 0.05, 4.0
-"""Metres by which a step differs from the median of seven, and times the median difference."""
+"""MARGIN: so many frames on both sides of damage are damaged too."""
+JUMP = 0.05
+"""JUMP: a step to the next frame jumps if it differs by more than this (m) from the median of seven
+steps."""
+JUMP_RATIO = 4.0
+"""JUMP_RATIO: a jump must also differ by this many times the median of seven such differences."""
 OPPOSITE = -0.3
-"""Cosine of the angle between a jump and the jump back, at most."""
-SPIKE_FRAMES, LONGEST = 3, 150
-"""Frames of the longest stretch between two jumps that is a spike, and that is tested."""
+"""OPPOSITE: the cosine of the angle between a jump and the jump back is at most this."""
+SPIKE_FRAMES = 3
+"""SPIKE_FRAMES: between a jump and the jump back, at most so many frames of the file are a spike,
+which is damage whatever the manifold says."""
+LONGEST = 150
+"""LONGEST: at most so many frames between a jump and the jump back are tested with SUSPICION."""
 STRETCHED = 0.15
-"""Share of its length by which a bone of wrong length differs from the usual one."""
-STILL, STILL_FRAMES, LEAST_JUMP = 3e-4, 6, 0.03
-"""Metres a frame below which a joint stands still, for how many frames before it jumps that is
-damage, and metres of the smallest such jump."""
+"""STRETCHED: a bone has a wrong length where it differs from its median by more than this share."""
+STILL = 3e-4
+"""STILL: a joint that moves less than this (m) until the next frame stands still."""
+STILL_FRAMES = 6
+"""STILL_FRAMES: a joint that stands still for at least so many frames and then jumps is frozen."""
+LEAST_JUMP = 0.03
+"""LEAST_JUMP: the least step (m) with which a frozen joint moves again."""
 SAME_ROTATION = 1e-6
-"""Difference of quaternions below which a file repeats a rotation."""
-REPEATED, CAUGHT_UP = 1e-6, 2.5
-"""Metres a frame below which a pose is repeated; a jump is as many times as long as later steps."""
+"""SAME_ROTATION: the file repeats a rotation where the quaternion changes by less than this."""
+REPEATED = 1e-6
+"""REPEATED: the file repeats a pose where the joints move on average by less than this (m)."""
+CAUGHT_UP = 2.5
+"""CAUGHT_UP: after repeated frames, a step is a jump if it is longer than this times the median of
+the three steps after it."""
 
 _FEET = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("ankle", "toe")]
 _ENDS = [JOINTS.index(f"{side}_{end}") for side in ("left", "right") for end in ("wrist", "ankle")]
 
 
 def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
-    """The damaged joints of a motion: (F, 20) bool, at 30 frames a second.
+    """The damaged joints of a motion.
 
-    A joint is damaged where `direct_damage` says so or where it is far from its projection. What is
-    found is filled in, since damage also moves the projection of other joints, and the rest is
-    tested again. In the end a stretch counts only if filling it in moves the joint by `LEAST`.
+    A joint is damaged where `direct_damage` or `find_frozen` finds it, or where it is far from its
+    projection. Damage also moves the projection of other joints, so the damage found is filled in
+    and the rest is tested again, `ROUNDS` times. In the end a run of frames counts only if filling
+    it in moves the joint by `LEAST`.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    body : Body
+        Of the motion, as `manifold.body` returns it.
+
+    Returns
+    -------
+    (frames, 20) array of bool
+        In the frames of the file, as `repair` takes it.
+
+    Examples
+    --------
+    A wrist that is pulled away by half a metre for a tenth of a second:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import find_damage, starter
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> wrist = motion.skeleton.index("lwrist")
+    >>> motion.translations[30:33, wrist] += 0.5
+    >>> damaged = find_damage(starter(), starter().body(motion))
+    >>> np.flatnonzero(damaged.any(axis=1)), JOINTS[np.flatnonzero(damaged.any(axis=0))[0]]
+    (array([30, 31, 32]), 'left_wrist')
     """
-    direct = at_thirty(body.motion, direct_damage(body))
-    spline_features, _ = whole_features(body, direct)
-    points = spline(_local(spline_features), direct)
+    direct_in_file = direct_damage(body)
+    direct = at_thirty(body.motion, direct_in_file)
+    points = spline(_local(bridged_features(body, direct)[0]), direct)
     steps, jumps = find_jumps(points)
     displaced = between_jumps(steps, jumps, LONGEST)
-    abrupt = with_margin(jumps)
     direct |= find_frozen(body, spline(body.positions, direct), points)
-    found = direct.copy()
-    features, _ = whole_features(body, found)
+    damaged = direct.copy()
     for _ in range(ROUNDS):
-        difference = residual(manifold, features, found)
-        # Rigs place joints differently: what is the same in the whole clip is no damage.
-        distance = np.linalg.norm(difference - typical(difference, found), axis=-1)
-        level = distance / np.maximum(FAR, RATIO * typical(distance, found))
-        far = whole_stretches(level > 0.5, level > 1)
-        # Without a jump it is a pose that the model does not know: someone kneels or lies.
-        far = whole_stretches(far, abrupt)
-        far |= whole_stretches(displaced, level > SUSPICION)
-        far &= ~found
+        features, _ = bridged_features(body, damaged)
+        far = _far_from_manifold(manifold, features, damaged, displaced, jumps)
         if not far.any():
             break
-        found |= with_margin(far)
-        features, _ = whole_features(body, found)
-    found &= direct | displaced | (found.sum(axis=1, keepdims=True) <= MOST_JOINTS)
-    change = np.linalg.norm(_local(fill(manifold, features, found) - body.features), axis=-1)
-    return whole_stretches(found, change > LEAST)
+        damaged |= with_margin(far, MARGIN)
+    damaged &= direct | displaced | (damaged.sum(axis=1, keepdims=True) <= MOST_JOINTS)
+    change = np.linalg.norm(_local(fill(manifold, body.features, damaged) - body.features), axis=-1)
+    return in_file(body.motion, runs_with(damaged, change > LEAST)) | direct_in_file
+
+
+def _far_from_manifold(
+    manifold: MotionManifold,
+    features: np.ndarray,
+    damaged: np.ndarray,
+    displaced: np.ndarray,
+    jumps: np.ndarray,
+) -> np.ndarray:
+    """The joints (F, 20) that are far from the manifold and not in the mask `damaged` yet."""
+    difference = residual(manifold, features, damaged)
+    # Rigs place joints differently: what is the same in the whole clip is no damage.
+    distance = np.linalg.norm(difference - typical(difference, damaged), axis=-1)
+    level = distance / np.maximum(FAR, RATIO * typical(distance, damaged))
+    far = runs_with(level > 0.5, level > 1)
+    # Without a jump it is a pose that the model does not know: someone kneels or lies.
+    far = runs_with(far, with_margin(jumps, MARGIN))
+    far |= runs_with(displaced, level > SUSPICION)
+    return far & ~damaged
 
 
 def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """The difference of each joint from the projection of the motion with its missing joints filled
-    in: (F, 20, 3) in metres."""
+    """The difference of each joint from its projection, (F, 20, 3) in metres.
+
+    The motion (F, 63) is projected after the joints of the mask `missing` (F, 20) are filled in.
+    """
     filled = fill(manifold, features, missing)
-    return _local(features - manifold.project(filled, manifold.shifts))
+    return _local(features - manifold.project(filled, average_shifts=True))
 
 
 def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """The median of each joint's values (F, 20, …) over the frames in which it is not missing."""
-    gone = missing & ~missing.all(axis=0)
-    gone = gone.reshape(*gone.shape, *[1] * (values.ndim - 2))
-    return np.nanmedian(np.where(gone, np.nan, values), axis=0)
+    """The median over time of each joint's values (F, 20, …), without the missing ones (F, 20)."""
+    ignored = missing & ~missing.all(axis=0)
+    ignored = ignored.reshape(*ignored.shape, *[1] * (values.ndim - 2))
+    return np.nanmedian(np.where(ignored, np.nan, values), axis=0)
 
 
 def direct_damage(body: Body) -> np.ndarray:
-    """Damage that shows without a manifold: (frames, 20) bool in the frames of the file."""
+    """Damage that shows without a manifold, (frames, 20) of bool: spikes, bones of wrong length and
+    repeated poses."""
     positions = body.positions_in_file
     spikes = between_jumps(*find_jumps(positions - positions[:, :1]), SPIKE_FRAMES)
     return spikes | find_stretched(positions) | find_repeated(positions)[:, None]
 
 
 def between_jumps(steps: np.ndarray, jumps: np.ndarray, longest: int) -> np.ndarray:
-    """Joints displaced between a jump of `find_jumps` and a jump back: (F, 20) bool.
+    """Joints displaced between a jump and a jump back, (F, 20) of bool.
 
-    The two have opposite directions, their lengths differ by less than a factor of two, and at most
-    `longest` frames are between them.
+    The two jumps have opposite directions, their lengths differ by less than a factor of two, and
+    at most `longest` frames are between them. `steps` and `jumps` are those of `find_jumps`.
     """
     displaced = np.zeros(jumps.shape, bool)
     for joint in np.flatnonzero(jumps.sum(axis=0) > 1):
@@ -125,35 +182,32 @@ def between_jumps(steps: np.ndarray, jumps: np.ndarray, longest: int) -> np.ndar
 
 
 def find_jumps(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What is unlike the median of seven in the step of points (F, 20, 3) to the next frame, in
-    their shape, and where that is a jump, (F, 20) bool."""
-    unlike, jumps = np.zeros(points.shape), np.zeros(points.shape[:2], bool)
+    """Steps of points (F, 20, 3) to the next frame minus their running median of seven frames, in
+    the same shape, and a mask (F, 20) of the steps that are jumps; see `JUMP`."""
+    differences, jumps = np.zeros(points.shape), np.zeros(points.shape[:2], bool)
     for joint in range(points.shape[1]):
         step = _steps(points[:, joint])[:-1]
-        unlike[:-1, joint] = step - median_of_seven(step)
-        size = np.linalg.norm(unlike[:-1, joint], axis=-1)
+        differences[:-1, joint] = step - median_of_seven(step)
+        size = np.linalg.norm(differences[:-1, joint], axis=-1)
         usual = median_of_seven(size[:, None])[:, 0]
         jumps[:-1, joint] = (size > JUMP) & (size > JUMP_RATIO * usual)
-    return unlike, jumps
+    return differences, jumps
 
 
 def median_of_seven(values: np.ndarray) -> np.ndarray:
-    """The running median of values (F, N) over seven frames; beyond the ends they are held."""
+    """The running median of values (F, N) over seven frames; the first and last are repeated."""
     if not len(values):
         return values
-    held = np.pad(values, ((3, 3), (0, 0)), mode="edge")
-    return np.sort(sliding_window_view(held, 7, axis=0), axis=-1)[..., 3]
-
-
-def with_margin(mask: np.ndarray) -> np.ndarray:
-    """A mask (F, N) with `MARGIN` more frames on both sides of each stretch."""
-    held = np.pad(mask, ((MARGIN, MARGIN), (0, 0)))
-    return np.any(sliding_window_view(held, 2 * MARGIN + 1, axis=0), axis=-1)
+    padded = np.pad(values, ((3, 3), (0, 0)), mode="edge")
+    return np.sort(sliding_window_view(padded, 7, axis=0), axis=-1)[..., 3]
 
 
 def find_repeated(positions: np.ndarray) -> np.ndarray:
-    """Frames of positions (F, 20, 3) that repeat the pose before, until the body catches up in one
-    step: (F,) bool. Dropped frames and held keys look so, and no one who stands still."""
+    """Frames of positions (F, 20, 3) that repeat the previous pose until a jump, (F,) of bool.
+
+    Dropped frames and repeated keyframes look like this. A person who stands still is never
+    exactly still.
+    """
     # One joint at a time: an hour at 120 Hz would take half a gigabyte more.
     joints = range(positions.shape[1])
     steps = [np.linalg.norm(_steps(positions[:, joint]), axis=-1) for joint in joints]
@@ -162,54 +216,56 @@ def find_repeated(positions: np.ndarray) -> np.ndarray:
 
 
 def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndarray:
-    """Joints that stand still until they jump: (F, 20) bool at 30 frames a second.
+    """Joints that stand still until they jump, (F, 20) of bool.
 
-    A joint is still in the world, but for feet, or in the body's frame, a wrist or an ankle also at
-    a constant distance from its shoulder or hip, and any joint while the file repeats the rotation
-    that moves it. Hands that rest do the same, but do not jump when they move again.
+    Every joint is tested in the body's frame and while the file repeats the rotation that moves it;
+    all but the feet are tested in the world; wrists and ankles by their distance from the shoulder
+    or the hip. Hands that rest stand still too, but do not jump when they move again.
 
     `positions` and `local` (F, 20, 3) are in the world and in the body's frame, without spikes.
     """
-    reach = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
+    distances = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
     bends = np.full(positions.shape[:2], np.inf)
-    bends[:, _ENDS] = np.abs(_steps(reach))
-    world, own = (np.linalg.norm(_steps(place), axis=-1) for place in (positions, local))
-    world[:, _FEET] = np.inf
-    frozen = np.zeros(own.shape, bool)
-    for speed in (world, own, bends, _turns(body)):
-        rests = hole_lengths(speed < STILL) >= STILL_FRAMES
+    bends[:, _ENDS] = np.abs(_steps(distances))
+    in_world, in_body = (np.linalg.norm(_steps(points), axis=-1) for points in (positions, local))
+    in_world[:, _FEET] = np.inf
+    frozen = np.zeros(in_body.shape, bool)
+    for speed in (in_world, in_body, bends, _turns(body)):
+        rests = run_lengths(speed < STILL) >= STILL_FRAMES
         for joint in np.flatnonzero(rests.any(axis=0)):
-            frozen[:, joint] |= _until_a_jump(rests[:, joint], own[:, joint], LEAST_JUMP)
+            frozen[:, joint] |= _until_a_jump(rests[:, joint], in_body[:, joint], LEAST_JUMP)
     # A rig holds a wrist or an ankle by the elbow or the knee above it.
     frozen[:, np.subtract(_ENDS, 1)] |= frozen[:, _ENDS]
     return frozen
 
 
 def _until_a_jump(still: np.ndarray, step: np.ndarray, least: float) -> np.ndarray:
-    """Frames that repeat the one before where the stretch of them ends with a jump: (F,) bool.
+    """Frames that repeat the one before, in runs that end with a jump: (F,) of bool.
 
-    `still` is True and `step` is small where the next frame is the same; a jump is a step of more
-    than `least` and than `CAUGHT_UP` times the median of the three steps after it.
+    `still` (F,) is True where the next frame is the same, and `step` (F,) is the distance to it. A
+    jump is a step of more than `least` and than `CAUGHT_UP` times the median of the three steps
+    after it.
     """
-    found = np.zeros(len(still), bool)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        after = step[last + 1 : last + 4]
-        if len(after) and step[last] > max(least, CAUGHT_UP * float(np.median(after))):
-            found[first + 1 : last + 1] = True
-    return found
+    repeated = np.zeros(len(still), bool)
+    for first, end in runs(still):
+        after = step[end + 1 : end + 4]
+        if len(after) and step[end] > max(least, CAUGHT_UP * float(np.median(after))):
+            repeated[first + 1 : end + 1] = True
+    return repeated
 
 
 def find_stretched(positions: np.ndarray) -> np.ndarray:
-    """Joints whose bone is not as long as usual: positions (F, 20, 3) to (F, 20) bool."""
+    """Joints whose bone has a wrong length in positions (F, 20, 3): (F, 20) of bool."""
     lengths = frame_lengths(positions)
     usual = np.median(lengths, axis=0)
     return np.abs(lengths - usual) > np.maximum(0.02, STRETCHED * usual)
 
 
 def _turns(body: Body) -> np.ndarray:
-    """How much the rotation that moves each joint changes until the next frame: (F, 20), the
-    difference of quaternions in units of which `SAME_ROTATION` is as still as `STILL`."""
+    """How much the rotation that moves each joint changes until the next frame, (F, 20).
+
+    The difference of the quaternions is scaled so that `SAME_ROTATION` becomes `STILL`.
+    """
     rig = find_joints(body.motion.skeleton)
     rotations = body.motion.resampled(RATE).rotations
     parents = [body.motion.skeleton.parents[joint] for joint in rig]

@@ -42,8 +42,8 @@ def interpolate(
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
     one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
-    # A hidden frame is made from 8 frames; the first one begins `reach` frames before the clip.
-    middles = (np.arange(len(one)) + 0.5) * manifold.network.stride - 0.5 - manifold.reach
+    # A hidden frame is made from 8 frames; the first begins `receptive_radius` before the clip.
+    middles = (np.arange(len(one)) + 0.5) * manifold.stride - 0.5 - manifold.receptive_radius
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
     s = shares(share, frames)[nearest].astype(one.dtype)
     return manifold.decode((1 - s) * one + s * other, frames)

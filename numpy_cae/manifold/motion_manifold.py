@@ -1,7 +1,8 @@
 """A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
 from dataclasses import dataclass, field
-from typing import TypeVar
+from pathlib import Path
+from typing import TypeVar, overload
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fracti
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.windows import LENGTH
 
@@ -24,13 +25,15 @@ def with_engine(network: Network, engine: str) -> Network:
     return accelerate(network) if engine == "fast" else network
 
 
-_PIECE = 120
-"""Hidden frames that are projected at a time: a longer clip would need memory in proportion."""
+MAX_HIDDEN_FRAMES = 120
+"""MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of so many, to bound memory."""
 
 
 @dataclass
 class MotionManifold:
-    """A network, and the conversion between features of motions and its normalised input.
+    """A trained network, and the conversion between features of motions and its input.
+
+    Arrays (F, …) are at `rate`, thirty frames a second.
 
     Parameters
     ----------
@@ -39,8 +42,8 @@ class MotionManifold:
     mean_pose : (63,) array of float64
         Subtracted from every frame of features (holden2015, section 4).
     scale : (63,) array of float64
-        Multiplies the difference: one factor each for positions, velocity and turn. Not in the
-        paper: without it turn and velocity would hardly be learned (learning.py).
+        normalised = (features - mean_pose) · scale; one factor each for positions, velocity and
+        turn. Not in the paper: without it turn and velocity would hardly be learned (learning.py).
     lengths : (20,) array of float64
         Bone lengths of the mean skeleton, metres.
     rate, window
@@ -49,13 +52,22 @@ class MotionManifold:
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.corruption`.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import starter
+    >>> manifold = starter()
+    >>> features = manifold.body(make_take("walk", 0, seconds=2.0, rate=30.0).motion).features
+    >>> manifold.encode(features).shape, manifold.project(features).shape
+    ((20, 256), (60, 63))
     """
 
     network: ConvAutoencoder
     mean_pose: np.ndarray
     scale: np.ndarray
     lengths: np.ndarray
-    rate: float = 30.0
+    rate: float = RATE
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
@@ -65,8 +77,8 @@ class MotionManifold:
         return Body(motion, self.lengths)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
-        """Convert world positions (F, 20, 3), with any bone lengths, in metres and at `rate`, to
-        features (F, 63) on the mean skeleton. Also return the first frame's root transform."""
+        """The features (F, 63) on the mean skeleton, and the first frame's root transform, of world
+        positions (F, 20, 3) with any bone lengths, in metres."""
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)
 
@@ -75,55 +87,98 @@ class MotionManifold:
         return ((features - self.mean_pose) * self.scale).astype(self.network.layers[0].w.dtype)
 
     def denormalise(self, x: np.ndarray) -> np.ndarray:
-        """The inverse of `normalise`. Returns float64."""
+        """The inverse of `normalise`, in float64."""
         return x.astype(np.float64) / self.scale + self.mean_pose
 
     @property
-    def reach(self) -> int:
-        """Frames on either side of its own that influence a hidden frame."""
-        return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
-
-    @property
-    def shifts(self) -> int:
-        """Positions of the pooling grid: the largest useful value of `shifts` in `project`."""
+    def stride(self) -> int:
+        """Frames of motion for one hidden frame: 8 with three layers."""
         return self.network.stride
 
-    def encode(self, features: np.ndarray) -> np.ndarray:
-        """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · reach) / 8⌉, 256) in [-1, 1].
+    @property
+    def receptive_radius(self) -> int:
+        """Half-width of the receptive field of a hidden frame, in frames of motion."""
+        return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
+
+    def padded(self, x: np.ndarray, before: int | None = None) -> np.ndarray:
+        """Normalised windows (N, F, 63), the first and last frames repeated, velocity included, up
+        to a whole number of hidden frames.
 
         The zeros with which a convolution pads a clip are the mean pose and would distort its ends.
-        So the features of the first and last frame, velocity included, are repeated `reach` times;
-        `decode` removes these frames. A window of 160 frames has 33 hidden frames here, and 20 in
-        the paper and in `compare.hidden_units`.
+        `before` frames are added at the beginning and as many or a few more at the end:
+        `receptive_radius` where None. `unpadded` removes these.
+        """
+        before = self.receptive_radius if before is None else before
+        after = before + -(x.shape[1] + 2 * before) % self.stride
+        return np.pad(x, ((0, 0), (before, after), (0, 0)), mode="edge")
+
+    def unpadded(self, x: np.ndarray, frames: int) -> np.ndarray:
+        """Windows (N, …, 63) without what `padded` added to windows of so many frames."""
+        return x[:, self.receptive_radius : self.receptive_radius + frames]
+
+    def encode(self, features: np.ndarray) -> np.ndarray:
+        """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · receptive_radius) / 8⌉, 256).
+
+        The clip is `padded`, so a window of 160 frames has 33 hidden frames here, and 20 in the
+        paper and in `compare.hidden_units`. Values are in [-1, 1].
         """
         return self.network.encode(self._padded(features))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
         """Decode what `encode` returned for a clip of `frames` frames: (frames, 63), float64."""
-        return self.denormalise(self.network.decode(y[None])[0])[self.reach : self.reach + frames]
+        return self.denormalise(self.unpadded(self.network.decode(y[None]), frames)[0])
 
-    def project(self, features: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of a clip of any length, (F, 63) to (F, 63) of float64: the mean of `shifts`
-        projections, each of the clip shifted by one more frame (`shifted_projection`)."""
-        x = self._padded(features)
+    @overload
+    def project(self, motion: np.ndarray, average_shifts: bool = False) -> np.ndarray: ...
+
+    @overload
+    def project(self, motion: Motion, average_shifts: bool = False) -> Motion: ...
+
+    def project(self, motion, average_shifts=False):
+        """Φ†(Φ(X)), the projection of a clip or a motion of any length.
+
+        Parameters
+        ----------
+        motion : (F, 63) array of float, or Motion
+            Features on the mean skeleton, or a motion of any rig and rate.
+        average_shifts : bool
+            Whether to average over all shifts of the pooling grid (`project_shifted`). A Motion is
+            always projected like this.
+
+        Returns
+        -------
+        (F, 63) array of float64, or Motion
+            As `motion` is; a Motion by `project_motion`.
+        """
+        if isinstance(motion, Motion):
+            from numpy_cae.manifold.project_motion import project_motion  # imports this module
+
+            return project_motion(motion, self)
+        x = self._padded(motion)
         projected = np.empty_like(x[0])
-        margin = (2 * self.reach // self.shifts + 2) * self.shifts
-        for start in range(0, len(projected), _PIECE * self.shifts):
-            # A long clip in pieces, with the frames around a piece that influence it.
-            end, first = start + _PIECE * self.shifts, max(start - margin, 0)
-            piece = project_shifted(self.network, x[:, first : end + margin], shifts)[0]
-            projected[start:end] = piece[start - first :][: _PIECE * self.shifts]
-        return self.denormalise(projected)[self.reach : self.reach + len(features)]
+        margin = (2 * self.receptive_radius // self.stride + 2) * self.stride
+        piece = MAX_HIDDEN_FRAMES * self.stride
+        for start in range(0, len(projected), piece):
+            # Each piece is projected with the frames around it that influence it.
+            first = max(start - margin, 0)
+            near = x[:, first : start + piece + margin]
+            near = project_shifted(self.network, near, average_shifts)[0]
+            projected[start : start + piece] = near[start - first :][:piece]
+        return self.denormalise(self.unpadded(projected[None], len(motion))[0])
 
-    def project_windows(self, x: np.ndarray, shifts: int = 1) -> np.ndarray:
-        """Φ†(Φ(X)) of normalised windows (N, T, 63) as in training, with zeros around them."""
-        return project_shifted(self.network, self._rescaled(x), shifts)
+    def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
+        """Φ†(Φ(X)) of normalised windows (N, F, 63) as in training, with zeros around them."""
+        return project_shifted(self.network, self._rescaled(x), average_shifts)
+
+    def save(self, path: str | Path) -> None:
+        """Write the manifold as `.npz`; `load_manifold` reads it."""
+        from numpy_cae.manifold.model_file import save_manifold  # imports this module
+
+        save_manifold(self, path)
 
     def _padded(self, features: np.ndarray) -> np.ndarray:
-        """A clip as one normalised window, its first and last frame repeated `reach` times."""
-        more = -(len(features) + 2 * self.reach) % self.network.stride
-        ends = ((0, 0), (self.reach, self.reach + more), (0, 0))
-        return np.pad(self._rescaled(self.normalise(features)[None]), ends, mode="edge")
+        """A clip of features (F, 63) as one normalised window, padded."""
+        return self.padded(self._rescaled(self.normalise(features)[None]))
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""

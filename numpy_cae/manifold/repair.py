@@ -1,32 +1,95 @@
 """Repair of a motion (holden2015, section 7, "Fixing Corrupt Motion Data").
 
 The paper projects the whole motion (`project_motion`), which also changes what was right. `repair`
-changes only what is damaged.
+changes only what is damaged, and `fill_motion` only what the user says is missing. A motion is
+taken to thirty frames a second once, (F, …), and the repaired joints are taken back to the frames
+of the file once, (frames, …).
 """
 
-from dataclasses import replace
-from functools import partial
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.manifold.detect import direct_damage, find_damage, residual
-from numpy_cae.manifold.fill import fill_positions, whole_features
-from numpy_cae.manifold.holes import at_thirty, finite_motion, in_file
+from numpy_cae.manifold.detect import find_damage, residual
+from numpy_cae.manifold.fill import bridged_features, checked_mask, fill, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.repaired import Repaired, change_joints, distances
 from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
-from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
+from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.masks import at_thirty, runs
+from numpy_cae.motion.motion import Motion, blocks, rotations_at
 from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.rigs import find_joints
-from numpy_cae.motion.retarget.to_body import at_rate_of
-from numpy_cae.motion.retarget.to_rig import retarget
 
 UNKNOWN = 0.12
-"""Metres of the largest typical residual of a motion like those that the manifold knows: more than
-that of any take of a source left out of training (docs/lab_book/detection.md)."""
+"""UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
+more than that of any take of a source left out of training (docs/lab_book/detection.md)."""
+MOST_RUNS = 5
+"""MOST_RUNS: of so many runs of frames at most the numbers are printed."""
+
+
+@dataclass(frozen=True, repr=False)
+class Repaired:
+    """A motion after a repair, and what was changed; printed, the joints, frames and centimetres.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of the skeleton, rate, unit and length of the file's.
+    touched : (frames, 20) array of bool
+        The joints that were repaired, in the frames of the file.
+    moved : (frames, 20) array of float64
+        How far each joint moved, metres.
+    residual : float
+        Median distance of a joint from its projection, metres; 0 where it was not measured.
+    known : bool
+        Whether the motion is like what the manifold was learned from.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    >>> touched = np.zeros((30, 20), bool)
+    >>> touched[[3, 4, 5, 9], 0] = True
+    >>> Repaired(motion, touched, 0.02 * touched)
+    hips: frames 3 to 5, 9: moved 2.0 cm, at most 2.0
+    """
+
+    motion: Motion
+    touched: np.ndarray
+    moved: np.ndarray
+    residual: float = 0.0
+    known: bool = True
+
+    def __repr__(self) -> str:
+        """A line for joints that were changed in the same frames: names, frames, centimetres."""
+        if not self.known:
+            return (
+                f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
+                "from it; left unchanged (--force repairs it nevertheless)"
+            )
+        groups: dict[str, list[int]] = defaultdict(list)
+        for joint in np.flatnonzero(self.touched.any(axis=0)):
+            groups[_frames_of(self.touched[:, joint])].append(joint)
+        lines = []
+        for frames, joints in groups.items():
+            moved = 100 * self.moved[:, joints][self.touched[:, joints]]
+            names = ", ".join(JOINTS[joint] for joint in joints)
+            names = "all joints" if len(joints) == len(JOINTS) else names
+            lines.append(
+                f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
+            )
+        return "\n".join(lines) or "nothing to repair was found"
+
+
+def _frames_of(mask: np.ndarray) -> str:
+    """The runs of a mask (frames,), such as "frames 30 to 45, 102"."""
+    ends = runs(mask)
+    texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_RUNS]]
+    more = f" and {len(ends) - MOST_RUNS} more" if len(ends) > MOST_RUNS else ""
+    return f"frame{'' if mask.sum() == 1 else 's'} {', '.join(texts)}{more}"
 
 
 def repair(
@@ -37,90 +100,211 @@ def repair(
     smooth: bool = False,
     force: bool = False,
 ) -> Repaired:
-    """Find what is damaged in a motion, fill it in, and leave the rest as it is, to the bit.
+    """Find what is damaged in a motion and fill it in; the rest of the motion is unchanged.
 
     Parameters
     ----------
     motion : Motion
         Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
     damaged : (frames, 20) array of bool, optional
         In the frames of the file; found by `find_damage` where None.
     strength : float
-        Share of the way to the repaired positions, 0 to 1.
+        0 keeps the damaged positions, 1 uses the repaired ones.
     smooth : bool
         Whether to remove jitter from the whole motion, by `smooth_motion`.
     force : bool
         Whether to repair a motion that is unlike what the manifold knows; otherwise it is returned
         unchanged, with `known` False.
-    """
-    if not 0 <= strength <= 1:
-        raise ValueError(f"strength is {strength}, expected 0 to 1")
-    motion, wrong = finite_motion(motion)
-    body = manifold.body(motion)
-    nothing = np.zeros((len(motion), len(JOINTS)), bool)
-    if damaged is None:
-        damaged = in_file(motion, find_damage(manifold, body)) | direct_damage(body)
-    damaged = damaged | wrong[:, find_joints(motion.skeleton)]
-    missing = at_thirty(motion, damaged)
-    features, _ = whole_features(body, missing)
-    distance = np.linalg.norm(residual(manifold, features, missing), axis=-1)
-    middle = float(np.median(distance[~missing])) if not missing.all() else 0.0
-    if middle > UNKNOWN and not force:
-        return Repaired(motion, nothing, nothing.astype(float), middle, known=False)
-    target = fill_positions(manifold, body, missing)
-    repaired = change_joints(body, motion, target, damaged, strength, middle)
-    if smooth:
-        smoothed_motion = smooth_motion(repaired.motion)
-        moved = distances(motion, smoothed_motion)
-        # Every joint that moves counts as touched.
-        repaired = replace(repaired, motion=smoothed_motion, touched=moved > 0, moved=moved)
-    return repaired
-
-
-def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
-    """The motion projected onto the manifold, in its own rig: the paper's repair.
-
-    The projection is the mean over all positions of the pooling grid. Frames between two poses at
-    the manifold's rate follow a smooth curve through the projected poses. Joints beyond the twenty
-    (fingers) and rotations of bones about their own axis stay as they were.
-
-    Arguments are as in `repair`.
 
     Returns
     -------
-    Motion
-        Of the same skeleton, rate, unit and length.
+    Repaired
+
+    Raises
+    ------
+    UnknownRigError, ValueError
+        If joints of the rig are missing; if `strength` is not from 0 to 1.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import repair, starter
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[30:33, motion.skeleton.index("lwrist")] += 0.5
+    >>> repair(motion, starter())
+    left_wrist: frames 30 to 32: moved 76.9 cm, at most 77.4
     """
-    # Of an hour, each array at 30 frames a second takes 50 MB: here only the poses are left.
-    poses = _projected_poses(manifold.body(motion), manifold)
-    return retarget(motion, partial(at_rate_of, motion, poses))
+    if not 0 <= strength <= 1:
+        raise ValueError(f"strength is {strength}, expected 0 to 1")
+    motion, not_finite = _finite(motion)
+    body = manifold.body(motion)
+    if damaged is None:
+        damaged = find_damage(manifold, body)
+    holes = Holes(body, damaged | not_finite[:, find_joints(motion.skeleton)])
+    distance = holes.typical_residual(manifold)
+    if distance > UNKNOWN and not force:
+        nothing = np.zeros(holes.in_file.shape)
+        return Repaired(motion, nothing > 0, nothing, distance, known=False)
+    features = fill(manifold, holes.features, holes.mask)
+    repaired = replace(holes.filled(features, motion, strength), residual=distance)
+    if smooth:
+        smoothed = smooth_motion(repaired.motion)
+        moved = distances(motion, smoothed)
+        # Every joint that moves counts as touched.
+        repaired = replace(repaired, motion=smoothed, touched=moved > 0, moved=moved)
+    return repaired
 
 
-def _projected_poses(body: Body, manifold: MotionManifold) -> np.ndarray:
-    projected = manifold.project(body.features, manifold.shifts)
-    return body.positions_of(*keep_trajectory(body.features, projected, body.root, manifold.rate))
+def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
+    """Fill in the joints of a motion that are missing; the values of the file are ignored there.
 
+    All bone lengths are kept. A joint within a limb, such as an elbow whose wrist is given, can
+    only be on a circle about the line between its neighbours and is moved to the point of it
+    nearest to the filled position. Where the whole pose is missing, the root moves along a smooth
+    curve, and rotations that positions do not determine (about a bone's axis, of fingers) are
+    interpolated.
 
-def keep_trajectory(
-    features: np.ndarray, projected: np.ndarray, root: RootTransform, rate: float
-) -> tuple[np.ndarray, RootTransform]:
-    """Projected features on the slow part of the original root trajectory.
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    manifold : MotionManifold
+    missing : (frames, 20) array of bool
+        In the frames of the file; `keyframe_mask` makes that of keyframes.
 
-    The projected velocity and turn are summed to a trajectory, and so are their errors: after a few
-    seconds the body would be far off. Low frequencies of the trajectory are taken from the file,
-    high frequencies from the projection. With the hips on the floor h (`floor`), the heading θ
-    (`theta`) and the Gaussian g with which the heading is smoothed:
+    Returns
+    -------
+    Repaired
 
-        h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
+    Raises
+    ------
+    UnknownRigError, ValueError
+        If joints of the rig are missing; if the mask has another shape.
 
-    `features` and `projected` are (F, 63), `root` is of the first frame, and `rate` in frames a
-    second. Returns `projected` with another velocity and turn, and the root of its first frame.
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import fill_motion, keyframe_mask, starter
+    >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
+    all joints: frames 1 to 9, 11 to 19: moved 3.9 cm, at most 24.3
     """
-    own_floor, own_theta = trajectory_of(features, root)
-    floor, theta = trajectory_of(projected, root)
-    sigma = SMOOTHING_SECONDS * rate
-    floor = floor + smoothed(own_floor - floor, sigma)
-    theta = theta + smoothed((own_theta - theta)[:, None], sigma)[:, 0]
-    kept = projected.copy()
-    kept[:, VELOCITY.start :] = velocities_along(floor, theta)
-    return kept, RootTransform(floor[0, 0], floor[0, 2], theta[0])
+    missing = checked_mask(missing, len(motion))
+    holes = Holes(manifold.body(_interpolated(motion, missing.all(axis=1))), missing)
+    return holes.filled(fill(manifold, holes.features, holes.mask), motion)
+
+
+@dataclass(frozen=True)
+class Holes:
+    """A motion in which some joints are damaged or missing in some frames.
+
+    Each quantity is computed once, when it is first used.
+
+    Parameters
+    ----------
+    body : Body
+        Of the motion.
+    in_file : (frames, 20) array of bool
+        What is damaged or missing, in the frames of the file.
+    """
+
+    body: Body
+    in_file: np.ndarray
+
+    @cached_property
+    def mask(self) -> np.ndarray:
+        """What is damaged or missing at thirty frames a second, (F, 20) of bool."""
+        return at_thirty(self.body.motion, self.in_file)
+
+    @property
+    def features(self) -> np.ndarray:
+        """The features with splines over the holes, (F, 63)."""
+        return self._features_and_root[0]
+
+    @cached_property
+    def _features_and_root(self) -> tuple[np.ndarray, RootTransform]:
+        return bridged_features(self.body, self.mask)
+
+    def typical_residual(self, manifold: MotionManifold) -> float:
+        """The median distance of a joint outside the holes from its projection, metres."""
+        if self.mask.all():
+            return 0.0
+        distance = np.linalg.norm(residual(manifold, self.features, self.mask), axis=-1)
+        return float(np.median(distance[~self.mask]))
+
+    def filled(
+        self, features: np.ndarray, original: Motion | None = None, strength: float = 1.0
+    ) -> Repaired:
+        """The motion with the joints of the holes, and nothing else, moved to those of features.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+            On the mean skeleton; used only in the holes.
+        original : Motion, optional
+            What `Repaired.moved` is measured from; the body's motion where None.
+        strength : float
+            Share of the way to the features, 0 to 1.
+        """
+        body, holes = self.body, self.in_file
+        original = body.motion if original is None else original
+        if not holes.any():
+            return Repaired(original, holes, np.zeros(holes.shape))
+        target = body.positions_of(features, self._features_and_root[1])
+        target = np.where(self.mask[..., None], target, body.positions)
+        before, positions = body.positions_in_file, body.in_file_frames(target)
+        for joint in np.flatnonzero(holes.any(axis=0)):
+            # The resampled curve misses frames of the file by a little: no jump at the holes' ends.
+            column = [joint]
+            if not holes[:, joint].all():
+                gap = before[:, column] - positions[:, column]
+                positions[:, column] += spline(gap, holes[:, column])
+            change = positions[:, joint] - before[:, joint]
+            positions[:, joint] = before[:, joint] + strength * change
+        motion = body.retarget(positions, holes)
+        return Repaired(motion, holes, distances(original, motion, holes.any(axis=1)))
+
+
+def distances(before: Motion, after: Motion, changed: np.ndarray | None = None) -> np.ndarray:
+    """How far each of the twenty joints moved, (frames, 20) in metres.
+
+    With a mask `changed` (frames,) only its frames are compared.
+    """
+    joints = find_joints(after.skeleton)
+    moved = np.zeros((len(after), len(joints)))
+    for frames in blocks(np.arange(len(after)) if changed is None else np.flatnonzero(changed)):
+        change = after.at(frames).positions(joints) - before.at(frames).positions(joints)
+        moved[frames] = np.linalg.norm(change, axis=-1)
+    return moved
+
+
+def _finite(motion: Motion) -> tuple[Motion, np.ndarray]:
+    """The motion with rotations and translations that are not finite interpolated, and a mask
+    (frames, J) of the rig's joints that depend on such values."""
+    wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
+    if not wrong.any():
+        return motion, wrong
+    rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
+    translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
+    for joint in np.flatnonzero(wrong.any(axis=0) & ~wrong.all(axis=0)):
+        gaps, given = np.flatnonzero(wrong[:, joint]), np.flatnonzero(~wrong[:, joint])
+        rotations[gaps, joint] = rotations_at(given, rotations[given, joint, None], gaps)[:, 0]
+    translations = spline(translations, wrong)
+    for child, parent in enumerate(motion.skeleton.parents):
+        if parent >= 0:
+            wrong[:, child] |= wrong[:, parent]
+    return replace(motion, rotations=rotations, translations=translations), wrong
+
+
+def _interpolated(motion: Motion, gaps: np.ndarray) -> Motion:
+    """The motion with rotations interpolated by slerp in the frames of a mask (frames,), and
+    translations by `spline`."""
+    given = np.flatnonzero(~gaps)
+    if not gaps.any() or not len(given):
+        return motion
+    rotations = motion.rotations.copy()
+    rotations[gaps] = rotations_at(given, rotations[given], np.flatnonzero(gaps))
+    of_joints = np.repeat(gaps[:, None], rotations.shape[1], axis=1)
+    translations = spline(motion.translations, of_joints)
+    return replace(motion, rotations=rotations, translations=translations)

@@ -80,7 +80,7 @@ def sample(
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
     network = manifold.network
-    hidden_frames = -(-frames // network.stride)
+    hidden_frames = -(-frames // manifold.stride)
     if prior is None:
         y = draw_uniform(hidden_frames, network.layers[-1].b.size, rng)
     else:
@@ -89,10 +89,11 @@ def sample(
 
 
 def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
-    """Φ†(Y), features (8 · len(y), 63), the inverse of `hidden_units`: the first and last hidden
-    frame are repeated as padding."""
-    cell = manifold.network.stride
-    more = -(-manifold.reach // cell)
+    """Φ†(Y), the inverse of `hidden_units`: features (stride · len(y), 63).
+
+    The first and the last hidden frame are repeated as padding.
+    """
+    more = -(-manifold.receptive_radius // manifold.stride)
     padded = np.pad(y, ((more, more), (0, 0)), mode="edge")
     decoded = manifold.denormalise(manifold.network.decode(padded[None])[0])
-    return decoded[more * cell : (more + len(y)) * cell]
+    return decoded[more * manifold.stride : (more + len(y)) * manifold.stride]

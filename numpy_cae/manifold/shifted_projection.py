@@ -1,14 +1,15 @@
 """Projection of a motion in which an unknown share of the values was lost (holden2015, section 7).
 
 `zeroed_fraction` estimates that share from the motion. `project_shifted` averages projections over
-the positions of the pooling grid.
+all shifts of the pooling grid.
 """
 
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 
-WINDOWS_AT_ONCE = 64  # projected together, to limit memory
+WINDOWS_AT_ONCE = 64
+"""WINDOWS_AT_ONCE: at most so many windows are projected together, to bound memory."""
 
 
 def zeroed_fraction(x: np.ndarray) -> np.ndarray:
@@ -26,17 +27,20 @@ def zeroed_fraction(x: np.ndarray) -> np.ndarray:
     return share[:, None, None].astype(x.dtype)
 
 
-def project_shifted(network: ConvAutoencoder, x: np.ndarray, shifts: int = 1) -> np.ndarray:
-    """Φ†(Φ(X)), the mean over `shifts` positions of the pooling grid.
+def project_shifted(
+    network: ConvAutoencoder, x: np.ndarray, average_shifts: bool = False
+) -> np.ndarray:
+    """Φ†(Φ(X)) averaged over all shifts of the pooling grid.
 
-        mean_s  S_s⁻¹ Φ†(Φ(S_s X)),   S_s: shift by s frames,   s = 0 … shifts - 1
+        mean_s  S_s⁻¹ Φ†(Φ(S_s X)),   S_s: shift by s frames,   s = 0 … stride - 1
 
     Pooling pairs frames (0, 1), (2, 3), …, so the projection of a motion shifted by one frame
-    differs a little. The errors of the different positions partly cancel in their mean.
+    differs a little. The errors of the different shifts partly cancel in their mean.
 
-    Normalised windows (B, T, C) give an array of that shape. One shift is plain projection;
-    `network.stride` shifts are all positions of the grid.
+    Normalised windows (B, T, C) give an array of that shape. Unless `average_shifts` it is the
+    plain projection, s = 0.
     """
+    shifts = network.stride if average_shifts else 1
     parts = [x[start : start + WINDOWS_AT_ONCE] for start in range(0, len(x), WINDOWS_AT_ONCE)]
     return np.concatenate([_mean_projection(network, part, shifts) for part in parts])
 

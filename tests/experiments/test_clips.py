@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.evaluation import jitter
-from numpy_cae.experiments.clips import clips_of, hold_ends, project_ends_held, split_takes
+from numpy_cae.experiments.clips import clips_of, project_ends_held, split_takes
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.motion import features_to_positions
 
@@ -46,13 +46,13 @@ def test_ends_held_equals_the_manifold_projection(small_manifold, clips):
     whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
     ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]
     np.testing.assert_allclose(ours, whole, atol=1e-5)
-    shifted = small_manifold.project(small_manifold.denormalise(clips.x[0]), small_manifold.shifts)
+    shifted = small_manifold.project(small_manifold.denormalise(clips.x[0]), average_shifts=True)
     ours = small_manifold.denormalise(
-        project_ends_held(small_manifold, clips.x[:1], small_manifold.shifts)
+        project_ends_held(small_manifold, clips.x[:1], average_shifts=True)
     )[0]
     np.testing.assert_allclose(ours, shifted, atol=1e-5)
-    held = hold_ends(small_manifold, clips.x)
-    assert held.shape[1] % small_manifold.network.stride == 0
+    held = small_manifold.padded(clips.x)
+    assert held.shape[1] % small_manifold.stride == 0
     np.testing.assert_array_equal(held[:, 0], clips.x[:, 0])
     assert not np.allclose(project_shifted(small_manifold.network, clips.x[:1]), ours)
 

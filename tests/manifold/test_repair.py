@@ -9,7 +9,7 @@ from scipy.signal import savgol_filter
 from data_synth import make_take
 from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold, project_motion, repair
-from numpy_cae.manifold.repair import keep_trajectory
+from numpy_cae.manifold.project_motion import keep_trajectory
 from numpy_cae.manifold.smooth import smooth_curves
 from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
 from numpy_cae.motion.features import trajectory_of
@@ -18,7 +18,7 @@ from numpy_cae.motion.features import trajectory_of
 class Identity(MotionManifold):
     """A manifold that every motion lies on."""
 
-    def project(self, features, shifts=1):
+    def project(self, features, average_shifts=False):
         return np.array(features)
 
 

@@ -38,9 +38,9 @@ def test_one_shift_is_projection_and_all_shifts_commute_with_a_shift(network):
     middle = np.zeros((1, 96, 63), np.float32)
     middle[:, 32:64] = X[:1]
     later = np.roll(middle, 1, axis=1)
-    for shifts, same in ((1, False), (network.stride, True)):
-        moved = project_shifted(network, later, shifts)[:, 9:88]
-        still = project_shifted(network, middle, shifts)[:, 8:87]
+    for average, same in ((False, False), (True, True)):
+        moved = project_shifted(network, later, average)[:, 9:88]
+        still = project_shifted(network, middle, average)[:, 8:87]
         assert np.allclose(moved, still, atol=1e-5) == same
 
 
@@ -53,5 +53,5 @@ def test_only_a_network_trained_on_rescaled_input_is_given_it(network):
     np.testing.assert_allclose(rescaling.project_windows(lost), network.project(given), atol=1e-6)
     np.testing.assert_allclose(rescaling.project_windows(X), network.project(X), atol=1e-6)
     clip = zero_values(X[0, :29], 0.5, np.random.default_rng(4))
-    by_hand = plain.project(clip / (1 - zeroed_fraction(clip[None])[0]), shifts=4)
-    np.testing.assert_allclose(rescaling.project(clip, shifts=4), by_hand, atol=1e-5)
+    by_hand = plain.project(clip / (1 - zeroed_fraction(clip[None])[0]), average_shifts=True)
+    np.testing.assert_allclose(rescaling.project(clip, average_shifts=True), by_hand, atol=1e-5)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import MotionManifold, Repaired, project_motion, repair
-from numpy_cae.manifold.repaired import distances
+from numpy_cae.manifold.repair import distances
 from numpy_cae.motion import Motion
 
 

@@ -2,11 +2,11 @@
 
 import argparse
 import shutil
-from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from textwrap import indent
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from numpy_cae.cli.shared.output import note, with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import (
-    JOINTS,
     Motion,
     UnknownRigError,
     body_of,
@@ -32,7 +31,6 @@ from numpy_cae.viz import CORRUPTED, PROJECTED
 KEPT = (".bvh", ".amc")
 """KEPT: a file with one of these suffixes is written in its own format, and what did not change
 keeps its text."""
-MOST_STRETCHES = 5
 HEADER = ("file", "joints", "changed, %", "mean, cm", "at most, cm", "result")
 
 
@@ -104,7 +102,7 @@ class ChangedFiles:
         if target is not None:
             self._write(motion, repaired, source, target)
         if self.single:
-            print("\n".join(f"  {line}" for line in changes(repaired)))
+            print(indent(str(repaired), "  "))
         else:
             folder = self.args.files[0]
             name = str(source.relative_to(folder)) if folder.is_dir() else source.name
@@ -172,7 +170,6 @@ class ChangedFiles:
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
         before, after = body_of(motion), body_of(repaired.motion)
-        before = before[-len(after) :]
         frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
         touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
         moved = np.linalg.norm(after - before, axis=-1)
@@ -187,24 +184,6 @@ def _keeps_format(source: Path, target: Path) -> bool:
     return source.suffix.lower() == target.suffix.lower() in KEPT
 
 
-def changes(repaired: Repaired) -> list[str]:
-    """A line for joints that were changed in the same frames: names, frames and centimetres."""
-    if not repaired.known:
-        return [
-            f"unlike what the model knows: joints are typically {100 * repaired.residual:.1f} cm "
-            "from it; left unchanged (--force repairs it nevertheless)"
-        ]
-    groups: dict[str, list[int]] = defaultdict(list)
-    for joint in np.flatnonzero(repaired.touched.any(axis=0)):
-        groups[_frames(repaired.touched[:, joint])].append(joint)
-    lines = []
-    for frames, joints in groups.items():
-        moved = 100 * repaired.moved[:, joints][repaired.touched[:, joints]]
-        names = "all joints" if len(joints) == len(JOINTS) else ", ".join(JOINTS[j] for j in joints)
-        lines.append(f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}")
-    return lines or ["nothing to repair was found"]
-
-
 def row(name: str, repaired: Repaired) -> list[str]:
     """The cells of a table with `HEADER`; centimetres are those of the changed joints."""
     touched = repaired.touched
@@ -216,12 +195,3 @@ def row(name: str, repaired: Repaired) -> list[str]:
     share = f"{100 * touched.mean():.1f}"
     joints = str(touched.any(axis=0).sum())
     return [name, joints, share, f"{moved.mean():.1f}", f"{moved.max():.1f}", "repaired"]
-
-
-def _frames(touched: np.ndarray) -> str:
-    """The stretches of frames (frames,) bool, such as "frames 30 to 45, 102"."""
-    ends = np.flatnonzero(np.diff(touched, prepend=False, append=False)).reshape(-1, 2)
-    texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_STRETCHES]]
-    more = f" and {len(ends) - MOST_STRETCHES} more" if len(ends) > MOST_STRETCHES else ""
-    word = "frame" if len(ends) == 1 and ends[0, 1] - ends[0, 0] == 1 else "frames"
-    return f"{word} {', '.join(texts)}{more}"

@@ -100,7 +100,8 @@ def convolutional(draw: Draw, seed: int) -> Project:
     def project(take: np.ndarray) -> np.ndarray:
         padded = _padded(take, WINDOW)
         padded = padded[: len(padded) // stride * stride]
-        return project_shifted(network, padded[None], stride)[0, WINDOW : WINDOW + len(take)]
+        projected = project_shifted(network, padded[None], average_shifts=True)[0]
+        return projected[WINDOW : WINDOW + len(take)]
 
     return project
 

@@ -61,7 +61,7 @@ def _measured(
     """The row of each method on one take, and its motions as features."""
     features, start = manifold.features(take.positions[:MAX_FRAMES])
     given = manifold.denormalise(zero_values(manifold.normalise(features), lost, rng))
-    plain = manifold.project(given, manifold.shifts)
+    plain = manifold.project(given, average_shifts=True)
     contacts = find_contacts(features_to_positions(plain, start), manifold.rate)
     kept = project_constrained(manifold, given, start, contacts)
     motions = {TRUE: features, PLAIN_ROW: plain, KEPT_ROW: kept}

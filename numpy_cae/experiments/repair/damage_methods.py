@@ -10,9 +10,7 @@ from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, evenly, features_of
 from numpy_cae.manifold import MotionManifold, fill
-from numpy_cae.manifold.fill import whole_features
-from numpy_cae.manifold.holes import at_thirty
-from numpy_cae.manifold.repaired import change_joints
+from numpy_cae.manifold.repair import Holes
 from numpy_cae.manifold.smooth import filter_motion
 from numpy_cae.motion import POSITIONS, Motion
 from numpy_cae.motion.retarget.body import Body
@@ -55,11 +53,8 @@ Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def filled(body: Body, mask: np.ndarray, filling: Filling) -> Motion:
     """The body's motion with the joints of a mask (frames, 20) filled in."""
-    missing = at_thirty(body.motion, mask)
-    features, root = whole_features(body, missing)
-    found = body.positions_of(filling(features, missing), root)
-    target = np.where(missing[..., None], found, body.positions)
-    return change_joints(body, body.motion, target, mask).motion
+    holes = Holes(body, mask)
+    return holes.filled(filling(holes.features, holes.mask)).motion
 
 
 def spline(manifold: MotionManifold) -> Filling:

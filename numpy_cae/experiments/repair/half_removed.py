@@ -41,8 +41,10 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     length, features = truth.shape[1:]
     damage = error(damaged)
 
-    def network(name: str, shifts: int) -> list:
-        reconstructed, repaired = (manifold.project_windows(x, shifts) for x in (truth, damaged))
+    def network(name: str, average_shifts: bool) -> list:
+        reconstructed, repaired = (
+            manifold.project_windows(x, average_shifts) for x in (truth, damaged)
+        )
         return [name, error(reconstructed), error(repaired), None]
 
     inputs = {"": damaged}
@@ -54,8 +56,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         ["the mean pose", error(0 * truth), error(0 * truth), None],
         *_pca("PCA on frames", training.x, testing, inputs, features),
         *_pca("PCA on windows", fewer.x, testing, inputs, length * features),
-        network("the network", 1),
-        network("the network, averaged over all shifts", manifold.shifts),
+        network("the network", average_shifts=False),
+        network("the network, averaged over all shifts", average_shifts=True),
     ]
     rows = [[name, *errors, errors[1] / damage, size] for name, *errors, size in rows]
     table = Table(f"{len(material.testing)} test takes, {len(truth)} windows:", HEADER, rows)

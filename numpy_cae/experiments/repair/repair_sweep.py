@@ -125,7 +125,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
             note(ENDS_HELD + suffix, project_ends_held(manifold, damaged * factor))
             if bool(suffix) == manifold.rescales:
-                averaged = project_ends_held(manifold, damaged * factor, manifold.shifts)
+                averaged = project_ends_held(manifold, damaged * factor, average_shifts=True)
                 note(AVERAGED + suffix, averaged)
         note(LINEAR, split.moments.solve(1 - p).repair(damaged))
         mask_given.append(testing.error(interpolate_linearly(damaged, known)))

@@ -22,6 +22,7 @@ from numpy_cae.motion.formats.channels import Channels
 from numpy_cae.motion.formats.fixed import fixed
 from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
 
@@ -190,9 +191,8 @@ def _put_angles(
 ) -> float:
     """Put the angles of a joint's changed frames into the table; by how many degrees they miss."""
     columns = channels.columns("r")
-    edges = np.flatnonzero(np.diff(turned, prepend=False, append=False))
     miss = 0.0
-    for first, end in edges.reshape(-1, 2):
+    for first, end in runs(turned):
         before = values[first - 1, columns] if first else None
         before = last[columns] if first == 0 and last is not None else before
         after = values[end, columns] if end < len(values) else None

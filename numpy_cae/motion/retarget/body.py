@@ -106,7 +106,12 @@ class Body:
             motion = motion.at(slice(int(np.ceil(source[len(features)]))))
         # Below 30 frames a second the last pose can lie after the last frame.
         poses = self.positions_of(features, root)[: len(motion.source_frames(RATE))]
-        return retarget(motion, partial(at_rate_of, motion, poses))
+        return retarget_poses(motion, poses)
+
+
+def retarget_poses(motion: Motion, poses: np.ndarray) -> Motion:
+    """The motion, changed so that its twenty joints follow poses (F, 20, 3) at `RATE`."""
+    return retarget(motion, partial(at_rate_of, motion, poses))
 
 
 def hold_first_pose(motion: Motion, frames: int) -> Motion:

@@ -12,6 +12,7 @@ which keeps the detail in between and restores a joint that is off by a constant
 
 import numpy as np
 
+from numpy_cae.motion.masks import runs
 from numpy_cae.motion.quaternions import from_vector, inverse, product, slerp, to_vector
 
 SHORT = 0.25
@@ -20,9 +21,8 @@ SHORT = 0.25
 
 def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
     """The rotations (F, 4) of one joint as quaternions, changed only where `damaged` (F)."""
-    edges = np.flatnonzero(np.diff(damaged, prepend=False, append=False))
     found = rotations.copy()
-    for first, end in edges.reshape(-1, 2):
+    for first, end in runs(damaged):
         inside = rotations[first:end]
         before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
         ends = ((inside[0], before), (inside[-1], after))

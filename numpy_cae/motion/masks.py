@@ -1,0 +1,66 @@
+"""Masks of frames and joints: their runs of consecutive frames, and their change of rate.
+
+A mask is an array of bool: (frames,) or (frames, N) in the frames of a file, (F,) or (F, N) at
+`RATE`, thirty frames a second. A run is a stretch of consecutive frames in which it is True.
+"""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from numpy_cae.motion.motion import RATE, Motion
+
+
+def runs(mask: np.ndarray) -> np.ndarray:
+    """The first frame and the end of each run of a mask (F,): (runs, 2) of int.
+
+    Examples
+    --------
+    >>> runs(np.array([False, True, True, False, True])).tolist()
+    [[1, 3], [4, 5]]
+    """
+    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+
+
+def run_numbers(mask: np.ndarray) -> np.ndarray:
+    """For each True of a mask (F, N) the number of its run, from 1 on: (F, N) of int, else 0."""
+    begins = np.diff(mask, axis=0, prepend=False) & mask
+    return np.cumsum(begins.T).reshape(mask.T.shape).T * mask
+
+
+def run_lengths(mask: np.ndarray) -> np.ndarray:
+    """For each True of a mask (F, N) the frames of its run: (F, N) of int, else 0."""
+    numbers = run_numbers(mask)
+    return np.bincount(numbers.ravel())[numbers] * mask
+
+
+def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
+    """The runs of a mask (F, N) in which another mask is True somewhere: (F, N) bool."""
+    numbers = run_numbers(mask)
+    return np.isin(numbers, numbers[some & mask])
+
+
+def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:
+    """A mask (F, N) with so many more frames on both sides of each run."""
+    padded = np.pad(mask, ((frames, frames), (0, 0)))
+    return np.any(sliding_window_view(padded, 2 * frames + 1, axis=0), axis=-1)
+
+
+def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
+    """A mask (frames, N) of a motion's frames at `RATE`, (F, N).
+
+    A frame is in it if one of the frames of the file that it lies between is.
+    """
+    source = motion.source_frames(RATE)
+    low, high = np.floor(source).astype(int), np.ceil(source).astype(int)
+    return mask[low] | mask[np.minimum(high, len(motion) - 1)]
+
+
+def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
+    """A mask (F, N) at `RATE` in the frames of a motion, (frames, N): the inverse of `at_thirty`.
+
+    A frame is in it if one of the two frames at `RATE` around it is.
+    """
+    source = motion.source_frames(RATE)
+    after = np.searchsorted(source, np.arange(len(motion)), side="left")
+    before = np.searchsorted(source, np.arange(len(motion)), side="right") - 1
+    return mask[np.minimum(after, len(source) - 1)] | mask[before]
