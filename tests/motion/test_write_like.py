@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.motion import MotionFileError, load_motion, write_bvh, write_like
-from numpy_cae.motion.formats.fixed import fixed
 
 HIERARCHY = """HIERARCHY
 ROOT Hips {
@@ -134,11 +133,3 @@ def test_another_suffix_gives_bvh_and_a_source_that_changed_is_refused(tmp_path)
     with pytest.raises(MotionFileError, match="has changed since it was read"):
         write_like(tmp_path / "a.bvh", short, short, tmp_path / "b.bvh")
     assert not (tmp_path / "b.bvh").exists()
-
-
-def test_numbers_are_formatted_as_by_python():
-    values = np.random.default_rng(1).normal(size=9000) * np.logspace(-8, 9, 9000)
-    values = np.concatenate([values, [0.0, -0.0, -1e-9, 0.5, -0.99999999, 10.0, -99.5]])
-    for decimals in (0, 1, 6, 9):
-        assert list(fixed(values, decimals)) == [f"{value:.{decimals}f}" for value in values]
-    assert list(fixed(np.array([]), 6)) == []

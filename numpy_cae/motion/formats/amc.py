@@ -116,11 +116,9 @@ def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channel
             if degrees != channels[0].degrees:  # limits are in the angles of the skeleton
                 channels = [replace(c, degrees=degrees, limits=None) for c in channels]
         elif keyword == ":samples-per-second":
-            numbers = file.numbers(line, words[1:])
-            if len(numbers) != 1 or numbers[0] < MIN_RATE:
-                problem = f"expected one number above 0, {MIN_RATE:g} or more"
-                raise file.error(line, f":SAMPLES-PER-SECOND, {problem}")
-            rate = numbers[0]
+            (rate,) = file.numbers(line, words[1:], 1, keyword)
+            if rate < MIN_RATE:
+                raise file.error(line, f"{keyword} {rate:g}, expected {MIN_RATE:g} or more")
     raise file.error(file.count, "the file ends before the first frame")
 
 
@@ -133,54 +131,37 @@ def _frames(
     """
     names = acclaim.skeleton.names
     channels = {name: own.names for name, own in zip(names, acclaim.channels, strict=True)}
+    moving = [name for name in names if channels[name]]
     rows = array("d")
     frame: dict[str, tuple[int, list[str]]] = {}
     count = number = frame_line = 0
 
     def finish(last: bool = False) -> None:
-        missing = [name for name in names if channels[name] and name not in frame]
+        missing = [name for name in moving if name not in frame]
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
         kept = (count - 1) % step == 0
-        if not kept and not last:  # the last one may be cut off
-            return
-        words = [word for name in names if channels[name] for word in frame[name][1]]
-        try:
-            values = file.numbers(frame_line, words)
-        except MotionFileError:
-            for bone in frame.values():  # for the line of the error
-                file.numbers(*bone)
-            raise
+        if kept or last:  # the last one may be cut off
+            values = [value for name in moving for value in file.numbers(*frame[name])]
         if kept:
             rows.extend(values)
             file.require_frames((count - 1) // step + 1, len(names), rate)
 
     for line, (name, *values) in statements(file, header):
-        expected = channels.get(name)
-        if expected is None:
-            following, problem = whole_number(name), ""
-            if values:
-                problem = f"the skeleton has no bone {quoted(name)}; it has {', '.join(names)}"
-            elif following is None:
-                problem = f"{quoted(name)}, expected the number of a frame or a bone and its values"
-            elif count:
-                finish()
-                if following != number + 1:
-                    problem = f"frame {following} follows frame {number}, expected {number + 1}"
-            if problem or following is None:
-                raise file.error(line, problem)
-            number, frame_line, frame, count = following, line, {}, count + 1
+        if name in channels:
+            expected = channels[name]
+            if not count or name in frame or len(values) != len(expected):
+                problem = f"bone {name!r} with {len(values)} values, expected it once in each frame"
+                raise file.error(line, f"{problem}, with {len(expected)} ({' '.join(expected)})")
+            frame[name] = line, values
             continue
-        problem = ""
-        if not count:
-            problem = f"bone {name!r} is before the number of the first frame"
-        elif name in frame:
-            problem = f"bone {name!r} appears a second time in frame {number}"
-        elif len(values) != len(expected):
-            reason = f" ({' '.join(expected)})" if expected else ": the skeleton gives it no dof"
-            problem = f"bone {name!r} has {len(values)} values, expected {len(expected)}{reason}"
-        if problem:
-            raise file.error(line, problem)
-        frame[name] = line, values
+        following = whole_number(name)
+        if following is None or values or (count and following != number + 1):
+            after = f"frame {number + 1}" if count else "the first frame"
+            wanted = f"expected the number of {after} or a bone of the skeleton and its values"
+            raise file.error(line, f"{quoted(' '.join([name, *values]))}, {wanted}")
+        if count:
+            finish()
+        number, frame_line, frame, count = following, line, {}, count + 1
     finish(last=True)
     return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)

@@ -138,15 +138,11 @@ def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[in
 
 def _rate(file: TextFile, line: int, time: str) -> float:
     """Frames a second from the seconds of a frame."""
-    words = time.split()
-    if len(words) != 1:
-        raise file.error(line, f"Frame Time: {quoted(time)}, expected one number of seconds")
-    (seconds,) = file.numbers(line, words)
-    if seconds < 1e-9:
-        raise file.error(line, f"Frame Time: {time}, expected seconds above 0")
+    (seconds,) = file.numbers(line, time.split(), 1, "Frame Time:")
+    if not 1e-9 <= seconds <= 1.01 / MIN_RATE:
+        expected = f"expected seconds above 0, at most {1 / MIN_RATE:g}"
+        raise file.error(line, f"Frame Time: {time}, {expected}")
     rate = 1 / seconds
-    if rate < 0.99 * MIN_RATE:
-        raise file.error(line, f"Frame Time: {time}, expected at most {1 / MIN_RATE:g} second")
     # .0083333 is how files write 1/120; 0.033367 (29.97 Hz) is a rate of its own.
     whole = max(1, round(rate))
     return float(whole) if abs(rate / whole - 1) < 1e-4 else rate

@@ -19,25 +19,20 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from numpy_cae.motion.formats.text_file import (
-    MAX_JOINTS,
-    MotionFileError,
-    TextFile,
-    quoted,
-    whole_number,
-)
+from numpy_cae.motion.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 
 CHANNELS = {
     f"{axis}{kind}".lower(): f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ"
 }
+"""The spelling of each channel; files differ in upper and lower case."""
 
 
 @dataclass
 class BvhJoint:
-    """One ROOT or JOINT block that begins on `line`; vectors are in units of the file.
+    """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
 
-    `channels` are such as "Xposition" or "Zrotation", in the order of the file, and `tip` is the
-    offset of the End Site.
+    `parent` is the index of the joint above, of an End Site its joint. `channels` are such as
+    "Xposition" or "Zrotation", in the order of the file, and `tip` is the offset of the End Site.
     """
 
     name: str
@@ -46,16 +41,16 @@ class BvhJoint:
     offset: list[float] | None = None
     channels: list[str] | None = None
     tip: list[float] | None = None
+    is_end_site: bool = False
 
-    def __str__(self) -> str:
-        return f"joint {self.name!r} (line {self.line})"
-
-
-class _EndSite(BvhJoint):
-    """An End Site block while it is open; its name is that of its joint."""
-
-    def __str__(self) -> str:
-        return f"the End Site of joint {self.name!r}"
+    @property
+    def lacking(self) -> list[str]:
+        """The statements that may follow inside the block; it is closed after its OFFSET."""
+        lacking = ["OFFSET" if self.offset is None else "}"]
+        if not self.is_end_site:
+            lacking += ["CHANNELS"] * (self.channels is None) + ["JOINT"]
+            lacking += ["End Site"] * (self.tip is None)
+        return lacking
 
 
 def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
@@ -63,150 +58,80 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
 
     Raises MotionFileError if the block is not valid BVH.
     """
-    blocks = _Blocks(file)
-    for line, statement in _statements(file):
-        blocks.line = line
-        if statement.upper() == "MOTION":
-            blocks.finish()
-            return blocks.joints, line
-        blocks.read(statement)
-    still_open = f" while {blocks.open[-1]} is still open" if blocks.open else ""
-    raise file.error(file.count, f"the file ends{still_open} without MOTION: is it cut off?")
+    joints: list[BvhJoint] = []
+    indices: dict[str, int] = {}
+    blocks: list[BvhJoint] = []  # those that are open, the root first
+    announced: BvhJoint | None = None  # the one whose brace follows
+    for line, keyword, value in _statements(file):
+        if announced is not None:
+            expected = ["{"]
+        elif blocks:
+            expected = blocks[-1].lacking
+        else:
+            expected = ["MOTION"] if joints else ["ROOT"]
+        if keyword not in expected:
+            where = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
+            found = quoted(f"{keyword} {value}".strip())
+            raise file.error(line, f"expected {' or '.join(expected)}{where}, found {found}")
+        if keyword == "MOTION":
+            return joints, line
+        if keyword == "{" and announced is not None:
+            blocks.append(announced)
+            announced = None
+        elif keyword == "}":
+            block = blocks.pop()
+            if block.is_end_site:
+                joints[block.parent].tip = block.offset
+        elif keyword == "OFFSET":
+            blocks[-1].offset = file.numbers(line, value.split(), 3, "OFFSET")
+        elif keyword == "CHANNELS":
+            blocks[-1].channels = _channels(file, line, value)
+        elif keyword == "End Site":
+            joint = blocks[-1].name
+            name, parent = f"End Site of {joint}", indices[_plain(joint)]
+            announced = BvhJoint(name, parent, line, is_end_site=True)
+        else:
+            parent = indices[_plain(blocks[-1].name)] if blocks else -1
+            announced = BvhJoint(value, parent, line)
+            if not value or _plain(value) in indices:
+                problem = f"the name {value!r}, expected a name that no other joint has"
+                raise file.error(line, f"{keyword} has {problem} behind any colon")
+            if len(joints) == MAX_JOINTS:
+                raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+            indices[_plain(value)] = len(joints)
+            joints.append(announced)
+    inside = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
+    raise file.error(file.count, f"the file ends{inside} without MOTION: is it cut off?")
 
 
-def _statements(file: TextFile) -> Iterator[tuple[int, str]]:
-    """(line number, statement); a brace is a statement wherever on a line it is."""
+def _statements(file: TextFile) -> Iterator[tuple[int, str, str]]:
+    """(line number, keyword, value); a brace is a statement wherever on a line it is."""
     started = False
     for line, text in file.numbered():
-        for piece in re.split(r"([{}])", text):
-            statement = piece.strip()
-            if statement and started:
-                yield line, statement
-            elif statement and statement.upper() != "HIERARCHY":
+        for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
+            keyword, value = [*statement.split(maxsplit=1), ""][:2]
+            if not started and statement.upper() != "HIERARCHY":
                 problem = "expected HIERARCHY, as every BVH file begins, found"
                 raise file.error(line, f"{problem} {quoted(statement)}")
-            started = started or bool(statement)
+            if re.match(r"END\s*SITE\b", statement, re.IGNORECASE):
+                yield line, "End Site", ""
+            elif started:
+                yield line, keyword.upper(), value
+            started = True
 
 
-class _Blocks:
-    """The tree while it is being read: the joints so far, the blocks that are open, and the one
-    whose brace follows. `places` are the joints' by their names behind any colon."""
+def _channels(file: TextFile, line: int, value: str) -> list[str]:
+    count, *names = value.split() or [""]
+    channels = [CHANNELS.get(name.lower(), "") for name in names]
+    different = len(set(channels)) == len(names) and "" not in channels
+    if not different or whole_number(count) != len(names):
+        problem = "expected their number and as many different names of"
+        raise file.error(
+            line, f"CHANNELS {quoted(value)}: {problem} {', '.join(CHANNELS.values())}"
+        )
+    return channels
 
-    def __init__(self, file: TextFile):
-        self.file, self.line = file, 0
-        self.joints: list[BvhJoint] = []
-        self.places: dict[str, int] = {}
-        self.open: list[BvhJoint] = []
-        self.announced: BvhJoint | None = None
 
-    def error(self, problem: str) -> MotionFileError:
-        """An error about the present line."""
-        return self.file.error(self.line, problem)
-
-    def read(self, statement: str) -> None:
-        """Process one statement."""
-        keyword, value = [*statement.split(maxsplit=1), ""][:2]
-        keyword = keyword.upper()
-        if (self.announced is not None) != (keyword == "{"):
-            self.require_no_brace_missing(statement)
-        if self.announced is not None:
-            self.open.append(self.announced)
-            self.announced = None
-        elif keyword == "}":
-            self.close()
-        elif keyword in ("ROOT", "JOINT"):
-            self.open_joint(keyword, value)
-        elif re.fullmatch(r"END\s*SITE\b.*", statement, re.IGNORECASE):
-            self.open_end_site()
-        elif keyword == "OFFSET":
-            block = self.block("OFFSET")
-            if block.offset is not None:
-                raise self.error(f"a second OFFSET in {block}")
-            block.offset = self.file.three_numbers(self.line, value.split(), "OFFSET")
-        elif keyword == "CHANNELS":
-            self.read_channels(value)
-        else:
-            expected = "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace or MOTION"
-            problem = f"{quoted(statement)} means nothing in a BVH hierarchy, expected {expected}"
-            raise self.error(problem)
-
-    def require_no_brace_missing(self, statement: str) -> None:
-        if statement == "{":
-            raise self.error("'{' opens nothing: it follows ROOT, JOINT or End Site")
-        if self.announced is not None:
-            raise self.error(f"expected '{{', found {quoted(statement)}")
-
-    def open_joint(self, keyword: str, name: str) -> None:
-        parent = self.open[-1] if self.open else None
-        if not name:
-            raise self.error(f"{keyword} has no name")
-        if len(self.joints) == MAX_JOINTS:
-            raise self.error(f"the skeleton has more than {MAX_JOINTS} joints")
-        if keyword == "ROOT" and self.joints:
-            advice = "the file holds several skeletons, expected one; give each a file of its own"
-            raise self.error(f"a second ROOT, {name!r}: {advice}")
-        if keyword == "JOINT" and parent is None:
-            raise self.error(f"JOINT {name!r} is outside ROOT: are there too many '}}' before it?")
-        if isinstance(parent, _EndSite):
-            raise self.error(f"{keyword} {name!r} cannot stand inside {parent}")
-        plain = name.rsplit(":", 1)[-1]
-        if plain in self.places:
-            first = self.joints[self.places[plain]]
-            raise self.error(
-                f"joint name {name!r} appears a second time, first as {first.name!r} on line "
-                f"{first.line}: expected every joint to have a name of its own behind any colon"
-            )
-        above = -1 if parent is None else self.places[parent.name.rsplit(":", 1)[-1]]
-        self.places[plain] = len(self.joints)
-        self.announced = BvhJoint(name, above, self.line)
-        self.joints.append(self.announced)
-
-    def open_end_site(self) -> None:
-        block = self.block("End Site")
-        if isinstance(block, _EndSite):
-            raise self.error("End Site cannot stand inside End Site")
-        if block.tip is not None:
-            raise self.error(f"a second End Site in joint {block.name!r}, expected one at most")
-        self.announced = _EndSite(block.name, block.parent, self.line)
-
-    def read_channels(self, value: str) -> None:
-        block = self.block("CHANNELS")
-        if isinstance(block, _EndSite):
-            raise self.error("an End Site has no CHANNELS")
-        if block.channels is not None:
-            raise self.error(f"a second CHANNELS in {block}")
-        count, *names = value.split() or [""]
-        for name in names:
-            if name.lower() not in CHANNELS:
-                known = ", ".join(CHANNELS.values())
-                raise self.error(f"{quoted(name)} is no channel, expected {known}")
-        block.channels = [CHANNELS[name.lower()] for name in names]
-        if whole_number(count) != len(names):
-            counts = f"CHANNELS says {quoted(count)} and names {len(names)}"
-            raise self.error(f"{counts}, expected as many")
-        if len(set(block.channels)) < len(names):
-            raise self.error(f"CHANNELS names a channel twice: {' '.join(names)}")
-
-    def close(self) -> None:
-        if not self.open:
-            raise self.error("'}' closes nothing: there are more '}' than '{'")
-        block = self.open.pop()
-        if block.offset is None:
-            raise self.file.error(block.line, f"{block} has no OFFSET")
-        if isinstance(block, _EndSite):
-            self.open[-1].tip = block.offset
-
-    def block(self, keyword: str) -> BvhJoint:
-        """The innermost open block."""
-        if not self.open:
-            raise self.error(f"{keyword} is outside ROOT")
-        return self.open[-1]
-
-    def finish(self) -> None:
-        """Check that everything is closed at MOTION."""
-        if not self.joints:
-            raise self.error("MOTION is before any ROOT")
-        self.require_no_brace_missing("MOTION")
-        if self.open:
-            problem = f"{self.open[-1]} is still open: {len(self.open)} '}}' missing"
-            raise self.error(f"MOTION comes while {problem}")
+def _plain(name: str) -> str:
+    """The name behind any colon."""
+    return name.rsplit(":", 1)[-1]

@@ -7,7 +7,6 @@ from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -44,18 +43,12 @@ class TextFile:
         """
         path = Path(path)
         try:
-            in_all = path.stat().st_size
-            if in_all > most:
-                problem = f"has {in_all} bytes, expected at most {most}"
+            bytes_in_all = path.stat().st_size
+            if not path.is_file() or bytes_in_all > most:
+                problem = f"has {bytes_in_all} bytes, expected a regular file of at most {most}"
                 raise MotionFileError(path, None, problem)
-            if not path.is_file() and not path.is_dir():
-                raise MotionFileError(path, None, "is not a regular file")
             with path.open("rb") as file:
                 data = file.read(size)
-        except FileNotFoundError:
-            raise MotionFileError(path, None, "there is no such file") from None
-        except IsADirectoryError:
-            raise MotionFileError(path, None, "is a folder, expected a file") from None
         except OSError as error:
             raise MotionFileError(path, None, f"cannot be read: {error.strerror}") from None
         if not data or data.isspace():
@@ -101,24 +94,22 @@ class TextFile:
         """An error about a line of this file, for the caller to raise."""
         return MotionFileError(self.path, line, problem)
 
-    def numbers(self, line: int, words: list[str]) -> list[float]:
-        """The words as finite numbers; MotionFileError quotes the first that is none."""
-        try:
-            values = list(map(float, words))
-        except ValueError:
-            values = []
-        # Python reads 1_000 as a number; a motion file that holds it is damaged.
-        if len(values) < len(words) or not _all_usable(values) or "_" in "".join(words):
-            wrong = next(word for word in words if not _is_number(word))
-            problem = "is not a number, expected a finite number below"
-            raise self.error(line, f"{quoted(wrong)} {problem} {MAX_VALUE:g}")
+    def numbers(
+        self, line: int, words: list[str], count: int | None = None, name: str = ""
+    ) -> list[float]:
+        """The words as finite numbers, `count` of them; MotionFileError quotes the first that is
+        none, or says how many values `name` has."""
+        if count is not None and len(words) != count:
+            found = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
+            raise self.error(line, f"{found}, expected {count} number{'s' * (count > 1)}")
+        values = []
+        for word in words:
+            value = _number(word)
+            if value is None:
+                expected = f"is not a number, expected a finite number below {MAX_VALUE:g}"
+                raise self.error(line, f"{quoted(word)} {expected}")
+            values.append(value)
         return values
-
-    def three_numbers(self, line: int, words: list[str], name: str) -> list[float]:
-        """x, y and z; `name` appears in the error."""
-        if len(words) != 3:
-            raise self.error(line, f"{name} has {len(words)} values, expected 3 numbers (x y z)")
-        return self.numbers(line, words)
 
     def table(
         self, after: int, width: int, frames: int, expected: str, step: int
@@ -181,15 +172,11 @@ def quoted(text: str) -> str:
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
-def _all_usable(values: list[float]) -> bool:
-    # A NaN makes the sum NaN, whatever max and min say of it.
-    return not values or (
-        isfinite(sum(values)) and max(values) < MAX_VALUE and min(values) > -MAX_VALUE
-    )
-
-
-def _is_number(word: str) -> bool:
+def _number(word: str) -> float | None:
+    """The word as a finite number, None if it is none."""
     try:
-        return _all_usable([float(word)]) and "_" not in word
+        value = float(word)
     except ValueError:
-        return False
+        return None
+    # Python reads 1_000 as a number; a motion file that holds it is damaged. NaN is not below.
+    return value if abs(value) < MAX_VALUE and "_" not in word else None

@@ -19,7 +19,6 @@ from numpy_cae.motion.axes import as_in_file
 from numpy_cae.motion.formats.amc import amc_channels
 from numpy_cae.motion.formats.bvh import bvh_channels
 from numpy_cae.motion.formats.channels import Channels
-from numpy_cae.motion.formats.fixed import fixed
 from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.formats.write import write_motion
 from numpy_cae.motion.masks import runs
@@ -154,7 +153,7 @@ def _replaced(
                 misses[name] = max(miss, misses.get(name, 0.0))
     decimals = _decimals(texts, numbers)
     new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
-    written = fixed(values[new], decimals)
+    written = map(f"%.{decimals}f".__mod__, values[new].tolist())
     for frame in np.flatnonzero(changed).tolist():
         own, gaps = _words(texts[frame])
         places = numbers[frame]
