@@ -8,8 +8,8 @@ Reading order, each file using those before it:
 
 blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
 convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
-aligned                      arrays that start at a cache line
 products                     matrix products in pieces that BLAS multiplies at full speed
+filter_spectra               G w of a layer, and the gradient for w, for the windows of all threads
 tied_convolution             W in the encoder and W̃ in the decoder with one transform of the filters
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
 blas, thread_team            Python threads that share the windows, each with one BLAS thread
@@ -34,22 +34,31 @@ __all__ = ["FastConvAutoencoder", "FastSequentialAutoencoder", "accelerate", "co
 def accelerate(model: Any, threads: int | None = None) -> Any:
     """The same model, computed faster on the same weight arrays.
 
-    The weights may be changed between two calls in any manner, in place or by assigning another
-    array to `layers[k].w` or `weights[name]`, through the model or through what is returned.
+    The weights may be changed between two calls, in place or by assigning another array to
+    `layers[k].w` or `weights[name]`, of the model or of the accelerated model.
 
     Parameters
     ----------
     model : ConvAutoencoder or SequentialAutoencoder
-        Any other object (a model that is accelerated already, a subclass that computes something
-        else) is returned as it is.
+        Any other object, such as an accelerated model or a subclass with another loss, is returned
+        unchanged.
     threads : int, optional
-        As many as BLAS would use where None. A result depends on this number in its last digits,
-        and on nothing else.
+        By default as many as BLAS would use. The last digits of a result depend on this number, and
+        on nothing else.
 
     Returns
     -------
     FastConvAutoencoder or FastSequentialAutoencoder
         Subclasses of the model's class.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> model = ConvAutoencoder(features=5, filters=(6, 7), taps=3)
+    >>> x = np.sin(np.arange(160, dtype=np.float32)).reshape(1, 32, 5)
+    >>> fast = accelerate(model)
+    >>> fast.layers is model.layers, np.allclose(fast.project(x), model.project(x), atol=1e-5)
+    (True, True)
     """
     if type(model) is ConvAutoencoder:
         return FastConvAutoencoder(model, threads)

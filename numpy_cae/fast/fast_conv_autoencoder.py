@@ -254,8 +254,8 @@ def _masks(
     parts: list[np.ndarray | None] = [None] * layers
     for k, mask in enumerate(first or ()):
         if mask is not None:
-            own = mask[worker.windows].transpose(1, 0, 2)
-            parts[k] = own.reshape(len(own), -1)
+            rows = mask[worker.windows].transpose(1, 0, 2)
+            parts[k] = rows.reshape(len(rows), -1)
     return parts
 
 
@@ -266,9 +266,9 @@ def _error(worker: Worker, decoded: np.ndarray, x: np.ndarray) -> float:
     """
     error = worker.layers[0].convolution.error
     batch, frames, channels = x[worker.windows].shape
-    own = x[worker.windows].transpose(1, 0, 2)
-    known, out = (rows.reshape(frames, batch, -1)[..., :channels] for rows in (decoded, error))
-    np.subtract(known, own, out=out)
+    target = x[worker.windows].transpose(1, 0, 2)
+    x_hat, out = (rows.reshape(frames, batch, -1)[..., :channels] for rows in (decoded, error))
+    np.subtract(x_hat, target, out=out)
     loss = float(np.multiply(error, error, out=decoded).sum()) / x.size
     error *= 2 / x.size
     return loss

@@ -15,7 +15,7 @@ the encoder has none. The pullbacks have no halves and no biases:
 
 import numpy as np
 
-from numpy_cae.fast.aligned import aligned_empty
+from numpy_cae.fast.products import aligned_empty
 from numpy_cae.models.sequential_autoencoder import Weights, gru_weights
 
 

@@ -18,7 +18,7 @@ has the order new, reset, update and s the order reset, update, new: see `gru_ma
 
 import numpy as np
 
-from numpy_cae.fast.aligned import aligned_empty
+from numpy_cae.fast.products import aligned_empty
 
 
 class Recurrence:

@@ -1,20 +1,19 @@
-"""One thread's clips through both GRUs and back, in buffers of its own."""
+"""The clips of one thread through both GRUs and back, in buffers that no other thread uses."""
 
 import numpy as np
 
-from numpy_cae.fast.aligned import aligned_empty
 from numpy_cae.fast.gru_matrices import GruMatrices, gru_gradients
-from numpy_cae.fast.products import RowGroups
+from numpy_cae.fast.products import RowGroups, aligned_empty
 from numpy_cae.fast.recurrence import Recurrence
 from numpy_cae.models.sequential_autoencoder import Weights
 
 
 class SequenceWorker:
-    """Buffers for its `clips` of a batch, T frames each, which follow S frames of a burn-in.
+    """The buffers for the `clips` of one thread: T frames each, after S frames of a burn-in.
 
-    What a product over all steps and clips needs has the layout (rows, steps, B): as a matrix, its
-    columns are the steps' clips. One step's numbers are computed in a small contiguous array, which
-    the cache holds, and copied there.
+    An array that enters a product over all steps and clips has the layout (rows, steps, B), so that
+    it is a matrix with a column for each clip of each step. The numbers of one step are computed in
+    a small contiguous array, which fits the cache, and then copied into that layout.
 
     Attributes
     ----------

@@ -60,7 +60,7 @@ def cheapest_length(
 
 
 class TiedConvolution:
-    """One layer's W in the encoder and in the decoder, for one thread's windows in own buffers.
+    """One layer's W in the encoder and in the decoder, for one thread's windows in its buffers.
 
     Parameters
     ----------

@@ -59,13 +59,13 @@ class Workspace:
     dtype : dtype
     team : ThreadTeam
     training : bool
-        Whether gradients for the weights will be computed: then ŵ is transformed in every run,
-        since every step changes the weights, and the block length takes that into account.
+        Whether gradients for the weights will be computed. Every step of training changes the
+        weights, so ŵ is then computed in every run, and the block length is chosen for that.
 
     Attributes
     ----------
     content : object
-        A new one for each run, to tell whether the buffers still belong to an earlier run.
+        A new object for each run; as long as it is the same, the buffers hold that run's values.
     """
 
     def __init__(
@@ -156,7 +156,10 @@ class Workspace:
     def _equal_part(
         self, number: int, filters: Sequence[np.ndarray], copies: Sequence[np.ndarray]
     ) -> bool:
-        """Whether its part of W equals the copies; those without windows compare, if any."""
+        """Return True if this thread's share of W equals the copies.
+
+        If some threads have no windows, only those compare.
+        """
         busy = len(self.workers) % self.team.size
         return number < busy or all(
             w.dtype == copy.dtype and np.array_equal(_bits(w)[part], _bits(copy)[part])
