@@ -46,8 +46,8 @@ def write_picture(notebook: dict, lesson: str | Path) -> Path:
     small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
     information = PngImagePlugin.PngInfo()
     information.add_text(MADE_OF, hashlib.sha256(drawn).hexdigest())
-    with atomic_write(path) as beside:
-        small.quantize(COLOURS).save(beside, "PNG", optimize=True, pnginfo=information)
+    with atomic_write(path) as temporary:
+        small.quantize(COLOURS).save(temporary, "PNG", optimize=True, pnginfo=information)
     return path
 
 

@@ -17,18 +17,19 @@ from numpy_cae.verify.operations.trial import example as example_of
 if TYPE_CHECKING:
     from numpy_cae.verify.grading.report import Report
 
-ASSIGNMENTS = {number: tuple(each.name for each in made) for number, made in LESSONS.items()}
-"""The exercises of each lesson, by its number."""
+ASSIGNMENTS = {number: tuple(task.name for task in tasks) for number, tasks in LESSONS.items()}
+"""The names of the exercises of each lesson, by the number of the lesson."""
 
 
 def report(name: str, function: Callable, hint: int = 0) -> Report | int:
     """Test a student's function for every property of an operation or an exercise.
 
-    While nbgrader runs the notebook, the report is printed and its points are returned: nbgrader
-    takes a number that a cell returns for its points. They are those of `numpy-cae verify`.
+    While nbgrader runs the notebook, the report is printed and its points are returned, because
+    nbgrader takes a number that a check cell returns as the points of the exercise. The points are
+    those of `numpy-cae verify`.
 
-    `hint` is 1 for a hint, 2 for a second one, after a first attempt. Raises ValueError if there is
-    no such operation or exercise, or no such hint.
+    After a first attempt, `hint=1` adds a hint to the report and `hint=2` a second one. Raises a
+    ValueError if there is no such operation or exercise, or no such hint.
     """
     from numpy_cae.verify.grading.report import report as report_on
 
@@ -38,21 +39,21 @@ def report(name: str, function: Callable, hint: int = 0) -> Report | int:
         function, called = _unsolved, name
     if os.environ.get("NBGRADER_EXECUTION"):
         with open(os.devnull, "w") as nothing, redirect_stderr(nothing):  # it would give 0 points
-            made = report_on(exercise, function, called=called)
-        print(made)
-        return made.points
-    made = report_on(with_hint(exercise, hint), function, called=called)
-    if not made.unsolved:
-        return made
+            tested = report_on(exercise, function, called=called)
+        print(tested)
+        return tested.points
+    tested = report_on(with_hint(exercise, hint), function, called=called)
+    if not tested.unsolved:
+        return tested
     later = "a hint is shown after your first attempt" if hint else ""
-    return replace(made, exercise=replace(made.exercise, hint=later))
+    return replace(tested, exercise=replace(tested.exercise, hint=later))
 
 
 def solved(name: str, function: Callable) -> Callable:
-    """What later cells use: the student's function if every property holds, else the package's own.
+    """The function for later cells: the student's if every property holds, else the package's own.
 
-    The student's is saved to mine.py, for later lessons, if there is one beside the notebook.
-    Prints what is done; raises ValueError if there is no such exercise.
+    If the folder of the notebook has a file mine.py, the student's function is saved to it for
+    later lessons. Prints what is done; raises a ValueError if there is no such exercise.
     """
     from numpy_cae.verify.grading.report import holds
 
@@ -71,9 +72,9 @@ def solved(name: str, function: Callable) -> Callable:
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
-    """The arguments by name of a counterexample; a report prints the call, with all sizes.
+    """The arguments of a counterexample by name, for the call that a report prints.
 
-    Raises ValueError if there is no such operation or exercise, or a size is missing.
+    Raises a ValueError if there is no such operation or exercise, or a size is missing.
     """
     return example_of(find_exercise(name, CATALOGUE), seed, **sizes).arguments
 

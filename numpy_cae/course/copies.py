@@ -1,5 +1,7 @@
-"""Student copies of the lessons, with a stub for each solution: a folder of them, and releases for
-nbgrader."""
+"""The students' copies of the lessons, with a stub in place of each solution.
+
+The copies are written into a folder, or into a release for nbgrader.
+"""
 
 import re
 import zipfile
@@ -50,7 +52,7 @@ def _without_solutions(cell: dict) -> str:
 
 
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
-    """The lessons in a folder with these numbers, or all; ValueError if one is not there."""
+    """The lessons in a folder with these numbers, or all; ValueError if one is missing."""
     lessons = find_lessons(folder)
     if missing := set(numbers) - {path.name[:2] for path in lessons}:
         there = ", ".join(path.name[:2] for path in lessons)
@@ -61,7 +63,7 @@ def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
 def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool]]:
     """Write the students' copies and mine.py; yields each file, and whether it was written.
 
-    A file that exists is kept as it is.
+    An existing file is not changed.
     """
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
@@ -86,12 +88,15 @@ def write_package_copy(lesson: Path) -> None:
 def write_release(lessons: list[Path], path: Path) -> None:
     """Write a zip file to be unpacked in the folder of an nbgrader course.
 
-    `release/NAME` has the students' copies and mine.py, `source/NAME` what `nbgrader
-    generate_assignment NAME` makes them of, with the points and without solutions; NAME is that of
-    the file. nbgrader_config.py lets nbgrader give the marks of `numpy-cae verify`.
+    NAME is the name of the file. `release/NAME` has the students' copies and mine.py. From
+    `source/NAME`, `nbgrader generate_assignment NAME` makes the same copies; it has the points and
+    no solutions. With nbgrader_config.py, nbgrader gives the marks of `numpy-cae verify`.
     """
     config = files(__package__).joinpath("nbgrader_config.txt").read_text(encoding="utf-8")
-    with atomic_write(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as packed:
+    with (
+        atomic_write(path) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as packed,
+    ):
         packed.writestr("nbgrader_config.py", config)
         for folder in ("release", "source"):
             packed.writestr(f"{folder}/{path.stem}/{FILE}", EMPTY)

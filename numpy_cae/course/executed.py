@@ -1,4 +1,4 @@
-"""Execute a lesson in a fresh kernel; the hash of the source that its outputs belong to."""
+"""Execute a lesson in a fresh kernel, and store its outputs with a hash of its source."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ SECONDS_A_CELL = 120
 
 
 def source_hash(notebook: dict) -> str:
-    """A hash of every code cell's source, which executing stores beside the outputs."""
+    """A hash of the source of all code cells, which is stored with the outputs."""
     sources = [cell["source"] for cell in notebook["cells"] if cell["cell_type"] == "code"]
     return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
@@ -21,10 +21,10 @@ def source_hash(notebook: dict) -> str:
 def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
     """A copy of the notebook with the outputs of its execution in a fresh kernel.
 
-    The kernel runs with `data` as NUMPY_CAE_DATA, by default without, so that every machine stores
-    results of synthetic motion, and in a folder that holds nothing but a mine.py with the text
-    given. Raises ValueError if a cell raises, with the cell and its error, or if nbclient is not
-    installed.
+    The kernel runs in a folder that contains only a file mine.py with the text `mine`. `data` is
+    the value of NUMPY_CAE_DATA. By default the variable is not set, so that every machine stores
+    results of synthetic motion. Raises a ValueError with the cell and its error if a cell raises,
+    and a ValueError if nbclient is not installed.
     """
     try:
         import nbformat

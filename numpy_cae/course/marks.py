@@ -12,14 +12,14 @@ from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import FileReport
 
-OWN_LESSON = re.compile(r"^\d\d_")
+LESSON_FIRST = re.compile(r"^\d\d_")
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A cell that begins with one of these is a formula to a spreadsheet."""
+"""A spreadsheet takes a cell that begins with one of these for a formula."""
 INDENT = " " * 4  # a block of code in Markdown, whose text does nothing else
 
 
 def student_id(file: Path, folder: Path) -> str:
-    """Who handed a file in: the first folder inside `folder`, or else the file's name.
+    """The student who handed a file in: the first folder inside `folder`, or else the file's name.
 
     nbgrader's submitted/ann/week3/03_convolution_by_hand.ipynb and submitted/ann/03.ipynb are ann's
     where `folder` is submitted; ann_03.ipynb, 03_ann.ipynb and ann.ipynb are ann's too.
@@ -28,27 +28,27 @@ def student_id(file: Path, folder: Path) -> str:
     if rest:
         return first
     name = file.stem.removesuffix(f"_{lesson_of(file)}")
-    return OWN_LESSON.sub("", name) or name
+    return LESSON_FIRST.sub("", name) or name
 
 
 def lesson_of(file: Path) -> str:
     """The lesson at the end of a name such as ann_03.py, or ""."""
     last = file.stem.rpartition("_")[2]
-    return last if last in ASSIGNMENTS and not OWN_LESSON.match(file.stem) else ""
+    return last if last in ASSIGNMENTS and not LESSON_FIRST.match(file.stem) else ""
 
 
 def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
-    """Write one row a student: the points of each exercise, their sum, and what is wrong.
+    """Write one row for each student: the points of each exercise, their sum, and what is wrong.
 
-    Of an exercise that was handed in more than once the best counts; what was not handed in is
-    empty. The points possible are those of all columns.
+    If an exercise was handed in more than once, the best attempt counts. The cell of an exercise
+    that was not handed in is empty. The points possible are those of all columns.
     """
     by_student = _by_student(graded)
     best = {student: _best(files) for student, files in by_student.items()}
     names = [name for name in CATALOGUE if any(name in reports for reports in best.values())]
     names.sort(key=[*sum(ASSIGNMENTS.values(), ()), *CATALOGUE].index)
     possible = sum(CATALOGUE[name].points for name in names)
-    with atomic_write(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["student", *names, "total", "possible", "problems"])
         for student, reports in best.items():
@@ -59,7 +59,7 @@ def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
 
 
 def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
-    """Write one Markdown file a student, with the report on each exercise."""
+    """Write one Markdown file for each student, with the report on each exercise."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, (student, files) in enumerate(_by_student(graded).items(), 1):
         lines = []
@@ -72,15 +72,15 @@ def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> No
                 lines += [title, "", textwrap.indent(str(report), INDENT), ""]
         safe = re.sub(r"[^\w-]", "_", student)
         name = safe if safe == student else f"{safe}_{number}"  # two may differ in a sign only
-        with atomic_write(folder / f"{name}.md") as beside:
-            beside.write_text("\n".join(lines), encoding="utf-8")
+        with atomic_write(folder / f"{name}.md") as temporary:
+            temporary.write_text("\n".join(lines), encoding="utf-8")
 
 
 def _by_student(graded: Iterable[tuple[str, FileReport]]) -> dict[str, list[FileReport]]:
-    found = defaultdict(list)
+    files = defaultdict(list)
     for student, report in graded:
-        found[student].append(report)
-    return dict(sorted(found.items()))
+        files[student].append(report)
+    return dict(sorted(files.items()))
 
 
 def _best(files: list[FileReport]) -> dict[str, Report]:
@@ -92,5 +92,5 @@ def _best(files: list[FileReport]) -> dict[str, Report]:
 
 
 def _as_text(cell: str) -> str:
-    """A cell that no spreadsheet takes for a formula."""
+    """The text of a cell, quoted if a spreadsheet would take the cell for a formula."""
     return f"'{cell}" if cell.startswith(FORMULA) else cell

@@ -41,7 +41,7 @@ class NotSavedError(NumpyCaeError):
 
 
 def stand_in(name: str) -> Callable:
-    """The package's own function, marked, so that a check does not take it for the student's."""
+    """The package's own function, with a mark by which a check tells it from the student's."""
     solution = CATALOGUE[name].solution
 
     @wraps(solution)
@@ -56,8 +56,8 @@ def stand_in(name: str) -> Callable:
 def save(name: str, function: Callable) -> bool:
     """Write a function, with all that its cell defines, to the mine.py of the current folder.
 
-    Returns False where there is no mine.py, or nbgrader runs the notebook. Raises NotSavedError if
-    mine.py cannot be run, or the function does not work with what its cell defines.
+    Returns False if there is no mine.py, or while nbgrader runs the notebook. Raises a
+    NotSavedError if mine.py cannot be run, or if the function needs more than its cell defines.
     """
     if not Path(FILE).is_file() or os.environ.get("NBGRADER_EXECUTION"):
         return False
@@ -74,8 +74,8 @@ def save(name: str, function: Callable) -> bool:
     if not outcome.held:
         problem, _, _ = outcome.problem.partition(" (line")
         raise NotSavedError(f"{problem}. Define what it needs in its own cell")
-    with atomic_write(FILE) as beside:
-        beside.write_text(after, encoding="utf-8")
+    with atomic_write(FILE) as temporary:
+        temporary.write_text(after, encoding="utf-8")
     if "mine" in sys.modules:
         load_mine()
     return True
@@ -84,9 +84,9 @@ def save(name: str, function: Callable) -> bool:
 def load_mine() -> None:
     """Make the module `mine` of the file mine.py in the current folder.
 
-    All functions are the package's own where there is no mine.py, where it cannot be run, and while
-    nbgrader runs the notebook, since marks do not depend on earlier lessons. Prints which of these
-    is the case, and the name of each function that is imported but not in mine.py.
+    All functions are the package's own if there is no mine.py, if mine.py cannot be run, or while
+    nbgrader runs the notebook, since marks do not depend on earlier lessons. In the first two cases
+    this is printed. The name of a function that is imported and not in mine.py is printed, too.
     """
     module, usable = ModuleType("mine"), False
     if not os.environ.get("NBGRADER_EXECUTION"):
@@ -120,10 +120,10 @@ def mine_before(lesson: Path) -> str:
 
 
 def with_definitions(text: str, cell: str) -> str:
-    """The text of mine.py with what a cell defines at its end, instead of what has its names."""
+    """The text of mine.py with the definitions of a cell at the end, which replace older ones."""
     lines, statements = text.splitlines(), ast.parse(text).body
-    known = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
-    added = [node for node in ast.parse(cell).body if ast.unparse(node) not in known]
+    imported = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
+    added = [node for node in ast.parse(cell).body if ast.unparse(node) not in imported]
     names = set().union(*map(_names, added))
     for node in reversed(statements):
         if _names(node) & names:

@@ -1,6 +1,6 @@
-"""nbgrader's marks: those of `numpy-cae verify`, each exercise tested in a process of its own.
+"""The marks of `numpy-cae verify` for nbgrader: each exercise is tested in a separate process.
 
-`nbgrader_config.py` of a release puts `grade_notebook` in the place of nbgrader's execution.
+The `nbgrader_config.py` of a release replaces nbgrader's execution by `grade_notebook`.
 """
 
 import tempfile

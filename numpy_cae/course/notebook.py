@@ -8,14 +8,16 @@ from numpy_cae.course.exercises import EXERCISES
 
 
 def find_lessons(folder: str | Path) -> list[Path]:
-    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order;
-    FileNotFoundError if there are none."""
-    found = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
-    if not found:
+    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order.
+
+    Raises a FileNotFoundError if there are none.
+    """
+    lessons = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
+    if not lessons:
         raise FileNotFoundError(
             f"no lessons in {folder}: they are in the folder lessons of a clone of the repository"
         )
-    return found
+    return lessons
 
 
 def read_notebook(path: str | Path) -> dict:
@@ -48,5 +50,5 @@ def as_text(notebook: dict) -> str:
 
 def write_notebook(notebook: dict, path: str | Path) -> None:
     """Write a notebook."""
-    with atomic_write(path) as beside:
-        beside.write_text(as_text(notebook), encoding="utf-8")
+    with atomic_write(path) as temporary:
+        temporary.write_text(as_text(notebook), encoding="utf-8")

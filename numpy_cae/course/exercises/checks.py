@@ -176,16 +176,18 @@ def same_as(definition: Callable, *names: str) -> Check:
     return check
 
 
-def require_same(found, expected, names: tuple[str, ...] = ()) -> None:
+def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
     """Raise unless a result equals the expected one, part by part if that is a tuple."""
     if not isinstance(expected, tuple):
-        found, expected = (found,), (expected,)
+        returned, expected = (returned,), (expected,)
         names = names[:1] or ("the value",)
     names = names or tuple(f"value {number}" for number in range(len(expected)))
-    if not isinstance(found, tuple | list) or len(found) != len(expected):
-        what = f"{len(found)} values" if isinstance(found, tuple | list) else type(found).__name__
-        raise AssertionError(f"it returns {what}, expected {', '.join(names)}")
-    for name, one, other in zip(names, found, expected, strict=False):
+    if not isinstance(returned, tuple | list):
+        kind = type(returned).__name__
+        raise AssertionError(f"it returns {kind}, expected {', '.join(names)}")
+    if len(returned) != len(expected):
+        raise AssertionError(f"it returns {len(returned)} values, expected {', '.join(names)}")
+    for name, one, other in zip(names, returned, expected, strict=False):
         if one is None:
             raise AssertionError(f"{name} is None: is a return missing?")
         if np.asarray(one).dtype.kind not in "biuf":

@@ -23,7 +23,7 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 P = 0.3
-ALPHA = 0.4  # large beside the paper's 0.01, so that a missing sparsity term is noticed
+ALPHA = 0.4  # far above the paper's 0.01: a missing sparsity term is noticed
 
 
 def zero_values(x, p, draws):

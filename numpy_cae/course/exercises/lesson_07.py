@@ -22,7 +22,7 @@ SIZES = {
 
 
 def frames_seen(taps, layers):
-    """The number of input frames that one unit of the top layer depends on."""
+    """The number of input frames that one hidden frame of the top layer depends on."""
     return 1 + taps * (2**layers - 1)
 
 

@@ -1,5 +1,7 @@
-"""The exercises of lesson 08, using the manifold: blind repair, filling in, comparing, and the
-linear map that they are compared with."""
+"""The exercises of lesson 08, using the manifold.
+
+Repair with an unknown mask, filling in, comparing, and the linear map as a baseline.
+"""
 
 from dataclasses import dataclass
 

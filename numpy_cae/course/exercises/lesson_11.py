@@ -15,7 +15,7 @@ from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.verify.operations.case import Case
 
-WEIGHT = 0.7  # large beside the lesson's, so that a missing term is noticed
+WEIGHT = 0.7  # far above the lesson's: a missing term is noticed
 
 
 def wasserstein_1d(p, q):

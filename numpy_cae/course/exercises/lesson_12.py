@@ -1,4 +1,4 @@
-"""The exercises of lesson 12, trust nobody's gradients: the student's own checks, tested.
+"""The exercises of lesson 12, trust nobody's gradients: tests of the student's own checks.
 
 A check is right if every right implementation passes and no wrong one does. The wrong ones are
 the planted bugs of `verify`.
@@ -151,10 +151,10 @@ def _accused(number: int) -> Property:
 
 def _function_and_inputs(operation: str, implementation: Callable, seed: int, scale: float = 1.0):
     """f and its inputs by name; f closes over the arguments that get no gradient."""
-    known = OPERATIONS[operation]
-    sizes = tuple((name, SIZES[name]) for name in known.sizes if name in SIZES)
-    arguments = known.arguments(Case(sizes, seed))
-    inputs = {name: scale * arguments[name] for name in known.differentiated}
+    stated = OPERATIONS[operation]
+    sizes = tuple((name, SIZES[name]) for name in stated.sizes if name in SIZES)
+    arguments = stated.arguments(Case(sizes, seed))
+    inputs = {name: scale * arguments[name] for name in stated.differentiated}
     if "x" in arguments:
         arguments["x"] = scale * arguments["x"]
 

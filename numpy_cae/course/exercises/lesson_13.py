@@ -50,8 +50,8 @@ def three_products(a, b, p, q, multiply):
 
 def block_matrices(taps, frames):
     """A, G and C, from the package."""
-    made = blocks(taps, frames)
-    return made.a, made.g, made.c
+    matrices = blocks(taps, frames)
+    return matrices.a, matrices.g, matrices.c
 
 
 def conv1d_by_blocks(x, w, b, a, g, c):
