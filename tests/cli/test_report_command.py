@@ -54,7 +54,7 @@ def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path
     assert "Could not be run" in lacking["note"] and not lacking["claims"]
     assert printed["claims"] == len(measured["claims"]) > 0
     assert printed["confirmed"] == sum(claim["confirmed"] for claim in measured["claims"])
-    assert "*_01.bvh" in printed["how"]["test takes"]
+    assert "*_01.bvh" in printed["provenance"]["test takes"]
     assert "Sampling from a prior" in (tmp_path / "out" / "report.txt").read_text()
 
 

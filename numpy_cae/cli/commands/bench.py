@@ -75,11 +75,11 @@ def _quality(args: argparse.Namespace) -> int:
 def _trainings(args: argparse.Namespace) -> list[quality.Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     from numpy_cae.bench.trainings import trainings
-    from numpy_cae.cli.shared.ablation import material_of
+    from numpy_cae.cli.shared.takes import training_and_test_takes
     from numpy_cae.experiments.ablation.ablation import HALF_REMOVED, Evaluation
     from numpy_cae.training import recipe
 
-    evaluation = Evaluation(material_of(args))
+    evaluation = Evaluation(training_and_test_takes(args))
 
     def error(repair: Callable[[np.ndarray], np.ndarray]) -> float:
         return evaluation.measure(repair, seed=0)[HALF_REMOVED]

@@ -2,7 +2,7 @@
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
 pictures) and report.txt. `--only cmu35` needs no model: it trains on CMU subject 35 and compares
 with published figures (get the files by `numpy-cae download cmu --subjects 35`). With --ablation,
-measure what each choice of the paper contributes instead.
+measure what each choice of the paper contributes instead, and write ablation.html and .txt.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
@@ -19,14 +19,26 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared import ablation, arguments, one_motion
+from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, print_json, working, write_texts
+from numpy_cae.cli.shared.takes import SYNTHETIC_MINUTES, TEST_EVERY, training_and_test_takes
+from numpy_cae.experiments.ablation import choices
 from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import find_motion_files
+
+ABLATION = (
+    "Ablation of holden2015",
+    "Each choice of the network and the training of holden2015 is left out or replaced, one at a "
+    "time, on the same takes and with the same measures. The networks are smaller than the paper's "
+    "and trained for less, so that each can be trained from several seeds.",
+)
+"""Title and introduction of the page."""
+Measured = tuple[dict[str, Result], dict[str, str]]
+"""Results by name, and what must be known to judge or to reproduce them."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,116 +47,160 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--data", **arguments.FOLDERS, help="folders of motion files")
     model = "model file from `numpy-cae train --test PATTERN` (default: the starter model)"
     add("-m", "--model", type=Path, help=model)
-    output = "folder to write, created if it does not exist"
+    output = "folder to write, created if it does not exist (default: report or ablation)"
     add("-o", "--output", **arguments.FOLDER, help=output)
     test = "names of the test files, where the model does not record them (default for the "
     test += "starter model, for data that it has not seen: every fifth file)"
     add("--test", **arguments.PATTERNS, help=test)
     unseen = "the model has seen none of these files: test on --test or on every fifth file"
     add("--unseen", **arguments.FLAG, help=unseen)
-    only, choices = f"run only these, of {', '.join(names)} (the default)", (*names, *PUBLISHED)
+    only, every = f"run only these, of {', '.join(names)} (the default)", (*names, *PUBLISHED)
     only += f" and {', '.join(PUBLISHED)}"
-    add("--only", nargs="+", choices=choices, default=names, metavar="NAME", help=only)
+    add("--only", nargs="+", choices=every, default=names, metavar="NAME", help=only)
     arguments.add_shared(parser, "seed json mapping unit up floor")
-    ablation.add_arguments(parser)
+    add = parser.add_argument_group("ablation").add_argument
+    ablation = "train and compare networks of other depth, unpooling, training, … instead "
+    ablation += f"(default: on {SYNTHETIC_MINUTES:g} minutes of synthetic motions)"
+    add("--ablation", **arguments.FLAG, help=ablation)
+    seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
+    add("--seeds", **arguments.COUNT, default=choices.SEEDS, help=seeds)
+    width = f"filters of the lowest of three layers; the paper has 64 (default: {choices.WIDTH})"
+    add("--width", **arguments.COUNT, default=choices.WIDTH, help=width)
+    pair = {"type": arguments.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
+    default = (choices.LAYER_EPOCHS, choices.FINE_EPOCHS)
+    epochs = "epochs of each layer and of fine tuning (default: {} {})".format(*default)
+    add("--epochs", **pair, default=default, help=epochs)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, measure, write."""
-    if args.ablation:
-        return ablation.run(args)
-    own = [name for name in EXPERIMENTS if name in args.only]
-    missing = [name for name in ("data", "output") if getattr(args, name) is None]
-    if missing:
-        needed = " and ".join(f"--{name}" for name in missing)
-        raise ValueError(f"give {needed} (only --ablation does without)")
     started = time.monotonic()
-    data = ", ".join(folder.name for folder in args.data)
-    given: dict[str, tuple] = {name: (args.data,) for name in PUBLISHED if name in args.only}
-    how = {"data": data}
-    if own:
-        manifold, material, how = _read(args, data)
-        given = {name: (manifold, material) for name in own} | given
-    args.output.mkdir(parents=True, exist_ok=True)
-    results: dict[str, Result] = {}
-    for name, inputs in given.items():
-        with working(name):
-            result = results[name] = run_experiment(name, *inputs, seed=args.seed)
-        counted = f"{result.confirmed} of {len(result.claims)} claims confirmed"
-        note(f"[{len(results)}/{len(given)}] {name}: {counted if result.claims else result.note}")
-    seconds = time.monotonic() - started
-    how |= {"made by": f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"}
-    html, text = page(results, how), plain_text(results.values(), how)
-    write_texts(args.output, {"report.html": html, "report.txt": text})
+    name = "ablation" if args.ablation else "report"
+    args.output = args.output or Path(name)
+    results, provenance = (_ablation if args.ablation else _experiments)(args)
+    provenance["made by"] += f", {time.monotonic() - started:.0f} s"
+    html = page(results, provenance, *(ABLATION if args.ablation else ()))
+    text = plain_text(results.values(), provenance)
+    write_texts(args.output, {f"{name}.html": html, f"{name}.txt": text})
     counts = {
         "confirmed": sum(result.confirmed for result in results.values()),
         "claims": sum(len(result.claims) for result in results.values()),
     }
     if args.json:
         experiments = [{"name": name} | result.data() for name, result in results.items()]
-        print_json(counts | {"how": how, "experiments": experiments})
+        print_json(counts | {"provenance": provenance, "experiments": experiments})
     else:
-        counted = f"{counts['confirmed']} of {counts['claims']} claims confirmed"
-        print(f"{args.output / 'report.html'}: {counted}")
+        path = args.output / f"{name}.html"
+        print(f"{path}: {counts['confirmed']} of {counts['claims']} claims confirmed")
     return 0
+
+
+def _experiments(args: argparse.Namespace) -> Measured:
+    """Run the experiments of --only."""
+    if not args.data:
+        raise ValueError("give --data (only --ablation does without)")
+    data = ", ".join(folder.name for folder in args.data)
+    inputs: dict[str, tuple] = {}
+    provenance = {"data": data}
+    if any(name in EXPERIMENTS for name in args.only):
+        manifold, material, provenance = _read(args, data)
+        inputs = {name: (manifold, material) for name in EXPERIMENTS if name in args.only}
+    inputs |= {name: (args.data,) for name in PUBLISHED if name in args.only}
+    args.output.mkdir(parents=True, exist_ok=True)
+    results: dict[str, Result] = {}
+    for name in inputs:
+        with working(name):
+            result = results[name] = run_experiment(name, *inputs[name], seed=args.seed)
+        counted = f"{result.confirmed} of {len(result.claims)} claims confirmed"
+        note(f"[{len(results)}/{len(inputs)}] {name}: {counted if result.claims else result.note}")
+    return results, provenance | {"made by": f"NumPy {np.__version__}, seed {args.seed}"}
+
+
+def _ablation(args: argparse.Namespace) -> Measured:
+    """Train and compare the networks of the ablation."""
+    from numpy_cae.experiments.ablation.ablation import Evaluation, ablation_result, measure_rows
+
+    material = training_and_test_takes(args)
+    args.output.mkdir(parents=True, exist_ok=True)
+    started, networks = time.monotonic(), choices.choices(args.width, *args.epochs)
+    evaluation = Evaluation(material)
+
+    def progress(line: str) -> None:
+        note(f"{time.monotonic() - started:.0f} s, {line}")
+
+    rows = measure_rows(evaluation, networks, args.seeds, progress)
+    folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
+    layer, fine_tuning = networks[0].schedule.layer, networks[0].schedule.fine_tuning
+    provenance = {
+        "data": f"{folders}: {len(material.training)} takes to learn from "
+        f"({len(evaluation.windows)} windows), {len(material.testing)} to test",
+        "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
+        "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}",
+        **_network(networks[0].filters, choices.TAPS, vars(layer), vars(fine_tuning)),
+    }
+    return {"ablation": ablation_result(rows, evaluation.sample)}, provenance
 
 
 def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material, dict[str, str]]:
     """The model, the takes, and what a reader of the report must know of both."""
     manifold = one_motion.load_model(args)
     patterns = _test_patterns(manifold, args)
+    listed = " ".join(patterns[:5]) + (f" and {len(patterns) - 5} more" if patterns[5:] else "")
     with working(f"reading {data}"):
         material = read_material(args.data, patterns, *arguments.reading(args))
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         advice = "if the model has seen none of these files, add --unseen"
-        found = f"--data holds no take to {which}: the test takes are {_listed(patterns)}"
-        raise ValueError(f"{found}; {advice}")
+        problem = f"--data holds no take to {which}: the test takes are {listed}"
+        raise ValueError(f"{problem}; {advice}")
     counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
     note(counts)
-    how = _provenance(args.model.name if args.model else "starter model", manifold) | {
+    settings, layers = manifold.settings.get, manifold.network.layers
+    provenance = {
+        "model": f"{args.model.name if args.model else 'starter model'}, learned from "
+        f"{settings('takes')} takes, {settings('windows')} windows of {settings('window')} frames, "
+        f"seed {settings('seed')}",
+        "learned from": ", ".join(
+            f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
+            for folder in settings("folders") or ()
+        ),
         "data": f"{data}: {counts}",
-        "test takes": f"{_listed(patterns)}, by take, never trained on or fitted to",
+        "test takes": f"{listed}, by take, never trained on or fitted to",
     }
-    return manifold, material, how
+    schedule = settings("schedule", {"layer": {}, "fine_tuning": {}})
+    filters, taps = [layer.b.size for layer in layers], len(layers[0].w)
+    provenance |= _network(filters, taps, **schedule)
+    return manifold, material, {name: text for name, text in provenance.items() if text}
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:
-    """The patterns of the test files: those that the model records, else --test; of files that the
-    model (--unseen) or the starter model has not seen every fifth one."""
-    own = list(manifold.settings.get("test") or [])
+    """The patterns of the test files: those that the model records, else --test. Of files that the
+    model (--unseen) or the starter model has not seen, every fifth is for testing."""
+    recorded = list(manifold.settings.get("test") or [])
     if args.unseen or args.model is None:
         files = [path for folder in args.data for path in find_motion_files(folder)]
-        if not args.unseen and not args.test and any(is_test(path, own) for path in files):
-            return own
+        if not args.unseen and not args.test and any(is_test(path, recorded) for path in files):
+            return recorded
         return args.test or [escape(path.name) for path in files[4::5] or files[:1]]
-    if own and args.test and sorted(own) != sorted(args.test):
+    if recorded and args.test and sorted(recorded) != sorted(args.test):
         raise ValueError(
-            f"{args.model} was trained without {' '.join(own)}: other test takes, {args.test}, "
-            "may be ones that it has seen. Leave --test out"
+            f"{args.model} was trained without {' '.join(recorded)}: other test takes, "
+            f"{args.test}, may be ones that it has seen. Leave --test out"
         )
-    if not (own or args.test):
+    if not (recorded or args.test):
         raise ValueError(f"{args.model} names no test takes: give --test, such as '*_005.bvh'")
-    return own or args.test
+    return recorded or args.test
 
 
-def _listed(patterns: Sequence[str]) -> str:
-    more = f" and {len(patterns) - 5} more" if len(patterns) > 5 else ""
-    return " ".join(patterns[:5]) + more
+def _network(filters: Sequence[int], taps: int, layer: dict, fine_tuning: dict) -> dict[str, str]:
+    """A network and its training in words."""
 
+    def listed(settings: dict) -> str:
+        values = {name: value for name, value in settings.items() if value is not None}
+        return ", ".join(f"{name} {value}" for name, value in values.items())
 
-def _provenance(name: str, manifold: MotionManifold) -> dict[str, str]:
-    """What must be known of the model to judge the figures or to reproduce them."""
-    of, layers = manifold.settings.get, manifold.network.layers
-    schedule = of("schedule", {"layer": {}, "fine_tuning": {}})
-    how = {
-        "model": f"{name}, learned from {of('takes')} takes, {of('windows')} windows of "
-        f"{of('window')} frames, seed {of('seed')}"
+    return {
+        "network": f"{' + '.join(map(str, filters))} filters of {taps} frames",
+        "layers": listed(layer),
+        "fine tuning": listed(fine_tuning),
     }
-    if of("folders"):
-        how["learned from"] = ", ".join(
-            f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
-            for folder in of("folders")
-        )
-    filters = [layer.b.size for layer in layers]
-    return how | ablation.describe(filters, len(layers[0].w), **schedule)

@@ -1,15 +1,29 @@
-"""Read motion files as takes and report files and guessed units."""
+"""Takes to train and to test on, from motion files or from data_synth."""
 
+import argparse
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.experiments.material import is_test
+from numpy_cae.experiments.material import Material, is_test, read_material, synthetic_material
 from numpy_cae.motion import Coordinates, Mappings
 from numpy_cae.motion.read.many import ReadResult, read_bodies
+
+SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
+"""Without --data: minutes of synthetic takes, of which every fourth is for testing."""
+
+
+def training_and_test_takes(args: argparse.Namespace) -> Material:
+    """The takes of --data, those of --test held out; without --data synthetic ones."""
+    if args.data and not args.test:
+        raise ValueError("--data needs the takes to hold out: --test PATTERN")
+    if args.data:
+        return read_material(args.data, args.test, *arguments.reading(args))
+    return synthetic_material(SYNTHETIC_MINUTES, TEST_EVERY)
 
 
 def read_takes(
