@@ -15,9 +15,9 @@ from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shift
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import cut_windows
 
-NETWORK, ENDS_HELD = "the network", "the network, ends held"
-AVERAGED = "the network, ends held, averaged over all shifts"
-"""Names in tables: `project`, `project_ends_held` once, and averaged over all shifts of the pooling
+NETWORK, REPEATED = "the network", "the network, ends repeated"
+AVERAGED = "the network, ends repeated, averaged over all shifts"
+"""Names in tables: `project`, `project_repeated` once, and averaged over all shifts of the pooling
 grid."""
 CHOOSING_EVERY = 5
 """Of this many training takes, one is used to choose settings."""
@@ -107,7 +107,7 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     return Clips(manifold, np.concatenate(windows), np.concatenate(reals), numbers)
 
 
-def project_ends_held(
+def project_repeated(
     manifold: MotionManifold, x: np.ndarray, average_shifts: bool = False
 ) -> np.ndarray:
     """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project`

@@ -28,8 +28,8 @@ LEAST = 0.05
 SUSPICION = 0.25
 """SUSPICION: RATIO and FAR are multiplied by this between a jump and a jump back."""
 MOST_JOINTS = 8
-"""MOST_JOINTS: where more joints than this are far from the manifold, it does not know the motion,
-and the joints are not damaged."""
+"""MOST_JOINTS: where more joints than this are far from the manifold, the pose is one that the
+manifold does not know, and the joints are not damaged."""
 ROUNDS = 3
 """ROUNDS: how often the damage found so far is filled in and the rest is tested again."""
 MARGIN = 2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.evaluation import jitter
-from numpy_cae.experiments.clips import clips_of, project_ends_held, split_takes
+from numpy_cae.experiments.clips import clips_of, project_repeated, split_takes
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.motion import features_to_positions
 
@@ -42,13 +42,13 @@ def test_windows_have_the_number_of_their_take(small_manifold, clips, labelled):
     assert clips.evenly(3).take.tolist() == [0, clips.take[len(clips) // 2], clips.take[-1]]
 
 
-def test_ends_held_equals_the_manifold_projection(small_manifold, clips):
+def test_ends_repeated_equals_the_manifold_projection(small_manifold, clips):
     whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
-    ours = small_manifold.denormalise(project_ends_held(small_manifold, clips.x[:1]))[0]
+    ours = small_manifold.denormalise(project_repeated(small_manifold, clips.x[:1]))[0]
     np.testing.assert_allclose(ours, whole, atol=1e-5)
     shifted = small_manifold.project(small_manifold.denormalise(clips.x[0]), average_shifts=True)
     ours = small_manifold.denormalise(
-        project_ends_held(small_manifold, clips.x[:1], average_shifts=True)
+        project_repeated(small_manifold, clips.x[:1], average_shifts=True)
     )[0]
     np.testing.assert_allclose(ours, shifted, atol=1e-5)
     held = small_manifold.padded(clips.x)

@@ -5,7 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from numpy_cae.experiments.clips import AVERAGED, ENDS_HELD, NETWORK, clips_of, project_ends_held
+from numpy_cae.experiments.clips import (
+    AVERAGED,
+    NETWORK,
+    REPEATED,
+    clips_of,
+    project_repeated,
+)
 from numpy_cae.experiments.material import LabelledTake, unlabelled
 from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, LINEAR, RESCALED
@@ -25,7 +31,7 @@ def test_the_sweep_of_removed_values(result_of):
 
 
 def test_claims_of_the_sweep_follow_its_errors():
-    networks = [name + suffix for name in (NETWORK, ENDS_HELD, AVERAGED)
+    networks = [name + suffix for name in (NETWORK, REPEATED, AVERAGED)
                 for suffix in ("", RESCALED)]  # fmt: skip
     errors = {name: [5.0] * 9 for name in networks}
     errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9, LINEAR: [2.0] * 9}
@@ -49,7 +55,7 @@ def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labell
     lost = clips.x.copy()
     lost[..., 21:24] = 0
     assert wrists.value("left_wrist", "the mean pose") == clips.error(lost, "left_wrist")
-    expected = clips.error(project_ends_held(small_manifold, lost), "left_wrist")
+    expected = clips.error(project_repeated(small_manifold, lost), "left_wrist")
     assert wrists.value("left_wrist", NETWORK) == pytest.approx(expected)
     assert stepped.value("truth", "error, cm") == 0 < stepped.value("held", "error, cm")
 

@@ -6,12 +6,12 @@ In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 examples: numpy-cae verify student.py --as conv1d=my_conv
           numpy-cae verify submitted/ --csv marks.csv --feedback feedback/
 
-The points possible are those of all exercises of a lesson: the one that --lesson
-names, or that a notebook's cells or a name such as 03_mine.py tell. A file of no
+Points are counted for all exercises of one lesson: --lesson or, without it, the
+lesson of the notebook's cells or of a file name such as 03_mine.py. A file of no
 lesson is graded for the functions that it has.
 
-With --csv, students are told by the folders submitted/ann/... of a folder that is
-graded, or by the files' names: ann_03.ipynb, 03_ann.ipynb, ann.ipynb. Of an
+With --csv, the name of a student is the folder submitted/ann/... in the folder that
+is graded, or part of the file's name: ann_03.ipynb, 03_ann.ipynb, ann.ipynb. Of an
 exercise handed in more than once the best counts.
 
 Each function runs in a process of its own with limits on time, memory, files and
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     renamed = "test a function with another name as this operation"
     add("--as", **named, metavar="OPERATION=FUNCTION", help=renamed)
-    lesson = "the assignment: all exercises of this lesson count (default: told by the file)"
+    lesson = "the assignment: all exercises of this lesson count (default: that of the file)"
     add("--lesson", default="", metavar="NN", help=lesson)
     others = "accept other documented conventions, such as the gates of a GRU in another order"
     add("--any-convention", action="store_true", help=others)

@@ -1,14 +1,20 @@
 """A wrist that is missing for a whole clip, and stepped animation: holden2015, section 7, "Filling
 in Missing Data".
 
-The network is not told what is missing. A missing joint is placed where it is in the mean pose,
-which is zero for the network, and read from the projection; of stepped animation, every 15th frame
-held, the paper finds smooth transitions. Where it is known what is missing, see `damage`.
+The network is not given the mask of what is missing. A missing joint is placed where it is in the
+mean pose, which is zero for the network, and read from the projection. For stepped animation, which
+repeats every 15th frame, the paper finds smooth transitions. With the mask given, see `damage`.
 """
 
 import numpy as np
 
-from numpy_cae.experiments.clips import ENDS_HELD, NETWORK, Clips, project_ends_held, testing_of
+from numpy_cae.experiments.clips import (
+    NETWORK,
+    REPEATED,
+    Clips,
+    project_repeated,
+    testing_of,
+)
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
@@ -38,13 +44,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     stepped = _up_to_last_key(testing)
     frames = np.arange(stepped.x.shape[1])
     held = stepped.x[:, frames - frames % EVERY]
-    filled = {HELD: held, ENDS_HELD: project_ends_held(manifold, held), TRUE: stepped.x}
+    filled = {HELD: held, REPEATED: project_repeated(manifold, held), TRUE: stepped.x}
     delayed = stepped.later(DELAY)
     measured = {
         name: (stepped.error(x), delayed.error(x), stepped.jitter(x)) for name, x in filled.items()
     }
     window = stepped.typical()
-    colours = {HELD: CORRUPTED, ENDS_HELD: PROJECTED, TRUE: TRUTH}
+    colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
     motions = {name: (stepped.features(filled[name], window), colours[name]) for name in filled}
     rows = [[name, *values] for name, values in measured.items()]
     return Result(
@@ -67,7 +73,7 @@ def _without(manifold: MotionManifold, clips: Clips, joint: str) -> tuple[np.nda
     """Windows with a joint where it is in the mean pose, and as it is projected from there."""
     lost = clips.x.copy()
     lost[..., joint_slice(joint)] = 0
-    return lost, project_ends_held(manifold, lost)
+    return lost, project_repeated(manifold, lost)
 
 
 def _up_to_last_key(clips: Clips) -> Clips:
@@ -90,7 +96,7 @@ def _wrist_claim(errors: np.ndarray) -> Claim:
 
 def _stepped_claims(measured: dict[str, tuple[float, float, float]]) -> list[Claim]:
     held, held_delayed, held_jitter = measured[HELD]
-    error, delayed, jitter = measured[ENDS_HELD]
+    error, delayed, jitter = measured[REPEATED]
     truth = measured[TRUE][2]
     return [
         Claim(

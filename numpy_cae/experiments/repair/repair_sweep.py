@@ -15,11 +15,11 @@ from scipy.signal import savgol_filter
 from numpy_cae.evaluation import PCA, interpolate_linearly
 from numpy_cae.experiments.clips import (
     AVERAGED,
-    ENDS_HELD,
     NETWORK,
+    REPEATED,
     Clips,
     Split,
-    project_ends_held,
+    project_repeated,
     split_of,
 )
 from numpy_cae.experiments.material import Material
@@ -45,10 +45,10 @@ RESCALED = ", rescaled"
 INTERPOLATED = "linear interpolation, mask given"
 CAPTION = (
     "Mask unknown, error in cm (root mean square of a coordinate): no method is given the removed "
-    "values; rescaling, the linear denoiser and the chosen settings use p. Ends held: windows are "
-    "padded with their end frames, not with the mean pose. Averaged over all shifts: the mean of "
-    "the projections at all positions of the pooling grid, for the kind of input that the network "
-    "was trained on."
+    "values; rescaling, the linear denoiser and the chosen settings use p. Ends repeated: windows "
+    "are padded with their end frames, not with the mean pose. Averaged over all shifts: the mean "
+    "of the projections at all positions of the pooling grid, for the kind of input that the "
+    "network was trained on."
 )
 Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
@@ -123,9 +123,9 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 setting = baseline.best(practice * factor, choosing)
                 note(baseline.name + suffix, baseline.repair(damaged * factor, setting))
             note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
-            note(ENDS_HELD + suffix, project_ends_held(manifold, damaged * factor))
+            note(REPEATED + suffix, project_repeated(manifold, damaged * factor))
             if bool(suffix) == manifold.rescales:
-                averaged = project_ends_held(manifold, damaged * factor, average_shifts=True)
+                averaged = project_repeated(manifold, damaged * factor, average_shifts=True)
                 note(AVERAGED + suffix, averaged)
         note(LINEAR, split.moments.solve(1 - p).repair(damaged))
         mask_given.append(testing.error(interpolate_linearly(damaged, known)))
@@ -163,7 +163,7 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
             "(holden2015, section 7; confirmed if less than half of the error remains).",
             plain < corrupted / 2,
             f"{corrupted:.2f} cm before, {plain:.2f} cm after, {plain / corrupted:.2f} of it "
-            f"({at[ENDS_HELD + suffix]:.2f} cm with the ends of a window held, "
+            f"({at[REPEATED + suffix]:.2f} cm with the ends of a window repeated, "
             f"{at[AVERAGED + suffix]:.2f} cm with that and averaged over all shifts of the "
             f"pooling grid); the projection of an undamaged motion is {floor:.2f} cm off.",
         ),

@@ -5,7 +5,7 @@ multivariate normal distribution, fitted to the latent vectors of the training c
 regulariser succeeds, it equals the prior. Samples of both are drawn and measured.
 
 near           mean distance to the nearest held-out clip, relative to that of training clips
-told apart     accuracy of a 1-nearest-neighbour two-sample test against held-out clips; 50% is
+distinguished  accuracy of a 1-nearest-neighbour two-sample test against held-out clips; 50% is
                perfect
 diversity      mean distance between two samples, relative to that between two held-out clips
 stride / real  median strides a second of walking, relative to that of held-out clips
@@ -35,7 +35,7 @@ WALKING = ("walking", "walking_dog", "walking_extra")
 SAMPLES = 100
 """Clips from each source that are measured."""
 MAX_STRIDE_ERROR, MAX_ACCURACY = 0.10, 0.75
-HEADER = ("samples from", "near", "told apart", "diversity", "stride / real", "1/s")
+HEADER = ("samples from", "near", "distinguished", "diversity", "stride / real", "1/s")
 
 
 def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
@@ -105,10 +105,10 @@ def _walking_claims(table: Table) -> list[Claim]:
             f"{strides:.2f} strides a second, {stride:.2f} of real clips'.",
         ),
         Claim(
-            "Samples of walking can hardly be told from real clips (here: below 75%).",
+            "Samples of walking can hardly be distinguished from real clips (here: below 75%).",
             accuracy < MAX_ACCURACY,
-            f"{accuracy:.0%} are told apart; from the prior itself "
-            f"{table.value(f'walking: {PRIOR}', 'told apart'):.0%}.",
+            f"{accuracy:.0%} are classified apart; from the prior itself "
+            f"{table.value(f'walking: {PRIOR}', 'distinguished'):.0%}.",
         ),
     ]
 

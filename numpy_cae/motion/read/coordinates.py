@@ -1,7 +1,7 @@
 """The up axis and the floor of a motion file: detected, changed to Y up and 0, and restored.
 
-The files that say neither are nearly all Y up with the floor at 0, and what is so stays as it is,
-to the bit. Two observations decide, on the twenty joints:
+Nearly all files have Y up and the floor at 0; such files pass through unchanged. Two observations
+decide, on the twenty joints:
 
 - Upright: the mean direction from the ankles to the head. People stand, walk and sit upright; if it
   is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
@@ -29,9 +29,9 @@ UPRIGHT = 0.8
 TOE = 0.04
 """Metres from the floor to the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR = 0.15
-"""Metres. A floor nearer to 0 than this is not moved: it cannot be told from shoes, a rig's toes
-and uneven ground. In 487 files of CMU and Bandai the level found is -0.12 to 0.12
-(docs/lab_book/axes_and_floor.md)."""
+"""FLOOR: a floor nearer to 0 than this (m) is not moved, because it cannot be distinguished from
+shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
+to 0.12 (docs/lab_book/axes_and_floor.md)."""
 STEADY = 0.03
 """Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
 NEAR = 0.10

@@ -10,7 +10,7 @@ that points its bones at their targets. One bone gets the smallest rotation, whi
 several bones of one joint (hips, chest) get one rotation that fits all. Joints in between (a second
 spine, a neck) share: number i of n, counting from 0, makes 1 / (n - i) of the rotation still
 needed, so a long spine bends evenly. No bone changes its length. Where the targets are the present
-positions nothing changes, to the bit, and all other joints keep R_j.
+positions nothing changes, and all other joints keep R_j.
 
 With a mask of touched joints, the others have their present positions as targets, so that a joint
 below a touched one is corrected to stay where it is, and frames without touched joints stay as
@@ -67,8 +67,7 @@ def retarget(
     """The motion, changed as little as its twenty joints need to reach new positions.
 
     The hips reach their targets, other joints come as near as bones of constant length allow.
-    Frames without touched joints, and rotations that no touched joint needs, are the same to the
-    bit.
+    Frames without touched joints, and rotations that no touched joint needs, are unchanged.
 
     Parameters
     ----------

@@ -105,7 +105,7 @@ class Report:
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
         longest = max(len(outcome.stated.name) for outcome in self.outcomes)
-        told: dict[tuple[str, str], str] = {}
+        reasons: dict[tuple[str, str], str] = {}
         for outcome, earned in zip(self.outcomes, self.earned(), strict=True):
             tried = outcome.stated
             word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
@@ -113,10 +113,10 @@ class Report:
             yield from _wrapped(head, tried.statement, len(head))
             if not outcome.held and not self.unsolved:
                 why = (outcome.problem, outcome.mistake)
-                if why in told:
-                    yield " " * INDENT + f"as for {told[why]}"
+                if why in reasons:
+                    yield " " * INDENT + f"as for {reasons[why]}"
                 else:
-                    told[why] = tried.name
+                    reasons[why] = tried.name
                     yield from _why(outcome)
         if self.exercise.hint and not self.held:
             yield from _wrapped("  hint: ", self.exercise.hint, 8)

@@ -44,8 +44,8 @@ class Case:
         return np.random.default_rng(self.seed)
 
     def __str__(self) -> str:
-        told = [f"{name} {size}" for name, size in self.sizes if size != ORDINARY]
-        return ", ".join([*told, f"seed {self.seed}"])
+        unusual = [f"{name} {size}" for name, size in self.sizes if size != ORDINARY]
+        return ", ".join([*unusual, f"seed {self.seed}"])
 
 
 def spread(rng: np.random.Generator, shape: tuple[int, ...], reach: float = 2.0) -> np.ndarray:

@@ -144,8 +144,8 @@ def check_property(stated: Property, function: Callable) -> None:
     """
     outcome = try_property(stated, function)
     if not outcome.held:
-        told = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
-        raise AssertionError("\n".join(filter(None, told)))
+        message = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
+        raise AssertionError("\n".join(filter(None, message)))
 
 
 def _failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
