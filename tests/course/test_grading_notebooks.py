@@ -68,21 +68,12 @@ def test_a_mark_does_not_depend_on_an_earlier_exercise_of_the_lesson(tanh, tmp_p
         ((DECODE,), "name 'decode_layer' is not defined"),  # of the same lesson, later
         ((TANH, OWN_CONV1D, ENCODE), "ValueError: mine"),  # the student's own comes first
         (("def encode_layer(",), "cell 1: SyntaxError"),
+        ((), "no exercise cell"),
     ],
 )
 def test_a_failing_cell_gets_its_message(tmp_path, cells, message):
     graded = grade(notebook(tmp_path, *cells), catalogue)
     assert message in str(graded) and not graded.held
-
-
-@pytest.mark.parametrize(
-    ("text", "fault"),
-    [("[]", "not a Jupyter"), ("{", "not a Jupyter"), ('{"cells": []}', "no exercise cell")],
-)
-def test_a_file_that_is_no_lesson_is_a_fault(text, fault, tmp_path):
-    path = tmp_path / "somebody.ipynb"
-    path.write_text(text)
-    assert fault in grade(path, catalogue).faults[0]
 
 
 @pytest.mark.parametrize(
