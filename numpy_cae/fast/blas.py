@@ -2,9 +2,8 @@
 
 Two Python threads that each start two BLAS threads on two cores are slower than one, so a team sets
 BLAS to one thread while it works. NumPy has no function for that; calling OpenBLAS takes a few
-lines of ctypes (the package `threadpoolctl` does the same for every BLAS, and would be one more
-dependency for one function). Where NumPy uses another BLAS, `blas_threads` is None and a team has
-one thread.
+lines of ctypes (the package `threadpoolctl` does the same for every BLAS, but is one more
+dependency). If NumPy uses another BLAS, `blas_threads` returns None and a team has one thread.
 """
 
 import ctypes
@@ -52,10 +51,10 @@ def blas_threads() -> int | None:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Matrix products of the process use one thread each, until every such `with` block has ended.
+    """Let every matrix product of the process use one thread, until all such blocks have ended.
 
-    All of a computation that uses a team belongs into one block: after a product on two threads,
-    the second of OpenBLAS waits actively for 20 ms, and so takes a core from the team.
+    Put a whole computation with a team into one block: after a product on two threads, the second
+    thread of OpenBLAS waits actively for 20 ms and takes a core from the team.
     """
     functions = _openblas()
     if functions is None:

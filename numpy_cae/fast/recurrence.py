@@ -1,6 +1,6 @@
 """The steps of a GRU over a clip, in place: `ops.gru_step` without temporary arrays.
 
-A step keeps the factors that its pullback multiplies by and nothing else. With
+A step keeps only the factors that its pullback multiplies by. With
 a = W · x + b, s = U · h + c, d = h - n, and dh the gradient for the state after the step:
 
     kept:    p_n = (1 - z) ∘ (1 - n²),   p_z = d ∘ z ∘ (1 - z),   p_r = s_n ∘ r ∘ (1 - r),   r,   z

@@ -1,9 +1,9 @@
 """Python threads that do one job together.
 
 NumPy releases the interpreter lock while it computes, so Python threads run in parallel. Every
-worker runs the same function on its own share and its own buffers; where one needs the results of
-another, all of them `wait`. Each number is computed by the same worker in the same order however
-fast the threads are, so a result depends on the number of threads and on nothing else.
+worker runs the same function on one share of the data, in its own buffers; where a worker needs the
+results of another, all workers `wait`. The same worker computes each number in the same order, so
+a result depends on the number of threads and on nothing else.
 """
 
 import contextvars
@@ -55,9 +55,9 @@ class ThreadTeam:
                 raise next(each for each in failures if not isinstance(each, OtherWorkerFailed))
 
     def wait(self, worker: int) -> None:
-        """Called by every worker: wait until all of them have called it.
+        """Wait until every worker has called this method.
 
-        Each sends a message to each of the others. (`threading.Barrier` takes three times as long,
+        Each worker sends a message to every other. (`threading.Barrier` takes three times as long,
         which is noticeable for a single window.)
         """
         others = [other for other in range(self.size) if other != worker]

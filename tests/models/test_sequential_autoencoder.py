@@ -71,31 +71,10 @@ def test_the_first_step_is_fed_zeros_and_every_other_its_own_frame(frames):
     np.testing.assert_allclose(model.decode(z, frames), np.stack(written, axis=1), atol=1e-12)
 
 
-def test_the_reversal_is_done_once():
-    """A clip that differs from its reverse is compared frame by frame in the order of time."""
-    rng = np.random.default_rng(8)
-    model = drawn_model(rng, hidden=6)
-    ramp = np.arange(5.0)[None, :, None] * np.ones((1, 1, 3))
-    prior, directions = np.zeros((1, 2)), np.eye(2)
-    losses, _ = model.loss_and_gradients(ramp, prior, directions, 0.0)
-    forwards = np.mean((model.denoise(ramp) - ramp) ** 2)
-    backwards = np.mean((model.denoise(ramp)[:, ::-1] - ramp) ** 2)
-    assert losses.reconstruction == pytest.approx(forwards, rel=1e-10)
-    assert abs(forwards - backwards) > 1e-3
-
-
-def test_the_last_frame_of_a_longer_clip_is_written_first():
-    """The last five of ten frames from z are the five frames from z."""
-    rng = np.random.default_rng(9)
-    model = drawn_model(rng)
-    z = rng.normal(size=(2, 2))
+def test_the_last_frame_of_a_clip_is_written_first_after_the_burn_in():
+    """Of ten frames from z, the last five are the five frames from z; a burn-in leaves some out."""
+    model, z = drawn_model(np.random.default_rng(9)), np.random.default_rng(10).normal(size=(2, 2))
     np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
-
-
-def test_the_frames_of_the_burn_in_are_not_part_of_the_clip():
-    """They are what the network without it writes first, which is last in time."""
-    model = drawn_model(np.random.default_rng(9))
-    z = np.random.default_rng(10).normal(size=(2, 2))
     other = SequentialAutoencoder.from_weights(model.weights, burn_in=3)
     np.testing.assert_array_equal(other.decode(z, 7), model.decode(z, 10)[:, :7])
 
@@ -105,19 +84,14 @@ def test_no_frame_of_the_source_reaches_the_decoder():
     rng = np.random.default_rng(11)
     model = drawn_model(rng)
     model.weights["encoder_w"][2] = 0  # the encoder ignores the third feature
-    x, prior, directions = drawn_arguments(rng, model, 2, 6)
+    x, _, _ = drawn_arguments(rng, model, 2, 6)
     other = x.copy()
     other[..., 2] = rng.normal(size=(2, 6))
     np.testing.assert_array_equal(model.encode(other), model.encode(x))
     np.testing.assert_array_equal(model.denoise(other), model.denoise(x))
-    # In the loss too: the error is that of the same clip against either source.
-    for source in (x, other):
-        losses, _ = model.loss_and_gradients(source, prior, directions, 0.0)
-        error = np.mean((model.denoise(x) - source) ** 2)
-        assert losses.reconstruction == pytest.approx(error, rel=1e-10)
 
 
-def test_the_loss_is_the_sum_of_its_parts():
+def test_the_loss_compares_frames_in_the_order_of_time_and_adds_the_discrepancy():
     rng = np.random.default_rng(12)
     model = drawn_model(rng)
     x, prior, directions = drawn_arguments(rng, model, 4, 3)
@@ -125,6 +99,25 @@ def test_the_loss_is_the_sum_of_its_parts():
     distance, _ = ops.sliced_wasserstein(model.encode(x), prior, directions)
     assert losses.discrepancy == pytest.approx(float(distance), rel=1e-10)
     assert losses.total == pytest.approx(losses.reconstruction + 0.25 * losses.discrepancy)
+    assert losses.reconstruction == pytest.approx(np.mean((model.denoise(x) - x) ** 2), rel=1e-10)
+
+
+def test_initial_weights_are_bounded_by_fan_in_and_fan_out_or_orthogonal():
+    weights = SequentialAutoencoder(20, 30, 10, np.random.default_rng(0), np.float64).weights
+    for gru in ("encoder", "decoder"):
+        for gate in np.split(weights[f"{gru}_u"], 3, axis=1):
+            np.testing.assert_allclose(gate.T @ gate, np.eye(30), atol=1e-12)
+        np.testing.assert_array_equal(weights[f"{gru}_b"], np.repeat([0.0, 1.0, 0.0], 30))
+        assert not weights[f"{gru}_c"].any()
+    for name, (fan_in, fan_out) in {
+        "encoder_w": (20, 30),
+        "decoder_w": (20, 30),
+        "latent_w": (30, 10),
+        "state_w": (10, 30),
+        "frame_w": (30, 20),
+    }.items():
+        width = np.sqrt(6 / (fan_in + fan_out))
+        assert 0.95 * width < np.abs(weights[name]).max() <= width, name
 
 
 def test_samples_are_clips_of_the_prior():
@@ -137,6 +130,10 @@ def test_samples_are_clips_of_the_prior():
     assert np.abs(samples[0] - samples[1]).max() > 0
 
 
+def loss_of(model, clips, draws):
+    return model.loss_and_gradients(np.zeros((clips, 5, 3)), np.zeros((draws, 2)), np.eye(2), 1.0)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -144,18 +141,8 @@ def test_samples_are_clips_of_the_prior():
         (lambda m: m.encode(np.zeros((2, 0, 3))), "at least one frame"),
         (lambda m: m.decode(np.zeros((2, 3)), 5), r"z has shape \(2, 3\)"),
         (lambda m: m.decode(np.zeros((2, 2)), 0), "frames is 0"),
-        (
-            lambda m: m.loss_and_gradients(
-                np.zeros((2, 5, 3)), np.zeros((3, 2)), np.eye(2), weight=1.0
-            ),
-            "prior has shape",
-        ),
-        (
-            lambda m: m.loss_and_gradients(
-                np.zeros((0, 5, 3)), np.zeros((0, 2)), np.eye(2), weight=1.0
-            ),
-            "nothing to compare",
-        ),
+        (lambda m: loss_of(m, 2, 3), "prior has shape"),
+        (lambda m: loss_of(m, 0, 0), "nothing to compare"),
     ],
 )
 def test_arguments_that_do_not_fit_are_errors(call, message):
