@@ -5,12 +5,11 @@ Along a direction v the scalar L = Σ dy ∘ f(x) has the slope
     (L(x + h v) - L(x - h v)) / 2h      off by h² L'''/6 and by rounding, about ε|L|/h
 
 so the best step is about the cube root of ε, times the scale of x. Where it does not confirm the
-pullback, smaller or larger ones follow, and of all slopes the most certain one counts. The complex
-step, Im L(x + i h v) / h, has no such errors where f is analytic. If the slopes to the left and to
-the right stay apart however small the step, as at 0 those of |x|, any number between them is right.
+pullback, smaller or larger ones follow, and of all slopes the most certain one counts. If the
+slopes to the left and to the right stay apart however small the step, as those of |x| at 0, any
+number between them is right.
 """
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,7 +18,6 @@ import numpy as np
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
 ROUNDING_MARGIN = 32
-COMPLEX_STEP = 1e-30
 
 AGREES, WRONG, KINK = "agrees", "wrong", "kink"
 
@@ -83,7 +81,7 @@ class Argument:
             slopes.append(slope)
         if not slopes:
             return Verdict(KINK, np.nan, analytic)
-        return _verdict(slopes, self._complex_slope(direction), analytic, tolerance)
+        return _verdict(slopes, analytic, tolerance)
 
     def _slope(self, direction: np.ndarray, step: float, depend: np.ndarray) -> Slope:
         """The slope from both sides; what does not depend on x adds no rounding."""
@@ -106,17 +104,6 @@ class Argument:
             moved=bool(moved_outputs.any()),
         )
 
-    def _complex_slope(self, direction: np.ndarray) -> float:
-        """The slope by the complex step; 0 if f does not compute with complex numbers."""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                outputs = self.f(self.x + 1j * COMPLEX_STEP * direction)
-            same = np.allclose(outputs.real, self.here, rtol=1e-9, atol=0)
-        except Exception:  # f was not written for complex numbers
-            return 0.0
-        return float(np.sum(self.dy * outputs.imag) / COMPLEX_STEP) if same else 0.0
-
 
 def step_scale(x: np.ndarray) -> np.ndarray:
     """What the step of each entry of x is relative to: the larger of it and the median entry."""
@@ -126,8 +113,8 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
-def _verdict(slopes: list[Slope], exact: float, analytic: float, tolerance: float) -> Verdict:
-    """The verdict on a number that no slope confirmed at once; `exact` is the complex slope."""
+def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
+    """The verdict on a number that no slope confirmed at once."""
     moved = [slope for slope in slopes if slope.moved]
     slopes = sorted(moved or slopes, key=lambda slope: slope.step)
     errors = [
@@ -136,8 +123,6 @@ def _verdict(slopes: list[Slope], exact: float, analytic: float, tolerance: floa
     ]
     best, error = slopes[int(np.argmin(errors))], min(errors)
     numeric = best.central
-    if exact and abs(exact - numeric) <= error + tolerance * max(abs(exact), best.size):
-        numeric, error = exact, 0.0
     allowed = tolerance * max(abs(numeric), abs(analytic), best.size) + error
     smallest = slopes[0]
     corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)

@@ -29,7 +29,6 @@ DIRECTIONS = 4
 KINKS_EXCUSED = 0.05
 SINGLE_TOLERANCE = 1e-4
 """The least tolerance where float32 is involved."""
-NEARBY = 0.01
 
 
 def check_gradients(
@@ -39,11 +38,10 @@ def check_gradients(
     tolerance: float = 1e-6,
     names: Sequence[str] | None = None,
     only: Sequence[str] | None = None,
-    second: bool = False,
 ) -> None:
     """Raise unless the pullback of f agrees with differences of its value, in every argument.
 
-    docs/verify.md says what is done about steps, kinks, float32 and functions of complex numbers.
+    docs/verify.md says what is done about steps, kinks and float32.
 
     Parameters
     ----------
@@ -60,8 +58,6 @@ def check_gradients(
         The names of the arguments in messages, by default those in the signature of f.
     only : sequence of str, optional
         The names of the arguments to check, by default all.
-    second : bool
-        Whether to test second derivatives, by the gradients at inputs nearby.
 
     Raises
     ------
@@ -95,12 +91,6 @@ def check_gradients(
             doubtful = [v for v in directions if not _slope_agrees(argument, v, allowed)]
             if doubtful:
                 _judge(argument, doubtful, len(directions), rng, allowed)
-    if second:
-        near = [_nearby(x, rng) if i in places else x for i, x in enumerate(inputs)]
-        try:
-            check_gradients(f, *near, rng=rng, tolerance=tolerance, names=names, only=only)
-        except AssertionError as error:
-            raise AssertionError(f"second derivatives: near the inputs {error}") from None
 
 
 def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool:
@@ -175,11 +165,6 @@ def _function_of_one(f: Callable, inputs: Sequence, position: int) -> Callable:
             return flat(parts(f(*given)[0]))
 
     return outputs_at
-
-
-def _nearby(x: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    scale = np.where(x == 0, step_scale(x), np.abs(x))
-    return (x + NEARBY * scale * rng.choice([-1, 1], x.shape)).astype(x.dtype)
 
 
 def _is_differentiated(name: str, x: object) -> bool:

@@ -16,6 +16,7 @@ from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, try_pr
 WIDTH = 98
 INDENT = 10
 FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
+STAGES = {"value": 0, "gradient": 1, "adjoint": 1}
 UNSOLVED = NotImplementedError.__name__
 
 
@@ -41,16 +42,18 @@ class Report:
         return sum(self.earned())
 
     def earned(self) -> list[int]:
-        """Points by property: gradients need a right value, all others right gradients as well."""
-        kinds = [_kind(outcome.stated.name) for outcome in self.outcomes]
-        if not {"value", "gradient"} & set(kinds):
-            kinds = [kind or "value" for kind in kinds]
-        each = list(zip(kinds, self.outcomes, strict=True))
-        wrong = {kind for kind, outcome in each if not outcome.held}
-        needed = {"value": set(), "gradient": {"value"}}  # by the others: both
-        counts = (not wrong & needed.get(kind, {"value", "gradient"}) for kind in kinds)
-        points = (outcome.held * outcome.stated.points for outcome in self.outcomes)
-        return [own * right for own, right in zip(points, counts, strict=True)]
+        """Points per property.
+
+        A gradient earns points only if the value is right, every other property only if value and
+        gradients are. Where a function has neither, its form comes after its other properties.
+        """
+        names = [outcome.stated.name for outcome in self.outcomes]
+        stages = [STAGES.get(name.partition(" ")[0].rstrip("s"), 2) for name in names]
+        if min(stages) == 2:
+            stages = [2 if name in FORM else 0 for name in names]
+        each = list(zip(stages, self.outcomes, strict=True))
+        failed = min((stage for stage, outcome in each if not outcome.held), default=2)
+        return [o.stated.points if o.held and stage <= failed else 0 for stage, o in each]
 
     @property
     def possible(self) -> int:
@@ -138,13 +141,6 @@ def _why(outcome: Outcome) -> Iterator[str]:
 def _wrapped(head: str, text: str, indent: int) -> list[str]:
     options = {"initial_indent": head, "subsequent_indent": " " * indent}
     return textwrap.wrap(text, WIDTH, break_on_hyphens=False, **options)
-
-
-def _kind(name: str) -> str:
-    """The kind of a property: "value", "gradient", "form", or "" for the others."""
-    first = name.partition(" ")[0].rstrip("s")
-    kinds = {"value": "value", "gradient": "gradient", "adjoint": "gradient"}
-    return "form" if name in FORM else kinds.get(first, "")
 
 
 def report(

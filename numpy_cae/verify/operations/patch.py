@@ -23,17 +23,12 @@ from itertools import combinations
 from pathlib import Path
 
 from numpy_cae import ops
-from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.operations.operation import tied_layer
 
 FOLDER = Path(__file__).parent
 HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
 
 Replacement = tuple[tuple[str, ...], tuple[str, ...]]
-
-
-class PatchError(NumpyCaeError):
-    """A patch that does not fit the source: the operation was changed after the patch was made."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +43,7 @@ class Patch:
     calls: tuple["Patch", ...] = ()  # of the operations that it calls
 
     def function(self) -> Callable:
-        """The changed operation; a PatchError if the patch does not fit the operation's source."""
+        """The changed operation; a ValueError if the patch does not fit the operation's source."""
         return _compiled(self)
 
     def source(self, called: str = "suspect") -> str:
@@ -100,7 +95,7 @@ def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name
     stripped = tuple(line.strip() for line in lines)
     places = [i for i in range(len(lines)) if stripped[i : i + len(old)] == old]
     if len(places) != 1:
-        raise PatchError(f"{name}: found {len(places)} times, expected once: {' / '.join(old)}")
+        raise ValueError(f"{name}: found {len(places)} times, expected once: {' / '.join(old)}")
     place = places[0]
     indent = lines[place][: len(lines[place]) - len(stripped[place])]
     return [*lines[:place], *(indent + line for line in new), *lines[place + len(old) :]]

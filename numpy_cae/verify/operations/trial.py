@@ -155,24 +155,12 @@ def _failure(tried: Property, implementation: Callable, case: Case) -> Exception
             if tried.name == "purity" and case.seed % WATCHED == 0:
                 call_keeping_state(tried.check, implementation, case)
             else:
-                tried.check(_guarded(implementation), case)
+                tried.check(implementation, case)
     except Exception as error:
         return error
     except SystemExit:
         return RuntimeError("it calls sys.exit")
     return None
-
-
-def _guarded(function: Callable) -> Callable:
-    """A function, and the pullback that it returns, whose `np.seterr` ends with each call."""
-
-    def call(*arguments):
-        returned = function(*arguments)
-        if np.geterr() != QUIET:
-            np.seterr(**QUIET)
-        return (returned[0], _guarded(returned[1])) if is_pair(returned) else returned
-
-    return call
 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:

@@ -1,10 +1,14 @@
 """The grader's process: test each function of a submission in a forked process of its own."""
 
 import json
+import os
+import secrets
+import signal
 import sys
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -12,17 +16,17 @@ from pathlib import Path
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.grading.sandbox.apart import do_apart
-from numpy_cae.verify.grading.sandbox.confinement import adopt_orphans, confine
+from numpy_cae.verify.grading.sandbox.confinement import confine, end_with_parent
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.trial import described
 
 MAX_NOTES = 5
+CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
 def main() -> None:
     """Do the request on standard input; one reply goes to standard output."""
-    adopt_orphans()
+    end_with_parent()
     print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
@@ -60,6 +64,38 @@ def reply_to(request: dict) -> dict:
         if name in request["replaced"] and not (outcomes and all(held for held, *_ in outcomes)):
             instead[function] = catalogue[name].solution
     return {"failed": "", "problems": [], **loaded, "results": results}
+
+
+def do_apart(work: Callable[[], dict], seconds: float) -> dict:
+    """The result of `work`, done by a forked process; without fork (Windows), by this one.
+
+    The result goes through a file in the current folder, so it must be what JSON can hold. If the
+    process ends without one, or does not end within so many seconds, this is {"failed": why}.
+    """
+    if not hasattr(os, "fork"):
+        return work()
+    reply, process = Path(secrets.token_hex(16)).absolute(), os.fork()
+    if process == 0:
+        try:
+            os.setsid()
+            os.closerange(3, 4096)
+            reply.write_text(json.dumps(work()))
+        finally:
+            os._exit(0)
+    deadline, ended, status = time.monotonic() + seconds, 0, 0
+    while not ended and time.monotonic() < deadline:
+        time.sleep(0.005)
+        ended, status = os.waitpid(process, os.WNOHANG)
+    with suppress(OSError):
+        os.killpg(process, signal.SIGKILL)
+    if not ended:
+        os.waitpid(process, 0)
+        return {"failed": f"it did not finish within {seconds:.3g} s: an endless loop?"}
+    try:
+        return json.loads(reply.read_text())
+    except (OSError, ValueError):
+        out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
+        return {"failed": "it used up its CPU time: an endless loop?" if out_of_time else CRASHED}
 
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:

@@ -16,7 +16,7 @@ except ImportError:  # Windows, where a process has no such limits
     resource = None
 
 LARGEST_WRITTEN_FILE = 2**24
-PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
+PR_SET_PDEATHSIG = 1
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -29,10 +29,10 @@ DO_THE_EXERCISE = (
 ).split()
 
 
-def adopt_orphans() -> None:
-    """End with the grader, and become the parent of processes that lose theirs (Linux)."""
-    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
-    _set_process_option(PR_SET_CHILD_SUBREAPER, 1)
+def end_with_parent() -> None:
+    """Make this process end when its parent ends (Linux)."""
+    with suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
 def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
@@ -46,7 +46,7 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
         os.dup2(nothing, stream)
     sys.stdin = open(0, closefd=False)
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
-    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    end_with_parent()
     cpu = math.ceil(time.process_time() + seconds)
     limits = {"CPU": cpu, "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
     for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
@@ -55,11 +55,6 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
             resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), (limit, hard))
     _refuse_actions(os.path.realpath(folder))
     return _isolate_modules()
-
-
-def _set_process_option(option: int, value: int) -> None:
-    with suppress(OSError, AttributeError, TypeError):  # not Linux
-        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
 def _refuse_actions(folder: str) -> None:
