@@ -36,6 +36,14 @@ class AngleSequence:
     table : AngleTable
     offsets : (J, 3) array of float64
         From each joint's nearest rotating ancestor to the joint in metres, mean over the motion.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import angles_of
+    >>> walk = angles_of(make_take("walk", 1, seconds=2.0, rate=50.0).motion)
+    >>> walk.numbers.shape, walk.table.columns[3]
+    ((50, 54), 'hips x')
     """
 
     numbers: np.ndarray
@@ -54,8 +62,22 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     numbers : (F, 54) array of float
         The root is at their translation; see `on_floor` for a clip.
     table : AngleTable
-    offsets : (J, 3) array of float
+    offsets : (J, 3) array of float64
         Of the bones, as in `AngleSequence`.
+
+    Returns
+    -------
+    Motion
+        Of the joints of the table.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import angles_of
+    >>> walk = angles_of(make_take("walk", 1, seconds=2.0, rate=50.0).motion)
+    >>> motion = motion_of(walk.numbers, walk.table, walk.offsets)
+    >>> len(motion), motion.rate
+    (50, 25.0)
     """
     frames, joints = len(numbers), len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
@@ -73,8 +95,25 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
 
 
 def on_floor(motion: Motion) -> Motion:
-    """The motion moved vertically so that its lowest joint touches the floor once: a clip's
-    translation is relative to its first frame, whose height is unknown."""
+    """The motion moved vertically so that its lowest joint touches the floor once.
+
+    A clip needs this: its translation is relative to its first frame, whose height is unknown.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    Motion
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=30.0).motion
+    >>> float(on_floor(walk).positions()[..., 1].min().round(9))
+    0.0
+    """
     translations = motion.translations.copy()
     translations[:, 0, 1] -= motion.positions()[..., 1].min()
     return replace(motion, translations=translations)

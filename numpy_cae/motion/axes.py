@@ -31,13 +31,6 @@ def to_y_up(motion: Motion, up: str, floor: float) -> Motion:
     return replace(motion, rotations=rotations, translations=translations, up=up, floor=floor)
 
 
-def points_to_y_up(points: np.ndarray, motion: Motion) -> np.ndarray:
-    """Points (N, 3) of the file's world in metres in the world of the motion; NaN stays alone."""
-    matrix = np.array(TO_Y_UP[motion.up])
-    moved = points[:, np.abs(matrix).argmax(axis=1)] * matrix.sum(axis=1)
-    return moved - [0.0, motion.floor, 0.0]
-
-
 def as_in_file(motion: Motion) -> Motion:
     """The motion in the axes, at the height and with the joints of its file, for a writer."""
     motion = without_added(motion)

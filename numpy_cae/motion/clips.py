@@ -14,10 +14,38 @@ CLIP = 50
 def draw_clips(
     sequences: Sequence[AngleSequence], clips: int, rng: np.random.Generator, frames: int = CLIP
 ) -> np.ndarray:
-    """Random clips (clips, frames, 54); every possible first frame is equally likely.
+    """Random clips of which every possible first frame is equally likely.
 
-    Sequences shorter than a clip are ignored; ValueError if all are. The translation is relative to
-    the first frame of the clip.
+    Parameters
+    ----------
+    sequences : sequence of AngleSequence
+        Those shorter than a clip are ignored.
+    clips : int
+        The number of clips.
+    rng : numpy.random.Generator
+    frames : int
+        In a clip.
+
+    Returns
+    -------
+    (clips, frames, 54) array of float64
+        The translation is relative to the first frame of the clip.
+
+    Raises
+    ------
+    ValueError
+        If all sequences are shorter than a clip.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import angles_of
+    >>> walk = angles_of(make_take("walk", 1, seconds=4.0, rate=50.0).motion)
+    >>> clips = draw_clips([walk], 8, np.random.default_rng(0))
+    >>> clips.shape
+    (8, 50, 54)
+    >>> bool((clips[:, 0, TRANSLATION] == 0).all())
+    True
     """
     starts = np.array([max(len(sequence) - frames + 1, 0) for sequence in sequences])
     _require_clips(starts.sum(), frames)
@@ -35,9 +63,31 @@ def draw_clips(
 def cut_clips(
     sequences: Sequence[AngleSequence], step: int = CLIP // 2, frames: int = CLIP
 ) -> np.ndarray:
-    """Clips that begin every `step` frames, for evaluation: (clips, frames, 54).
+    """Clips that begin every `step` frames, for evaluation.
 
-    Raises ValueError if no sequence is as long as a clip.
+    Parameters
+    ----------
+    sequences : sequence of AngleSequence
+    step, frames : int
+        Frames between the beginnings of two clips, and in a clip.
+
+    Returns
+    -------
+    (clips, frames, 54) array of float64
+        The translation is relative to the first frame of the clip.
+
+    Raises
+    ------
+    ValueError
+        If no sequence is as long as a clip.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import angles_of
+    >>> walk = angles_of(make_take("walk", 1, seconds=4.0, rate=50.0).motion)
+    >>> cut_clips([walk]).shape  # they begin at frames 0, 25 and 50 of 100
+    (3, 50, 54)
     """
     cut = [
         sequence.numbers[first : first + frames]

@@ -30,14 +30,35 @@ FEATURES = 63
 
 
 def joint_slice(joint: str) -> slice:
-    """The three features of one joint, such as "left_wrist"."""
+    """The columns of one joint's x, y and z in the features.
+
+    Parameters
+    ----------
+    joint : str
+        One of `JOINTS`, such as "left_wrist".
+
+    Returns
+    -------
+    slice
+
+    Examples
+    --------
+    >>> joint_slice("spine")
+    slice(3, 6, None)
+    """
     start = 3 * JOINTS.index(joint)
     return slice(start, start + 3)
 
 
 @dataclass(frozen=True)
 class RootTransform:
-    """Position of a body on the floor in metres and its heading about Y in radians."""
+    """Position of a body on the floor in metres and its heading about Y in radians.
+
+    Examples
+    --------
+    >>> RootTransform(x=1.0)  # a metre to the left of someone at the origin who faces +Z
+    RootTransform(x=1.0, z=0.0, heading=0.0)
+    """
 
     x: float = 0.0
     z: float = 0.0
@@ -60,6 +81,19 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     -------
     features : (F, 63) array of float64
     start : RootTransform
+
+    Examples
+    --------
+    Someone who walks moves forwards, along his own z, at some 1.5 m/s:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import RATE, body_of
+    >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
+    >>> features, start = positions_to_features(walk, RATE)
+    >>> features.shape
+    (60, 63)
+    >>> (RATE * features[30, VELOCITY]).round(1)
+    array([0.1, 1.6])
     """
     theta = heading(positions, rate)
     floor = positions[:, 0] * [1.0, 0.0, 1.0]
@@ -71,10 +105,19 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
 
 
 def velocities_along(floor: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Velocity and turn, v_t and ω_t, (F, 3) in the order of the features, along a trajectory.
+    """Velocity and turn along a trajectory, v_t and ω_t, (F, 3) in the order of the features.
 
-    It is given by the hips on the floor, h_t (F, 3) in metres, and the heading, θ_t (F,) in
-    radians, as `trajectory_of` returns them. The last frame repeats the one before.
+    Parameters
+    ----------
+    floor : (F, 3) array of float
+        h_t, the hips' position on the floor in metres, as `trajectory_of` returns it.
+    theta : (F,) array of float
+        θ_t, the heading in radians.
+
+    Returns
+    -------
+    (F, 3) array of float64
+        The last frame repeats the one before.
     """
     steps = np.zeros((len(floor), 3))
     velocity = rotate_on_floor(np.diff(floor, axis=0)[:, [0, 2]], -theta[:-1])
@@ -96,6 +139,15 @@ def features_to_positions(features: np.ndarray, start: RootTransform | None = No
     -------
     (F, 20, 3) array of float64
         Metres.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import RATE, body_of
+    >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
+    >>> features, start = positions_to_features(walk, RATE)
+    >>> bool(np.allclose(features_to_positions(features, start), walk))
+    True
     """
     features = np.asarray(features, dtype=np.float64)
     floor, theta = trajectory_of(features, start)

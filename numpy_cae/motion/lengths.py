@@ -21,8 +21,25 @@ LEGS = (0.05, 20.0)
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
-    """The mean length of the bone that ends at each of the twenty joints, (20,) in metres, from
-    positions (F, 20, 3) in metres. It is 0 for the hips, where no bone ends.
+    """The mean length of the bone that ends at each of the twenty joints.
+
+    Parameters
+    ----------
+    positions : (F, 20, 3) array of float
+        World positions of the twenty joints in metres.
+
+    Returns
+    -------
+    (20,) array of float64
+        Metres; 0 for the hips, where no bone ends.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import body_of
+    >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
+    >>> float(bone_lengths(walk)[JOINTS.index("left_knee")].round(2))  # the thigh
+    0.44
     """
     return frame_lengths(positions).mean(axis=0)
 
@@ -64,6 +81,16 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
     -------
     (F, 20, 3) array of float64
         In metres.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import body_of
+    >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
+    >>> lengths = bone_lengths(walk)
+    >>> taller = change_lengths(walk, lengths, 1.1 * lengths)
+    >>> bool(np.allclose(bone_lengths(taller), 1.1 * lengths))
+    True
     """
     changed = np.empty(positions.shape)
     changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())

@@ -45,6 +45,20 @@ class Motion:
         The axis that is up in the file, such as "z"; here Y always is.
     floor : float
         Height of the floor in the file in metres along that axis; here it is at 0.
+
+    Examples
+    --------
+    A knee that is bent by 90 degrees takes the ankle forward or back, here along -Z:
+
+    >>> offsets = np.array([[0, 0.9, 0], [0, -0.45, 0], [0, -0.4, 0]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), (-1, 0, 1), offsets)
+    >>> rotations = np.tile([0.0, 0.0, 0.0, 1.0], (1, 3, 1))
+    >>> rotations[0, 1] = [np.sin(np.pi / 4), 0, 0, np.cos(np.pi / 4)]
+    >>> motion = Motion(leg, 30.0, rotations, leg.offsets[None])
+    >>> motion.positions().round(2)[0]
+    array([[ 0.  ,  0.9 ,  0.  ],
+           [ 0.  ,  0.45,  0.  ],
+           [ 0.  ,  0.45, -0.4 ]])
     """
 
     skeleton: Skeleton

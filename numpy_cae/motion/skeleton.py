@@ -27,6 +27,15 @@ class Skeleton:
     joint_names : dict of str to str
         The names here of some of the twenty joints, as the user gives them where a rig is unknown
         (`load_motion(path, mapping=...)`); the others are found by the names of known rigs.
+
+    Examples
+    --------
+    >>> offsets = np.array([[0, 0.9, 0], [0, -0.45, 0], [0, -0.4, 0]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), (-1, 0, 1), offsets)
+    >>> leg.path(leg.index("ankle"))
+    [2, 1, 0]
+    >>> leg.rest_positions()[2].round(2)
+    array([0.  , 0.05, 0.  ])
     """
 
     names: tuple[str, ...]

@@ -13,7 +13,7 @@ OVERLAP = 80
 def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
     """The features (F, 63) extended to `frames` frames, at least F, by repeating the last pose.
 
-    Velocity and turn are 0 from the last given frame.
+    Velocity and turn are 0 from the last given frame on.
     """
     held = np.repeat(features[-1:], frames - len(features), axis=0)
     whole = np.concatenate([features, held])
@@ -46,6 +46,15 @@ def cut_windows(
     ------
     ValueError
         If there are no frames or the overlap does not fit the length.
+
+    Examples
+    --------
+    >>> windows, real = cut_windows(np.zeros((400, 63)))
+    >>> windows.shape  # they start at frames 0, 80, 160 and 240
+    (4, 160, 63)
+    >>> windows, real = cut_windows(np.zeros((100, 63)))
+    >>> windows.shape, int(real.sum())
+    ((1, 160, 63), 100)
     """
     if not 0 <= overlap < length:
         problem = f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"

@@ -35,7 +35,7 @@ def read_amc(
     unit: float | None = None,
     max_rate: float | None = None,
 ) -> Motion:
-    """Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
+    r"""Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
 
     The format does not state the number of frames, so that frames missing at the end of the
     file are noticed only if the last one is incomplete.
@@ -47,10 +47,27 @@ def read_amc(
         As in `read_bvh`; by default the unit is the skeleton's. The rate is the file's
         `:SAMPLES-PER-SECOND`, which few files have; else 120, the rate of the CMU database.
 
+    Returns
+    -------
+    Motion
+        In metres, its axes as in the file.
+
     Raises
     ------
     MotionFileError
         If either file is damaged or the two do not fit; a motion is never truncated or padded.
+
+    Examples
+    --------
+    >>> _ = Path("01.asf").write_text(
+    ...     ":root\n position 0 0 0\n:bonedata\n"
+    ...     "begin\n name arm\n direction 1 0 0\n length 5\n axis 0 0 0 XYZ\n dof rx\n end\n"
+    ...     ":hierarchy\n root arm\n"
+    ... )
+    >>> _ = Path("01_01.amc").write_text("1\nroot 0 35 0 0 0 0\narm 90\n")
+    >>> motion = read_amc("01_01.amc")
+    >>> motion.rate, motion.positions()[0, 0].round(3)
+    (120.0, array([0.   , 0.889, 0.   ]))
     """
     file = TextFile.read(path)
     if skeleton_path is None:

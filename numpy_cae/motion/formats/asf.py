@@ -96,7 +96,7 @@ def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]
 
 
 def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
-    """Read an Acclaim skeleton.
+    r"""Read an Acclaim skeleton.
 
     Parameters
     ----------
@@ -105,10 +105,27 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
         Metres in one unit of the file. By default 0.0254 / length, since a value divided by the
         `length` of `:units` is inches.
 
+    Returns
+    -------
+    AcclaimSkeleton
+
     Raises
     ------
     MotionFileError
         If the file is damaged, or a bone may stretch or slide (dof l, tx, ty, tz).
+
+    Examples
+    --------
+    A root and one bone, five inches long, that turns about x:
+
+    >>> _ = Path("01.asf").write_text(
+    ...     ":root\n position 0 0 0\n:bonedata\n"
+    ...     "begin\n name arm\n direction 1 0 0\n length 5\n axis 0 0 0 XYZ\n dof rx\n end\n"
+    ...     ":hierarchy\n root arm\n"
+    ... )
+    >>> acclaim = read_asf("01.asf")
+    >>> acclaim.skeleton.names, acclaim.channels[1].names, acclaim.unit
+    (('root', 'arm'), ('rx',), 0.0254)
     """
     file = TextFile.read(path, MAX_BYTES)
     units, root, bones, hierarchy = _read_sections(file)

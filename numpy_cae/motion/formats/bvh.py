@@ -45,6 +45,16 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         If the file is damaged anywhere; a motion is never truncated or padded.
     ValueError
         If `unit` is not above 0.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> motion = read_bvh("walk.bvh", unit=0.01)
+    >>> len(motion), motion.skeleton.names[:2]
+    (240, ('root', 'lhipjoint'))
     """
     if unit is not None:
         unit = require_unit(unit)

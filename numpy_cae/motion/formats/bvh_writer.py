@@ -54,6 +54,13 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
         `unit` is not above 0.
     FileError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.bvh")
+    >>> Path("walk.bvh").read_text().splitlines()[:2]
+    ['HIERARCHY', 'ROOT root']
     """
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)

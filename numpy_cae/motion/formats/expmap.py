@@ -28,7 +28,7 @@ _CUT = 1.5
 
 
 def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
-    """Read exponential-map text; the number of values in a line determines the layout.
+    r"""Read exponential-map text; the number of values in a line determines the layout.
 
     Parameters
     ----------
@@ -48,6 +48,15 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
         If the file is damaged.
     ValueError
         If `unit` is not above 0.
+
+    Examples
+    --------
+    Two frames in CMU's layout, in which nothing is rotated:
+
+    >>> _ = Path("rest.txt").write_text(2 * (",".join(["0"] * CMU.width) + "\n"))
+    >>> motion = read_expmap("rest.txt")
+    >>> len(motion), motion.rate, motion.skeleton.names[:2]
+    (2, 120.0, ('Hips', 'LHipJoint'))
     """
     rig, values = _table(TextFile.read(path))
     metres = rig.unit if unit is None else require_unit(unit)

@@ -44,12 +44,25 @@ def write_motion(motion: Motion, path: str | Path) -> None:
 
     BVH has the up axis and the floor of the motion's file; the others are Y up with the floor at 0.
 
+    Parameters
+    ----------
+    motion : Motion
+    path : path of the file
+        Replaced if it exists; its suffix chooses the format.
+
     Raises
     ------
     ValueError
         If the suffix is another, or the motion has no frames or values that are not finite.
     FileError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> write_motion(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.npz")
+    >>> np.load("walk.npz")["positions"].shape
+    (30, 31, 3)
     """
     require_writer(path)
     WRITERS[Path(path).suffix.lower()](without_added(motion), path)

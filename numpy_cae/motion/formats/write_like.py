@@ -70,6 +70,18 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
         If the source cannot be read again or has changed.
     FileError
         If the file cannot be written.
+
+    Examples
+    --------
+    A file is read and written again; where nothing changed no byte of the text changes:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import load_motion, write_bvh
+    >>> write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.bvh", unit=0.01)
+    >>> motion = load_motion("walk.bvh")
+    >>> write_like("walk.bvh", motion, motion, "same.bvh")
+    >>> Path("same.bvh").read_bytes() == Path("walk.bvh").read_bytes()
+    True
     """
     source = Path(source)
     suffix = source.suffix.lower()

@@ -59,6 +59,11 @@ class Coordinates:
     ------
     ValueError
         If one is not valid.
+
+    Examples
+    --------
+    >>> Coordinates(unit=0.01, up="z")  # the height of the floor is detected
+    Coordinates(unit=0.01, up='z', floor=None)
     """
 
     unit: float | None = None

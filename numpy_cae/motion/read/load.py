@@ -54,8 +54,12 @@ def load_motion(
         The axis that is up in the file (x, y, z, -x, -y or -z), and the height of the floor along
         it in metres. By default detected.
     mapping : dict of joint name to the rig's joint name, or several, optional
-        Names of the twenty joints in an unknown rig, which the motion's skeleton then knows; of
-        several mappings the first all of whose names the file has.
+        Names of the twenty joints in an unknown rig, which are kept in `Skeleton.joint_names`. Of
+        several mappings the first all of whose names the file has is taken, or none.
+
+    Returns
+    -------
+    Motion
 
     Raises
     ------
@@ -63,6 +67,16 @@ def load_motion(
         If the file is missing, damaged or of a kind that is not supported.
     ValueError
         If `unit`, `up` or `floor` is not valid.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> motion = load_motion("walk.bvh")
+    >>> len(motion), motion.rate, motion.unit_note
+    (240, 120.0, 'centimetres (guessed: the skeleton is about 2.0 m tall)')
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -106,12 +120,40 @@ def load_body(
     coordinates: Coordinates | None = None,
     max_rate: float | None = None,
 ) -> tuple[np.ndarray, Motion]:
-    """The twenty joints of a file at `RATE`, and the motion at the rate of the file.
+    """The twenty joints of a file at thirty frames a second, and the motion at the file's rate.
 
-    What `coordinates` leaves open is detected; `max_rate` is as in `load_motion`.
+    Parameters
+    ----------
+    path : path of the file
+    mapping : dict of joint name to the rig's joint name, or several, optional
+        As in `load_motion`.
+    coordinates : Coordinates, optional
+        What is None is detected.
+    max_rate : float, optional
+        As in `load_motion`.
 
-    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
-    if joints are missing.
+    Returns
+    -------
+    positions : (F, 20, 3) array of float64
+        World positions in metres at `RATE`.
+    motion : Motion
+
+    Raises
+    ------
+    MotionFileError
+        If the file cannot be read.
+    UnknownRigError
+        With the name of the file, if joints are missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> positions, motion = load_body("walk.bvh")
+    >>> positions.shape, len(motion)
+    ((60, 20, 3), 240)
     """
     known = vars(coordinates or Coordinates())
     motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
@@ -125,10 +167,35 @@ def load_body(
 def load_angles(
     path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
 ) -> AngleSequence:
-    """`angles_of` any motion file. A floor is not looked for: clips are relative to their start.
+    """`angles_of` any motion file. No floor is looked for: clips are relative to their start.
 
-    Raises MotionFileError if the file cannot be read; UnknownRigError, with the name of the file,
-    if joints are missing.
+    Parameters
+    ----------
+    path : path of the file
+    mapping : dict of joint name to the rig's joint name, or several, optional
+        As in `load_motion`.
+    coordinates : Coordinates, optional
+        What is None is detected, except the floor.
+
+    Returns
+    -------
+    AngleSequence
+
+    Raises
+    ------
+    MotionFileError
+        If the file cannot be read.
+    UnknownRigError
+        With the name of the file, if joints are missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> load_angles("walk.bvh").numbers.shape
+    (50, 54)
     """
     try:
         known = vars(coordinates or Coordinates())
@@ -138,9 +205,30 @@ def load_angles(
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """The motion files in a folder and its subfolders, sorted, of .txt those of exponential maps.
+    """The motion files in a folder and its subfolders, of .txt those of exponential maps.
 
-    Raises MotionFileError if there is no such folder or it holds no such file.
+    Parameters
+    ----------
+    folder : path
+
+    Returns
+    -------
+    list of Path
+        Sorted.
+
+    Raises
+    ------
+    MotionFileError
+        If there is no such folder or it holds no such file.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> [path.name for path in find_motion_files(".")]
+    ['walk.bvh']
     """
     folder = Path(folder)
     if not folder.is_dir():

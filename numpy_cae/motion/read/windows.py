@@ -45,10 +45,23 @@ def load_windows(
     length, overlap : int
         Of a window, in frames at 30 a second.
 
+    Returns
+    -------
+    FileWindows
+
     Raises
     ------
     MotionFileError, UnknownRigError
         If there is no such file, or one cannot be read or lacks joints.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import write_bvh
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> write_bvh(walk, "walk.bvh", unit=0.01)
+    >>> load_windows(".", "walk*", length=32, overlap=16).features.shape
+    (3, 32, 63)
     """
     paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
     if not paths:

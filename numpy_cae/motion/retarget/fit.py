@@ -49,6 +49,19 @@ def fit_motion(
         In metres.
     rate, unit : float
         Frames a second, and metres in one unit of the file to be written.
+
+    Returns
+    -------
+    Motion
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import RATE, body_of, bone_lengths
+    >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
+    >>> motion = fit_motion(walk, bone_lengths(walk), RATE)
+    >>> bool(np.abs(motion.positions() - walk).max() < 0.01)
+    True
     """
     skeleton = body_skeleton(lengths)
     rotations = np.tile(IDENTITY, (len(positions), len(JOINTS), 1))

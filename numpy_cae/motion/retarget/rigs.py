@@ -50,11 +50,32 @@ def with_joint_names(skeleton: Skeleton, mapping: Mappings) -> Skeleton:
 
 
 def find_joints(skeleton: Skeleton) -> list[int]:
-    """Indices of the twenty joints in a skeleton, in the order of `JOINTS`.
+    """The indices of the twenty joints in a skeleton.
 
-    `Skeleton.joint_names` take precedence over the known rigs; joints that they omit are looked up
-    in the rig that fits best. Raises UnknownRigError, with the joints that are missing, the joints
-    that the rig has and a mapping that its hierarchy suggests.
+    `Skeleton.joint_names` take precedence over the known rigs. The joints that they omit are looked
+    up in the known rig that fits best.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+
+    Returns
+    -------
+    list of 20 int
+        In the order of `JOINTS`.
+
+    Raises
+    ------
+    UnknownRigError
+        With the joints that are missing, the joints that the rig has and a mapping that its
+        hierarchy suggests.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> skeleton = make_take("walk", 1, seconds=1.0).motion.skeleton
+    >>> [skeleton.names[joint] for joint in find_joints(skeleton)[:4]]  # hips, spine, chest, head
+    ['root', 'upperback', 'thorax', 'head']
     """
     rig, found = match_rig(skeleton)
     if len(found) == len(JOINTS):
@@ -113,9 +134,28 @@ _PLAIN_RIGS = {
 
 
 def joint_index(name: str, skeleton: Skeleton) -> int:
-    """The index in `JOINTS` of a joint that a user names: our name or the rig's own.
+    """The index in `JOINTS` of a joint that a user names: our name or the rig's.
 
-    Raises UnknownRigError if it is neither, or a joint of the rig that is not among the twenty.
+    Parameters
+    ----------
+    name : str
+    skeleton : Skeleton
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    UnknownRigError
+        If there is no such joint, or the rig's joint of this name is not among the twenty.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> skeleton = make_take("walk", 1, seconds=1.0).motion.skeleton
+    >>> JOINTS[joint_index("lfemur", skeleton)]
+    'left_hip'
     """
     if name in JOINTS:
         return JOINTS.index(name)
@@ -130,9 +170,26 @@ def joint_index(name: str, skeleton: Skeleton) -> int:
 
 
 def read_mapping(path: str | Path) -> JointNames:
-    """A user's own rig: a JSON object of {our joint name: name in the file}.
+    """A user's names of joints: a JSON object of {our joint name: name in the file}.
 
-    Raises UnknownRigError if the file is not such an object, naming what is wrong in it.
+    Parameters
+    ----------
+    path : path of the file
+
+    Returns
+    -------
+    dict of str to str
+
+    Raises
+    ------
+    UnknownRigError
+        If the file is not such an object; the error says what is wrong in it.
+
+    Examples
+    --------
+    >>> _ = Path("rig.json").write_text('{"hips": "pelvis", "head": "skull"}')
+    >>> read_mapping("rig.json")
+    {'hips': 'pelvis', 'head': 'skull'}
     """
     try:
         mapping = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -152,9 +209,27 @@ def read_mapping(path: str | Path) -> JointNames:
 
 
 def body_positions(motion: Motion) -> np.ndarray:
-    """World positions of the twenty joints, (frames, 20, 3) in metres.
+    """World positions of the twenty joints in each frame of the motion.
 
-    Raises UnknownRigError as `find_joints` does, and if the bones are not a person's.
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    (frames, 20, 3) array of float64
+        Metres, at the rate of the motion.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing, or the bones are not a person's.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> body_positions(make_take("walk", 1, seconds=2.0, rate=120.0).motion).shape
+    (240, 20, 3)
     """
     positions = motion.positions(find_joints(motion.skeleton))
     problem = problem_of(positions)

@@ -34,10 +34,22 @@ def without_t_pose(motion: Motion) -> Motion:
     motion : Motion
         At the rate of its file: resampling would blend the T-pose with the next frames.
 
+    Returns
+    -------
+    Motion
+        The same object if its first frame is no such T-pose.
+
     Raises
     ------
     UnknownRigError
         If joints are missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=1.0).motion
+    >>> without_t_pose(walk) is walk
+    True
     """
     if len(motion) < 3:
         return motion

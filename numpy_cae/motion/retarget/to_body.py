@@ -7,7 +7,29 @@ from numpy_cae.motion.retarget.rigs import body_positions
 
 
 def body_of(motion: Motion) -> np.ndarray:
-    """World positions of the twenty joints at `RATE`, (F, 20, 3) in metres."""
+    """World positions of the twenty joints at thirty frames a second (`RATE`).
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+
+    Returns
+    -------
+    (F, 20, 3) array of float64
+        Metres.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing, or the bones are not a person's.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> body_of(make_take("walk", 1, seconds=2.0, rate=120.0).motion).shape
+    (60, 20, 3)
+    """
     return body_positions(motion.resampled(RATE))
 
 
@@ -35,6 +57,14 @@ def at_rate_of(
     ------
     ValueError
         If the number of poses is another.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> positions = body_of(walk)
+    >>> len(positions), len(at_rate_of(walk, positions))
+    (60, 240)
     """
     from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
 

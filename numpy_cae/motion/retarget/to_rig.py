@@ -62,7 +62,6 @@ def retarget(
     motion: Motion,
     positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
     touched: np.ndarray | None = None,
-    exact: np.ndarray | None = None,
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
@@ -71,16 +70,21 @@ def retarget(
 
     Parameters
     ----------
-    positions : (F, 20, 3) array of float
+    motion : Motion
+        Of any rig in which the twenty joints can be found, at any rate.
+    positions : (frames, 20, 3) array of float
         Target world positions in metres, one pose for each frame of the motion at its own rate
         (`at_rate_of` resamples positions at 30 frames a second); or a function that returns the
         poses of some frames (N,): those of an hour would take 0.2 GB.
-    touched : (F, 20) array of bool, optional
+    touched : (frames, 20) array of bool, optional
         Joints that move to their targets; the others keep their positions as far as bones of
-        constant length allow. All joints where None.
-    exact : (F, 20) array of bool, optional
-        Wrists and ankles that are reached exactly, if need be at the cost of the elbow or the
-        knee. Those that are not touched where None.
+        constant length allow, wrists and ankles exactly, if need be at the cost of the elbow or the
+        knee. All joints where None.
+
+    Returns
+    -------
+    Motion
+        Of the same skeleton, rate and unit.
 
     Raises
     ------
@@ -88,6 +92,15 @@ def retarget(
         If positions of touched joints are not finite or a shape does not fit the motion.
     UnknownRigError
         If joints are missing, or one of the twenty descends from none of the others.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion import body_positions
+    >>> walk = make_take("walk", 1, seconds=1.0, rate=30.0).motion
+    >>> higher = retarget(walk, body_positions(walk) + [0.0, 0.1, 0.0])
+    >>> (higher.positions() - walk.positions())[0, 0].round(3)
+    array([0. , 0.1, 0. ])
     """
     joints = find_joints(motion.skeleton)
     shape = len(motion), len(JOINTS)
@@ -123,8 +136,8 @@ def retarget(
             translations[frames, carrier] += step
             part = replace(part, translations=translations[frames])
         by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
-        exact_ends = ~touched[frames] if exact is None else exact[frames]
-        limbs = {joints[mid]: (joints[mid + 1], exact_ends[:, mid + 1]) for mid in _MIDDLES}
+        kept = ~touched[frames]  # these ends are reached exactly
+        limbs = {joints[mid]: (joints[mid + 1], kept[:, mid + 1]) for mid in _MIDDLES}
         rotations[frames] = _rotated(part, by_joint, limbs, bones, (before, rotations_before))
     return replace(motion, rotations=rotations, translations=translations)
 
