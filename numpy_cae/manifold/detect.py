@@ -105,14 +105,15 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     displaced = between_jumps(steps, jumps, LONGEST)
     direct |= find_frozen(body, spline(body.positions, direct), points)
     damaged = direct.copy()
+    features, _ = bridged_features(body, damaged)
     for _ in range(ROUNDS):
-        features, _ = bridged_features(body, damaged)
         far = _far_from_manifold(manifold, features, damaged, displaced, jumps)
         if not far.any():
             break
         damaged |= with_margin(far, MARGIN)
+        features, _ = bridged_features(body, damaged)
     damaged &= direct | displaced | (damaged.sum(axis=1, keepdims=True) <= MOST_JOINTS)
-    change = np.linalg.norm(_local(fill(manifold, body.features, damaged) - body.features), axis=-1)
+    change = np.linalg.norm(_local(fill(manifold, features, damaged) - body.features), axis=-1)
     return in_file(body.motion, runs_with(damaged, change > LEAST)) | direct_in_file
 
 
