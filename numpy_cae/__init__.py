@@ -6,7 +6,27 @@ Two papers, implemented in NumPy without an automatic differentiation framework:
   Autoencoders", SIGGRAPH Asia 2015 Technical Briefs.
 - jang2018: Jang and Lee, "Latent Motion Manifold with Sequential Auto-Encoders", SCA 2018 posters.
 
-Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is.
+Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is. The
+functions `load`, `repair`, `fill`, `show` and `learn` are those of `numpy_cae.public`. They and the
+packages are imported when they are first used.
 """
 
+from importlib import import_module as _import_module
+
+from numpy_cae import notebook as _notebook
+
 __version__ = "0.3.0"
+__all__ = ["fill", "learn", "load", "repair", "show"]
+
+_notebook.register()
+
+
+def __getattr__(name: str) -> object:
+    if name in __all__:
+        return getattr(_import_module("numpy_cae.public"), name)
+    try:
+        return _import_module(f"numpy_cae.{name}")
+    except ModuleNotFoundError as error:
+        if error.name != f"numpy_cae.{name}":
+            raise
+        raise AttributeError(f"numpy_cae has no {name!r}") from None

@@ -29,7 +29,7 @@ MAX_HIDDEN_FRAMES = 120
 """MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of so many, to bound memory."""
 
 
-@dataclass
+@dataclass(repr=False)
 class MotionManifold:
     """A trained network, and the conversion between features of motions and its input.
 
@@ -71,6 +71,11 @@ class MotionManifold:
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
+
+    def __repr__(self) -> str:
+        filters = ", ".join(str(layer.b.size) for layer in self.network.layers)
+        takes = self.settings.get("takes", "unknown")
+        return f"manifold of layers with {filters} filters, learned from {takes} takes"
 
     def body(self, motion: Motion) -> Body:
         """A motion of any rig with its features on this manifold's mean skeleton."""

@@ -22,7 +22,7 @@ RATE = 30.0
 """Frames a second of holden2015, section 4: every motion is resampled to it before a network."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Motion:
     """Frames of a moving skeleton.
 
@@ -79,6 +79,10 @@ class Motion:
 
     def __len__(self) -> int:
         return len(self.rotations)
+
+    def __repr__(self) -> str:
+        joints = len(self.skeleton.names) - self.skeleton.added
+        return f"motion of {len(self)} frames at {self.rate:g} a second, {joints} joints"
 
     @property
     def seconds(self) -> float:

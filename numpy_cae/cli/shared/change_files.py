@@ -1,7 +1,6 @@
 """What `repair` and `fill` share: which files they read and write, and the report about them."""
 
 import argparse
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,17 +19,12 @@ from numpy_cae.motion import (
     body_of,
     find_motion_files,
     load_motion,
-    write_like,
-    write_motion,
 )
-from numpy_cae.motion.formats.amc import find_skeleton
 from numpy_cae.motion.formats.write import WRITERS, require_writer
+from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.text_table import text_table
 from numpy_cae.viz import CORRUPTED, PROJECTED
 
-KEPT = (".bvh", ".amc")
-"""KEPT: a file with one of these suffixes is written in its own format, and what did not change
-keeps its text."""
 HEADER = ("file", "joints", "changed, %", "mean, cm", "at most, cm", "result")
 
 
@@ -100,7 +94,7 @@ class ChangedFiles:
     def write(self, motion: Motion, repaired: Repaired, source: Path, target: Path | None) -> None:
         """Write the changed motion, unless in a dry run, and report what was changed."""
         if target is not None:
-            self._write(motion, repaired, source, target)
+            self._write(motion, repaired, target)
         if self.single:
             print(indent(str(repaired), "  "))
         else:
@@ -135,7 +129,7 @@ class ChangedFiles:
             raise ValueError("name the file or folder to write with -o, or use --dry-run")
         if self.single and not args.output.is_dir():
             targets = {args.files[0]: args.output}
-            if not _keeps_format(args.files[0], args.output):
+            if not args.files[0].suffix.lower() == args.output.suffix.lower() in KEPT:
                 require_writer(args.output)
         else:
             if args.output.suffix.lower() in (*KEPT, *WRITERS) and not args.output.is_dir():
@@ -152,17 +146,11 @@ class ChangedFiles:
                 raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
         return targets
 
-    def _write(self, motion: Motion, repaired: Repaired, source: Path, target: Path) -> None:
+    def _write(self, motion: Motion, repaired: Repaired, target: Path) -> None:
         if not self.single:
             target.parent.mkdir(parents=True, exist_ok=True)
-        if _keeps_format(source, target):
-            write_like(source, motion, repaired.motion, target)
-            if target.suffix.lower() == ".amc":
-                skeleton = find_skeleton(source)
-                if not target.with_name(skeleton.name).exists():
-                    shutil.copyfile(skeleton, target.with_name(skeleton.name))
-        else:
-            write_motion(repaired.motion, target)
+        assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
+        repaired.motion.save(target, motion)
         if self.single:
             one_motion.print_written(repaired.motion, target)
         if self.args.html:
@@ -178,10 +166,6 @@ class ChangedFiles:
             replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
         ]
         one_motion.write_page(target, "before and after", actors, overlaid=True)
-
-
-def _keeps_format(source: Path, target: Path) -> bool:
-    return source.suffix.lower() == target.suffix.lower() in KEPT
 
 
 def row(name: str, repaired: Repaired) -> list[str]:

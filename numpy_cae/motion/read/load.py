@@ -1,19 +1,22 @@
 """Read any supported motion file, chosen by its suffix."""
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.formats.amc import read_amc
+from numpy_cae.motion.formats.amc import find_skeleton, read_amc
 from numpy_cae.motion.formats.bvh import read_bvh
 from numpy_cae.motion.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.formats.text_file import MotionFileError
+from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read.coordinates import Coordinates, in_y_up
 from numpy_cae.motion.retarget.completed import completed
@@ -26,6 +29,55 @@ SUPPORTED = (
     "(exponential maps of CMU or Human3.6M)"
 )
 SUFFIXES = (".amc", ".bvh", ".txt")
+KEPT = (".bvh", ".amc")
+"""KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""
+
+
+@dataclass(frozen=True, repr=False)
+class FileMotion(Motion):
+    """A motion that was read from a file, and everything made of it by `dataclasses.replace`.
+
+    Parameters
+    ----------
+    source : path
+        The file.
+    """
+
+    source: Path = Path()
+
+    def save(self, path: str | Path, before: Motion | None = None) -> None:
+        """Write the motion; in the format of its file as the file came in, else by `write_motion`.
+
+        In its own format (.bvh, .amc) the text of everything that did not change is kept, byte for
+        byte, and a missing .asf skeleton is copied beside an .amc file.
+
+        Parameters
+        ----------
+        path : path
+            Of the file to write: .bvh, .amc, or positions as .npz or .csv. It may be the source.
+        before : Motion, optional
+            The motion as it was read; the file is read again where None.
+
+        Raises
+        ------
+        ValueError, FileError
+            If the suffix is another, or values are not finite; if the file cannot be written.
+        """
+        path = Path(path)
+        if self.source.suffix.lower() != path.suffix.lower() or path.suffix.lower() not in KEPT:
+            write_motion(self, path)
+            return
+        if before is None:
+            names = self.skeleton.joint_names or None
+            before = load_motion(self.source, self.unit, None, self.up, self.floor, names)
+        if before.rate != self.rate:
+            write_motion(self, path)
+            return
+        write_like(self.source, before, self, path)
+        if path.suffix.lower() == ".amc":
+            skeleton = find_skeleton(self.source)
+            if not path.with_name(skeleton.name).exists():
+                shutil.copyfile(skeleton, path.with_name(skeleton.name))
 
 
 def load_motion(
@@ -35,7 +87,7 @@ def load_motion(
     up: str | None = None,
     floor: float | None = None,
     mapping: Mappings = None,
-) -> Motion:
+) -> FileMotion:
     """Read a motion from any supported file; the skeleton of an .amc file is looked for beside it.
 
     The motion is turned to Y up and its floor moved to 0; `Motion.up` and `Motion.floor` say how
@@ -98,7 +150,7 @@ def load_motion(
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
         named = replace(motion, skeleton=with_joint_names(motion.skeleton, mapping))
-        return in_y_up(completed(named), coordinates)
+        return FileMotion(**vars(in_y_up(completed(named), coordinates)), source=path)
 
 
 @contextmanager

@@ -1,0 +1,178 @@
+"""The functions of `import numpy_cae`: load, repair, fill, show and learn, for whole motions.
+
+Everything that they do can be done with more options in `numpy_cae.motion`, `numpy_cae.manifold`
+and `numpy_cae.viz`.
+"""
+
+import tempfile
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+
+from numpy_cae import notebook
+from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
+from numpy_cae.manifold.repair import repair as repair_motion
+from numpy_cae.motion import JOINTS, Motion, find_motion_files, joint_index
+from numpy_cae.motion import load_motion as load
+from numpy_cae.motion.joints import joint_mask
+from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.read.many import read_bodies
+from numpy_cae.training import RECIPES, ProgressPrinter
+from numpy_cae.viz import (
+    CORRUPTED,
+    PLAIN,
+    PROJECTED,
+    TRUTH,
+    Actor,
+    in_notebook,
+    motion_actor,
+    save_viewer,
+)
+from numpy_cae.viz.viewer import Player
+
+__all__ = ["fill", "learn", "load", "repair", "show"]
+
+
+def repair(motion: Motion, manifold: MotionManifold | None = None, **options) -> Repaired:
+    """Find what is damaged in a motion and fill it in; the rest of the motion is unchanged.
+
+    Parameters
+    ----------
+    motion : Motion
+        As `load` returns it.
+    manifold : MotionManifold, optional
+        As `learn` returns it; the starter model of the package where None.
+    **options
+        Of `numpy_cae.manifold.repair`: `damaged`, `strength`, `smooth`, `force`.
+
+    Returns
+    -------
+    Repaired
+        Its `motion` is the repaired one. Printed, it names the joints, frames and centimetres.
+
+    Examples
+    --------
+    >>> import numpy_cae
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[30:33, motion.skeleton.index("lwrist")] += 0.5
+    >>> numpy_cae.repair(motion)
+    left_wrist: frames 30 to 32: moved 76.9 cm, at most 77.4
+    """
+    return repair_motion(motion, manifold or starter(), **options)
+
+
+def fill(
+    motion: Motion,
+    joints: Sequence[str] | None = None,
+    frames: tuple[int, int] | None = None,
+    manifold: MotionManifold | None = None,
+) -> Repaired:
+    """Fill in joints of a motion in some frames; what the motion has there is ignored.
+
+    Parameters
+    ----------
+    motion : Motion
+    joints : sequence of str, optional
+        Names of the twenty joints or of the rig's; all joints where None.
+    frames : (int, int), optional
+        The first and the last frame of the file, counted from 0; all frames where None.
+    manifold : MotionManifold, optional
+        As in `repair`.
+
+    Returns
+    -------
+    Repaired
+
+    Examples
+    --------
+    >>> import numpy_cae
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=4.0, rate=30.0).motion
+    >>> numpy_cae.fill(motion, joints=["left_wrist"], frames=(30, 75))
+    left_wrist: frames 30 to 75: moved 13.3 cm, at most 26.3
+    """
+    names = [JOINTS[joint_index(name, motion.skeleton)] for name in joints or JOINTS]
+    first, last = (0, len(motion) - 1) if frames is None else frames
+    if not 0 <= first <= last < len(motion):
+        raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")
+    missing = joint_mask(len(motion), names, slice(first, last + 1))
+    return fill_motion(motion, manifold or starter(), missing)
+
+
+def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
+    """Play motions side by side in the viewer.
+
+    In a notebook the last line of a cell displays the viewer. Elsewhere a page is written and
+    opened in the browser.
+
+    Parameters
+    ----------
+    *motions : Motion
+        Of any rigs and rates.
+    path : path, optional
+        Of the page, .html, which is then written and not opened.
+
+    Returns
+    -------
+    Player or None
+        The viewer, in a notebook; else None.
+    """
+    if path is None and notebook.shell():
+        return player(*motions)
+    page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
+    actors, rate = _actors_and_rate(motions)
+    save_viewer(actors, page, rate)
+    if path is None:
+        webbrowser.open(page.as_uri())
+    return None
+
+
+def player(*motions: Motion) -> Player:
+    """The viewer of `show`, which a notebook displays."""
+    return in_notebook(*_actors_and_rate(motions))
+
+
+def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionManifold:
+    """Learn a manifold from every motion file in a folder and its subfolders.
+
+    Progress is printed. `numpy-cae train` has more options, and continues after an interruption.
+
+    Parameters
+    ----------
+    folder : path
+    recipe : {"fast", "best", "paper"}
+        "fast" trains all layers at once with Adam, "best" does so for three times as many epochs,
+        "paper" is the training of holden2015.
+    seed : int
+
+    Returns
+    -------
+    MotionManifold
+        `project` a motion onto it, give it to `repair` and `fill`, or `save` it.
+
+    Raises
+    ------
+    MotionFileError, UnknownRigError
+        If a file cannot be used.
+    ValueError
+        If there is no such recipe.
+    """
+    if recipe not in RECIPES:
+        raise ValueError(f"recipe is {recipe!r}, expected one of {', '.join(RECIPES)}")
+    takes = []
+    for body in read_bodies(find_motion_files(folder)):
+        if body.problem is not None:
+            raise body.problem
+        takes.append(body.positions)
+    return learn_manifold(takes, RECIPES[recipe], seed, report=ProgressPrinter())
+
+
+def _actors_and_rate(motions: Sequence[Motion]) -> tuple[list[Actor], float]:
+    """The motions as the viewer takes them: at one rate, numbered, in the colours of figure 1."""
+    rate = min([RATE, *(motion.rate for motion in motions)])
+    colours = (CORRUPTED, PROJECTED, TRUTH, PLAIN) if len(motions) > 1 else (PROJECTED,)
+    return [
+        motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
+        for number, motion in enumerate(motions)
+    ], rate
