@@ -1,21 +1,121 @@
-"""The trainings that `quality` compares: each network here and in PyTorch, from the same first
-weights."""
+"""Compare the times that trainings need to one error: numpy_cae, and the same networks in PyTorch.
 
-from collections.abc import Callable, Iterator
+The trainings run in turns in one process, so that a change of the machine's speed affects all of
+them. Needs PyTorch (package torch). docs/results.md has the tables that this prints:
+
+    python docs/time_to_quality.py --data bandai --test '*_005.bvh'
+    python docs/time_to_quality.py --sequential
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.bench.convolutional import TorchModel, torch
-from numpy_cae.bench.quality import Training
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
+from numpy_cae.bench.table import PAUSE
+from numpy_cae.experiments.ablation.ablation import HALF_REMOVED, Evaluation
+from numpy_cae.experiments.material import read_material, synthetic_material
+from numpy_cae.experiments.sequences.study import synthetic_action
 from numpy_cae.fast import accelerate
-from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT
+from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import Schedule, SequenceSchedule, Stage, TrainingState, unit_directions
+from numpy_cae.motion import cut_clips, draw_clips
+from numpy_cae.training import (
+    SEQUENCE_RECIPES,
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    TrainingState,
+    recipe,
+    unit_directions,
+)
 from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
 from numpy_cae.training.sequential import Draw, sequential_steps
+
+MINUTES = 20.0
+"""Without --data: minutes of synthetic motion, of which every fourth take is held out."""
+SEQUENCE_MINUTES = 180.0
+"""Minutes of synthetic walking to train on, and as many of other people to hold out."""
+
+
+@dataclass
+class Training:
+    """A training in `count` turns, such as epochs, with the seconds and the error after each.
+
+    `turns` trains for one turn at each `next`; `error` measures the network on held-out motion.
+    """
+
+    name: str
+    count: int
+    turns: Iterator[None]
+    error: Callable[[], float]
+    seconds: list[float] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
+
+    def take_turn(self) -> None:
+        """Train for one turn and measure; only the training is timed."""
+        time.sleep(PAUSE)
+        start = time.perf_counter()
+        next(self.turns)
+        before = self.seconds[-1] if self.seconds else 0.0
+        self.seconds.append(before + time.perf_counter() - start)
+        self.errors.append(self.error())
+
+    def seconds_to(self, error: float) -> float:
+        """The seconds of training after which the error is first at most so large."""
+        turn = next(turn for turn, each in enumerate(self.errors) if each <= error)
+        return self.seconds[turn]
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Trainings compared; ours is the first."""
+
+    trainings: Sequence[Training]
+    unit: str
+
+    @property
+    def target(self) -> float:
+        """The lowest error that all reach."""
+        return max(min(each.errors) for each in self.trainings)
+
+    @property
+    def ratios(self) -> dict[str, float]:
+        """The seconds of each training to the target, divided by ours."""
+        ours = self.trainings[0].seconds_to(self.target)
+        return {each.name: each.seconds_to(self.target) / ours for each in self.trainings}
+
+    def text(self) -> str:
+        """A table with a row for each training."""
+        seconds = f"seconds to {self.target:.3f} {self.unit}"
+        names = f"training | {seconds} | ratio | seconds in all | lowest error, {self.unit}"
+        lines = [f"| {names} |", "|---|--:|--:|--:|--:|"]
+        for each in self.trainings:
+            numbers = f"{each.seconds_to(self.target):.1f} | {self.ratios[each.name]:.2f}"
+            numbers += f" | {each.seconds[-1]:.1f} | {min(each.errors):.3f}"
+            lines.append(f"| {each.name} | {numbers} |")
+        return "\n".join(lines)
+
+
+def train_in_turns(
+    trainings: Sequence[Training], progress: Callable[[str], None] = lambda line: None
+) -> None:
+    """Train all, each time the one with the smallest share of its turns done, so that a change of
+    the machine's speed affects all of them. `progress` gets a line of text after each turn."""
+    while waiting := [each for each in trainings if len(each.errors) < each.count]:
+        each = min(waiting, key=lambda one: len(one.errors) / one.count)
+        each.take_turn()
+        done = f"{each.name}, {len(each.errors)}/{each.count}"
+        progress(f"{done}: {each.seconds[-1]:.1f} s, held-out error {each.errors[-1]:.3f}")
+
 
 USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
 """PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
@@ -155,3 +255,48 @@ def _torch_update(
         optimiser.zero_grad()
 
     return update
+
+
+def convolutional_trainings(folders: list[Path], test: list[str]) -> list[Training]:
+    """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
+    material = read_material(folders, test) if folders else synthetic_material(MINUTES, 4)
+    evaluation = Evaluation(material)
+
+    def error(repair: Change) -> float:
+        return evaluation.measure(repair, seed=0)[HALF_REMOVED]
+
+    return trainings(evaluation.windows, recipe("fast").fine_tuning, error)
+
+
+def sequential_trainings() -> list[Training]:
+    """Of the sequential network, on synthetic walking; the error is of other people's clips."""
+    action = synthetic_action("walking", SEQUENCE_MINUTES)
+    mean, deviation = mean_and_deviation(cut_clips(action.training))
+
+    def normalised(clips: np.ndarray) -> np.ndarray:
+        return ((clips - mean) / deviation).astype(np.float32)
+
+    return sequence_trainings(
+        lambda rng, batch: normalised(draw_clips(action.training, batch, rng)),
+        normalised(cut_clips(action.testing, step=600)),
+        SEQUENCE_RECIPES["fast"],
+    )
+
+
+def main() -> None:
+    """Train in turns; print the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--data", type=Path, nargs="+", default=[], help="folders of motion files")
+    parser.add_argument("--test", nargs="+", default=[], help="names of the files to hold out")
+    parser.add_argument("--sequential", action="store_true", help="the sequential network instead")
+    args = parser.parse_args()
+    if torch is None:
+        sys.exit("PyTorch is not installed (package torch)")
+    sequential = args.sequential
+    made = sequential_trainings() if sequential else convolutional_trainings(args.data, args.test)
+    train_in_turns(made, lambda line: print(line, file=sys.stderr))
+    print(Quality(made, "of the variance" if sequential else "cm").text())
+
+
+if __name__ == "__main__":
+    main()
