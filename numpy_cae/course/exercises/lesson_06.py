@@ -98,11 +98,8 @@ def _loss_arguments(case: Case) -> dict[str, object]:
     corrupted = x + lesson_05.uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
     weights = lesson_05.random_weights(case, rng)
     first = rng.random((case["batch"], case["frames"], case["filters"])) < 0.5
-    numbers = {"alpha": ALPHA, "bound": lesson_05.BOUND}
-    if case.seed == 0 and x.size == 2 and weights["w"].size == 1:  # the example of the lesson
-        x[0, :, 0], corrupted[0, :, 0] = (1.0, 0.6), (1.0, 0.0)
-        weights["w"][:], weights["b"][:], first[:], numbers["alpha"] = 0.5, 0.2, True, 0.0
-    return {"x": x, "corrupted": corrupted, **weights, "first": first, **numbers}
+    arrays = {"x": x, "corrupted": corrupted, **weights, "first": first}
+    return {**arrays, "alpha": ALPHA, "bound": lesson_05.BOUND}
 
 
 def _training_arguments(case: Case) -> dict[str, object]:
