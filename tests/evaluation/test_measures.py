@@ -1,0 +1,183 @@
+"""The measures of motions, sets of clips and retrieval, where the answer is computed by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from data_synth import make_take
+from numpy_cae.evaluation import (
+    Validity,
+    ValidityMeasure,
+    bone_length_error,
+    diversity,
+    foot_sliding,
+    gait_frequency,
+    jitter,
+    nearest_distance,
+    nearest_neighbour_accuracy,
+    position_error,
+)
+from numpy_cae.evaluation.retrieval import average_precision, precision_at_1
+from numpy_cae.evaluation.samples import clip_distances
+from numpy_cae.evaluation.validity import NearestPose
+from numpy_cae.motion import (
+    JOINTS,
+    POSITIONS,
+    body_of,
+    bone_lengths,
+    joint_slice,
+    positions_to_features,
+)
+from numpy_cae.motion.retarget.fit import body_skeleton
+
+LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
+LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
+
+
+@pytest.fixture(scope="module")
+def walk() -> np.ndarray:
+    return body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0])
+def test_a_falling_body_has_the_acceleration_of_gravity(rate):
+    t = np.arange(20) / rate
+    positions = np.zeros((20, 2, 3))
+    positions[:, :, 1] = -9.81 / 2 * t[:, None] ** 2
+    positions[:, :, 0] = 3.0 * t[:, None]
+    assert jitter(positions, rate) == pytest.approx(9.81)
+    with pytest.raises(ValueError, match=r"\(2, 2, 3\), expected \(3 frames or more"):
+        jitter(positions[:2], rate)
+
+
+def test_velocities_and_padded_frames_do_not_count_and_one_joint_can_count_alone():
+    truth = np.zeros((2, 8, 63))
+    off = truth.copy()
+    off[..., POSITIONS.stop :] = 5.0
+    off[:, 6:] = 7.0
+    off[:, :6, joint_slice("left_wrist")] = 0.03
+    real = np.tile(np.arange(8) < 6, (2, 1))
+    assert position_error(off, truth, real) == pytest.approx(3 / np.sqrt(20))
+    assert position_error(off, truth, real, "left_wrist") == pytest.approx(3.0)
+    assert position_error(off, truth, real, "right_wrist") == 0.0
+
+
+def standing(frames: int = 20) -> np.ndarray:
+    """A T-pose, its toes on the floor, (frames, 20, 3)."""
+    skeleton = body_skeleton(LENGTHS)
+    pose = np.zeros((20, 3))
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            pose[joint] = pose[parent] + skeleton.offsets[joint]
+    pose[:, 1] -= pose[LEFT_TOE, 1]
+    return np.repeat(pose[None], frames, axis=0)
+
+
+@given(st.floats(0.5, 2.0))
+def test_a_scaled_body_has_the_error_of_its_scale(size):
+    expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
+    assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
+
+
+@given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
+def test_a_translated_pose_slides_at_its_speed(speed, direction):
+    pushed = standing()
+    path = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
+    pushed[..., [0, 2]] += path[:, None]
+    assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed + [0, 1.0, 0], 30.0, floor=0.0) == 0
+
+
+def test_only_the_lower_foot_counts():
+    hopping = standing()
+    hopping[:, RIGHT_TOE, 1] += 0.02  # near the floor too, and fast
+    hopping[:, RIGHT_TOE, 2] += np.arange(20)
+    assert foot_sliding(hopping, 30.0) == 0
+    hopping[:, LEFT_TOE, 1] += 0.03
+    assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
+
+
+def test_the_nearest_pose_equals_an_exhaustive_search(walk):
+    rng = np.random.default_rng(0)
+    features, _ = positions_to_features(walk, 30.0)
+    queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
+    apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
+    expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
+    np.testing.assert_allclose(NearestPose(features).distances(queries), expected)
+
+
+def test_validity_is_all_measures(walk):
+    features, _ = positions_to_features(walk, 30.0)
+    measure = ValidityMeasure([features], bone_lengths(walk), 30.0)
+    real = measure.of(features)
+    noisy = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
+    assert real.nearest_pose == 0
+    for name in ("bone_length", "foot_sliding", "jitter", "nearest_pose"):
+        assert getattr(noisy, name) > getattr(real, name)
+    assert Validity.mean([real, noisy]).jitter == pytest.approx((real.jitter + noisy.jitter) / 2)
+    text = Validity(1, 2, 3, 1).against(Validity(1, 2, 4, 1))
+    assert "jitter, m/s² 3.00 against 4.00" in text
+
+
+def drawn(count, seed, shift=0.0):
+    return np.random.default_rng(seed).normal(shift, 1.0, (count, 2, 2))
+
+
+def test_the_distance_is_the_root_mean_square_and_diversity_its_mean_within_a_set():
+    a, b = drawn(3, 0), drawn(4, 1)
+    direct = np.sqrt(((a[:, None] - b[None]) ** 2).mean(axis=(2, 3)))
+    assert np.allclose(clip_distances(a, b), direct)
+    assert nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
+    assert diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
+    within = clip_distances(a, a)
+    assert diversity(a) == pytest.approx((within[0, 1] + within[0, 2] + within[1, 2]) / 3)
+
+
+def test_the_two_sample_test_of_equal_different_and_copied_sets():
+    real = drawn(400, 0)
+    assert nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(0.5, abs=0.05)
+    assert nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
+    assert nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
+
+
+def walker(stride, rate=25.0, frames=50, facing=0.7):
+    """Two legs that swing against each other, `stride` times a second, in some direction."""
+    t = np.arange(frames) / rate
+    positions = np.zeros((frames, 20, 3))
+    forward = np.array([np.sin(facing), 0.0, np.cos(facing)])
+    left = np.array([np.cos(facing), 0.0, -np.sin(facing)])
+    for sign, side in ((1, "left"), (-1, "right")):
+        positions[:, JOINTS.index(f"{side}_hip")] = 0.1 * sign * left
+        swing = 0.3 * sign * np.sin(2 * np.pi * stride * t + 0.4)
+        positions[:, JOINTS.index(f"{side}_ankle")] = swing[:, None] * forward
+    return positions + t[:, None, None] * forward
+
+
+@pytest.mark.parametrize("stride", [0.75, 0.93, 1.2, 1.6])
+def test_the_frequency_of_a_stride(stride):
+    assert gait_frequency(walker(stride), 25.0) == pytest.approx(stride, rel=0.04)
+    assert np.isnan(gait_frequency(np.zeros((50, 20, 3)), 25.0))
+
+
+# Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
+DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
+ALIKE = np.array([[True, True, False, False], [False, True, False, True]])
+
+
+def test_retrieval_by_hand():
+    np.testing.assert_array_equal(precision_at_1(DISTANCES, ALIKE), [1.0, 0.0])
+    # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
+    np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
+
+
+def test_an_infinite_distance_leaves_a_motion_out():
+    itself = DISTANCES.copy()
+    itself[0, 1] = np.inf
+    # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
+    assert precision_at_1(itself, ALIKE)[0] == 0
+    assert average_precision(itself, ALIKE)[0] == pytest.approx(1 / 2)
+    alone = np.array([[np.inf, 1.0]])
+    with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):
+        average_precision(alone, np.array([[True, False]]))

@@ -1,0 +1,142 @@
+"""The experiments of holden2015: tables have the right values, and claims follow from them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from numpy_cae.evaluation import Validity
+from numpy_cae.experiments import interpolation
+from numpy_cae.experiments.clips import AVERAGED, NETWORK, REPEATED, clips_of, project_repeated
+from numpy_cae.experiments.filters import energy_by_joint, responses_of
+from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
+from numpy_cae.experiments.material import LabelledTake, Material, unlabelled
+from numpy_cae.experiments.repair import half_removed, repair_sweep
+from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, RESCALED
+from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion import JOINTS, joint_slice
+
+BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
+
+
+def test_the_sweep_of_removed_values(result_of):
+    unknown, given = result_of("repair_sweep").tables
+    assert unknown.rows[0][0] == CORRUPTED_ROW
+    errors = np.array(unknown.rows[0][1:])  # they grow with the root of p
+    np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)
+    assert given.rows[0][1] < min(row[1] for row in unknown.rows)
+    smoothed = [row[2] for row in unknown.rows if row[0].startswith("Savitzky")]
+    assert unknown.value(repair_sweep.LINEAR, "p = 0.5") < min(smoothed)
+
+
+def test_claims_of_the_sweep_follow_its_errors():
+    networks = [name + suffix for name in (NETWORK, REPEATED, AVERAGED)
+                for suffix in ("", RESCALED)]  # fmt: skip
+    errors = {name: [5.0] * 9 for name in networks}
+    errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9}
+    errors |= {repair_sweep.LINEAR: [2.0] * 9, NETWORK: [1.0] * 3 + [4.0] * 6}
+
+    def confirmed(suffix=""):
+        return [claim.confirmed for claim in repair_sweep._claims(errors, 1.5, suffix)]
+
+    assert confirmed() == [True, False, False]
+    errors[NETWORK][4] = 1.9
+    assert confirmed() == [True, True, True]
+    errors[NETWORK][4] = 4.6
+    assert not confirmed()[0]
+    errors[NETWORK + RESCALED][4] = 4.4
+    assert not confirmed()[0] and confirmed(RESCALED)[0]
+
+
+def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
+    wrists, stepped = result_of("filling_in").tables
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
+    lost = clips.x.copy()
+    lost[..., 21:24] = 0
+    assert wrists.value("left_wrist", "the mean pose") == clips.error(lost, "left_wrist")
+    expected = clips.error(project_repeated(small_manifold, lost), "left_wrist")
+    assert wrists.value("left_wrist", NETWORK) == pytest.approx(expected)
+    assert stepped.value("truth", "error, cm") == 0 < stepped.value("held", "error, cm")
+
+
+def test_rows_that_need_no_network(small_manifold, labelled):
+    half = half_removed.run(small_manifold, labelled).tables[0]
+    undamaged, removed = half.header[1:3]
+    assert half.value("as damaged", undamaged) == 0
+    assert half.value("PCA on frames", undamaged) == pytest.approx(0, abs=1e-4)
+    # Half of all values removed at random: half of the mean pose's squared error remains.
+    mean = half.value("the mean pose", removed)
+    assert half.value("the mean pose", undamaged) == mean
+    assert half.value("as damaged", removed) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
+    for name in ("PCA on frames", "PCA on windows"):
+        assert half.value(name, removed) < mean
+
+
+def test_figure_1_has_one_clip_three_times(small_manifold, labelled):
+    take = labelled.testing[0].positions
+    material = unlabelled([], [take])
+    assert material.testing[0] == LabelledTake(Path("take 1"), take)
+    result = half_removed.figure_1(small_manifold, material)
+    (table,) = result.tables
+    assert table.value("truth", "error, cm") == 0 < table.value("corrupted", "error, cm")
+    assert len(result.animation.actors) == 3 and result.png()
+
+
+def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelled):
+    result = result_of("interpolation")
+    press_ups, styles = result.tables
+    assert "2 pairs" in press_ups.caption and "1 pairs" in styles.caption
+    for table in result.tables:
+        assert table.value(ENDS, BONES) < 0.5 < table.value(LINEAR, BONES)
+    one, other = interpolation.clips_of_pair(small_manifold, *labelled.testing[:2])
+    assert len(one) == len(other) == 32
+    np.testing.assert_allclose(interpolation.linear(one, other, 0.5), (one + other) / 2)
+    with pytest.raises(ValueError, match="neither press-ups"):
+        interpolation.run(small_manifold, Material(labelled.training, []))
+
+
+def test_a_claim_is_confirmed_if_all_measures_are_better():
+    measured = {
+        ENDS: Validity(0, 0, 4, 0),
+        ALONG: Validity(1, 1, 3, 1),
+        LINEAR: Validity(2, 2, 9, 2),
+    }
+    assert len(interpolation.better_measures(measured, ALONG, LINEAR)) == 4
+    assert interpolation.better_measures(measured, LINEAR, LINEAR) == []
+    claim = interpolation._claim("walks", measured)
+    assert claim.confirmed and claim.figures.startswith(f"{ALONG} is better than {LINEAR}")
+    measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
+    assert not interpolation._claim("walks", measured).confirmed
+
+
+def test_sampling_measures_priors_beside_real_motion(result_of):
+    (table,) = result_of("sampling").tables
+    assert table.value(REAL, BONES) < table.value(UNIFORM, BONES)
+    assert table.value(UNIFORM, NEAREST) > table.value(FITTED, NEAREST)
+    uniform, fitted = result_of("sampling").claims
+    assert not uniform.confirmed and "fitted" in fitted.sentence
+
+
+def test_a_first_layer_unit_adds_its_transposed_filter_on_both_frames():
+    layer = ConvAutoencoder(filters=(3,), taps=5, dtype=np.float64).layers[0]
+    units = np.repeat([[0.1, -0.2, 0.0], [0.5, 0.3, 0.4]], [95, 5], axis=0)
+    added = responses_of([layer], units)
+    # Equation 2 on a raised unit: half of the increase of tanh⁻¹, on both frames, through W̃.
+    gained = np.arctanh(0.5) - np.arctanh(units[:, 0].mean())
+    expected = np.zeros((6, 63))
+    for unpooled in (2, 3):
+        for frame in range(max(0, unpooled - 2), min(6, unpooled + 3)):
+            expected[frame] += gained / 2 * layer.w[frame - unpooled + 2, :, 0]
+    assert added.shape == (3, 6, 63)
+    np.testing.assert_allclose(added[0], expected, atol=1e-12)
+
+
+def test_energy_is_shared_by_joints_and_silent_filters_are_left_out():
+    responses = np.zeros((2, 10, 63))
+    responses[0, 1, joint_slice("left_wrist")] = 3.0
+    responses[0, 1, joint_slice("right_knee")] = 1.0
+    responses[0, 1, 60:63] = 1.0
+    (shares,) = energy_by_joint(responses)
+    assert shares[JOINTS.index("left_wrist")] == pytest.approx(9 / 11)
+    assert shares[-1] == pytest.approx(1 / 11)
