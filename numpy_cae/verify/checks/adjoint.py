@@ -25,6 +25,18 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     ------
     AssertionError
         With both inner products, or the shapes where they do not fit.
+
+    Examples
+    --------
+    The adjoint of repeating each frame adds up the two frames of each pair.
+
+    >>> import numpy as np
+    >>> from numpy_cae.verify import check_adjoint
+    >>> x, y = np.array([1.0, 2.0]), np.array([1.0, 2.0, 3.0, 5.0])
+    >>> check_adjoint(lambda x: (np.repeat(x, 2), lambda dy: dy[::2] + dy[1::2]), x, y)
+    >>> check_adjoint(lambda x: (np.repeat(x, 2), lambda dy: dy[::2]), x, y)
+    Traceback (most recent call last):
+    AssertionError: the pullback is not the adjoint: <A x, y> = 19, but <x, A' y> = 7
     """
     value, pullback = f(x)
     if np.shape(value) != np.shape(y):

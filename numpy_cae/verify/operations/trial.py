@@ -138,9 +138,31 @@ def failing_case(tried: Property, implementation: Callable) -> Case | None:
 
 
 def check_property(stated: Property, function: Callable) -> None:
-    """Raise an AssertionError with a counterexample unless an implementation has a property.
+    """Raise unless an implementation has a property.
 
-    For test files: `@pytest.mark.parametrize("prop", verify.properties("gru"))`.
+    Parameters
+    ----------
+    stated : Property
+        One of `properties`; in a test file, `pytest.mark.parametrize` makes a test of each.
+    function : callable
+        The implementation.
+
+    Raises
+    ------
+    AssertionError
+        With the statement, what is wrong, the smallest counterexample and the likely mistake.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from numpy_cae import verify
+    >>> value, gradient, *others = verify.properties("tanh")
+    >>> wrong = lambda x: (np.tanh(x), lambda dy: dy * (1 - x * x))
+    >>> verify.check_property(value, wrong)
+    >>> verify.check_property(gradient, wrong)
+    Traceback (most recent call last):
+    AssertionError: the pullback's gradient for x is that of the definition
+        ...
     """
     outcome = try_property(stated, function)
     if not outcome.held:
