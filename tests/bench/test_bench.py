@@ -1,7 +1,5 @@
 """The benchmark: both implementations agree, its arithmetic is right, its table is complete."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -30,53 +28,34 @@ def small(dtype=np.float32):
     return ConvAutoencoder(filters=(4, 6), taps=5, dtype=dtype)
 
 
-def small_sequential():
-    rng = np.random.default_rng(0)
-    model = SequentialAutoencoder(5, 7, 3, rng, np.float64, burn_in=2)
-    for name, weight in model.weights.items():
-        model.weights[name] = rng.normal(scale=0.4, size=weight.shape)
-    return model
-
-
-def test_every_stage_both_unpoolings_and_projection_are_timed():
-    assert [case.name for case in cases(small(), 2)] == NAMES
-
-
-def test_functions_are_timed_alternately():
-    calls = []
+def test_functions_are_timed_alternately_and_a_time_has_a_median_and_a_spread(monkeypatch):
+    now, calls = [0.0], []
 
     def wait(name, seconds):
         calls.append(name)
-        time.sleep(seconds)
+        now[0] += seconds
 
-    times = time_alternately({"a": lambda: wait("a", 0.04), "b": lambda: wait("b", 0.05)}, 3)
-    assert calls[-4:] == ["a", "a", "b", "b"]
-    assert times["a"].median >= 0.04
-    assert len(times["a"].seconds) == 3
-
-
-def test_median_and_spread():
+    monkeypatch.setattr(table.time, "perf_counter", lambda: now[0])
+    times = time_alternately({"a": lambda: wait("a", 4.0), "b": lambda: wait("b", 5.0)}, 3)
+    assert "".join(calls).endswith("aabb")
+    assert list(times["a"].seconds) == [4.0] * 3 and times["b"].median == 5
     timing = Timing(np.array([1.0, 2.0, 3.0, 4.0, 100.0]))
     assert timing.median == 3
     assert timing.spread == pytest.approx((4 - 2) / 2 / 3)
 
 
 @needs_torch
-@pytest.mark.parametrize("name", NAMES)
-def test_pytorch_computes_the_same(name):
+def test_pytorch_computes_the_same():
     model = small(np.float64)
-    case = next(case for case in cases(model, 3) if case.name == name)
-    theirs = TorchModel(model).arrays(case)
-    require_agreement(name, arrays_of(model, case), theirs)
-    require_agreement(name, arrays_of(accelerate(model), case), theirs)
-
-
-@needs_torch
-def test_pytorch_computes_the_same_sequential_step():
-    model = small_sequential()
+    for case in cases(model, 3):
+        theirs = TorchModel(model).arrays(case)
+        require_agreement(case.name, arrays_of(accelerate(model), case), theirs)
+    rng = np.random.default_rng(0)
+    model = SequentialAutoencoder(5, 7, 3, rng, np.float64, burn_in=2)
+    for name, weight in model.weights.items():
+        model.weights[name] = rng.normal(scale=0.4, size=weight.shape)
     case = SequenceCase.drawn(model, 4)
     theirs = TorchSequenceModel(model).arrays(case)
-    require_agreement("sequential", case.arrays_of(model), theirs)
     require_agreement("sequential", case.arrays_of(accelerate(model)), theirs)
 
 
@@ -96,27 +75,19 @@ def test_different_computations_are_not_timed(monkeypatch):
         next(table.sequence_rows([2]))
 
 
-@pytest.mark.parametrize("with_torch", [True, False])
-def test_the_table_has_a_row_for_each_case(monkeypatch, capsys, with_torch):
+@pytest.mark.parametrize("options", [[], ["--sequential"]])
+def test_the_table_has_a_row_for_each_case(monkeypatch, capsys, options):
     monkeypatch.setattr(table, "ConvAutoencoder", small)
-    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
-    if not with_torch:
-        monkeypatch.setattr(table, "torch", None)
-    batches = ["1", "2"] if with_torch else ["1"]
-    assert main(["bench", "--batch", *batches, "--rounds", "1"]) == 0
-    printed = capsys.readouterr().out
-    assert "matrix-product peak" in printed
-    assert ("PyTorch" in printed) == (with_torch and convolutional.torch is not None)
-    for name in NAMES:
-        assert printed.count(f"| {name:16} |") == len(batches)
-
-
-def test_the_table_has_a_row_for_each_width(monkeypatch, capsys):
-    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
     monkeypatch.setattr(table, "HIDDEN", (4, 6))
-    assert main(["bench", "--sequential", "--batch", "2", "3", "--rounds", "1"]) == 0
+    monkeypatch.setattr(table, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
+    if not options:
+        monkeypatch.setattr(table, "torch", None)
+    assert main(["bench", *options, "--batch", "1", "2", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
-    for name in ("hidden 4", "hidden 6"):
+    assert "matrix-product peak 100 GFLOP/s" in printed
+    assert ("PyTorch" in printed) == (bool(options) and convolutional.torch is not None)
+    for name in ["hidden 4", "hidden 6"] if options else NAMES:
         assert printed.count(f"| {name:16} |") == 2
 
 
