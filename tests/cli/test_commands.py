@@ -124,27 +124,6 @@ def test_both_engines_and_every_recipe_train(walks, tmp_path, train, engine):
     assert load_manifold(out).rescales
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--zeroed", "0.9", "0.1"], "the lowest and the highest"),
-        (["--fine-zeroed", "0.1", "0.2", "0.3"], "the lowest and the highest"),
-        (["--fine-zeroed", "0.1", "1", "--fine-rescaled"], "below 1"),
-        (["--test", "*_3.bvh", "x*"], "no file matches 'x*'"),
-        (["--test", "*"], "none is left to train"),
-        (["--picture", "p.png"], "--test"),
-        (["--window", 150], "multiple of 8"),
-        (["--overlap", 160], "overlap is 160"),
-        (["--model", "sequential", "--window", 64], "--window is not an option of the sequential"),
-        (["--model", "sequential", "--recipe", "best"], "is for the convolutional model"),
-        (["--latent", 3], "--latent is not an option of the convolutional model"),
-    ],
-)
-def test_train_refuses_options_that_do_not_fit(walks, tmp_path, error_of, options, message):
-    assert message in error_of("train", walks, "-o", tmp_path / "m.npz", *options)
-    assert not list(tmp_path.iterdir())
-
-
 def test_show_draws_a_strip(walks, tmp_path, run):
     run("show", walks / "walk_1.bvh", "-o", tmp_path / "new")
     names = sorted(path.name for path in (tmp_path / "new").iterdir())
@@ -168,16 +147,6 @@ def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     assert {path.name for path in (tmp_path / "demo").iterdir()} == expected
 
 
-def test_a_truncated_file_and_outputs_that_cannot_be(walks, model, tmp_path, error_of):
-    broken, walk = tmp_path / "broken.bvh", walks / "walk_0.bvh"
-    broken.write_text("\n".join(walk.read_text().splitlines()[:-3]))
-    assert "Frames" in error_of("repair", broken, "-m", model, "-o", tmp_path / "fixed.bvh")
-    assert "broken.bvh" in error_of("show", broken, "-o", tmp_path)
-    assert "written as .bvh" in error_of("repair", walk, "-m", model, "-o", tmp_path / "x.fbx")
-    assert "no folder" in error_of("train", walks, "-o", tmp_path / "no" / "m.npz")
-    assert [path.name for path in tmp_path.iterdir()] == ["broken.bvh"]
-
-
 def test_a_rig_that_lacks_joints_and_one_with_a_mapping(walks, model, tmp_path, error_of, run):
     text = (walks / "walk_0.bvh").read_text()
     strange, fixed = tmp_path / "strange.bvh", tmp_path / "fixed.bvh"
@@ -188,15 +157,3 @@ def test_a_rig_that_lacks_joints_and_one_with_a_mapping(walks, model, tmp_path, 
     mapping = tmp_path / "rig.json"
     mapping.write_text(json.dumps({"left_wrist": "paw"}))
     run("repair", strange, "-m", model, "-o", fixed, "--mapping", mapping)
-
-
-WRONG = "--epochs -1,--taps 4,--zeroed 1.5,--bound 1,--rate nan,--fine-momentum 1,--unit 0"
-
-
-@pytest.mark.parametrize("options", [*WRONG.split(","), "--recipe slow"])
-def test_numbers_out_of_range_exit_with_2(options, capsys):
-    with pytest.raises(SystemExit) as exit_:
-        main(["train", "x", "-o", "y", *options.split()])
-    assert exit_.value.code == 2
-    last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith(f"numpy-cae train: argument {options.split()[0]}: ")

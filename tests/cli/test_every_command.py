@@ -30,6 +30,9 @@ COMMANDS = {
 }
 
 
+MASKS = ["{", "[]", "[1]", '[{"joint": 3}]', '[{"frames": [1]}]', '[{}, {"limb": "tail"}]']
+
+
 @pytest.fixture(scope="module")
 def things(tiny_manifolds, tmp_path_factory):
     """What the words of a command stand for, all of it valid; in `base` also what is not."""
@@ -43,6 +46,11 @@ def things(tiny_manifolds, tmp_path_factory):
         save_manifold(tiny_manifolds[0][kind], base / f"{name}.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
+    text = (base / "motions" / "walk_0.bvh").read_text()
+    (base / "cut.bvh").write_text("\n".join(text.splitlines()[:-3]))
+    (base / "paw.bvh").write_text(text.replace("JOINT lwrist", "JOINT paw"))
+    for number, mask in enumerate(MASKS):
+        (base / f"mask_{number}.json").write_text(mask)
     words = {"WALK": "motions/walk_0.bvh", "FOLDER": "motions", "MODEL": "model.npz"}
     words["SCRIPT"] = "missing.py"
     return {"base": base, **{word: base / name for word, name in words.items()}}
@@ -129,3 +137,65 @@ def test_output_that_cannot_be_written(name, place, things, tmp_path, capsys):
     # To the administrator no folder is read-only, but for those that the system itself makes up.
     out = tmp_path / "file" / "out" if place == "a file's inside" else "/proc/out"
     refused(capsys, typed(things, name, out), tmp_path)
+
+
+ERRORS = """
+train FOLDER -o OUT.npz --zeroed 0.9 0.1                    | the lowest and the highest
+train FOLDER -o OUT.npz --fine-zeroed 0.1 0.2 0.3           | the lowest and the highest
+train FOLDER -o OUT.npz --fine-zeroed 0.1 1 --fine-rescaled | below 1
+train FOLDER -o OUT.npz --test *_1.bvh x*                   | no file matches 'x*'
+train FOLDER -o OUT.npz --test *                            | none is left to train
+train FOLDER -o OUT.npz --picture p.png                     | --test
+train FOLDER -o OUT.npz --window 150                        | multiple of 8
+train FOLDER -o OUT.npz --overlap 160                       | overlap is 160
+train FOLDER -o OUT.npz --latent 3                          | not an option of the convolutional
+train FOLDER -o OUT.npz --model sequential --window 64      | not an option of the sequential
+train FOLDER -o OUT.npz --model sequential --recipe best    | is for the convolutional model
+train FOLDER -o OUT.npz --model sequential --test *.txt     | no file matches *.txt
+train FOLDER -o OUT.npz --model sequential --test *         | every file matches *
+train FOLDER -o OUT.npz --model sequential --frames 500     | as long as a clip of 500 frames
+train FOLDER -o OUT.npz --epochs -1                         | argument --epochs: -1 is not 0 or
+train FOLDER -o OUT.npz --taps 4                            | argument --taps: 4 is not an odd
+train FOLDER -o OUT.npz --zeroed 1.5                        | argument --zeroed: 1.5 is not
+train FOLDER -o OUT.npz --bound 1                           | argument --bound: 1 is not
+train FOLDER -o OUT.npz --rate nan                          | argument --rate: nan is not
+train FOLDER -o OUT.npz --fine-momentum 1                   | argument --fine-momentum: 1 is not
+train FOLDER -o OUT.npz --unit 0                            | argument --unit: 0 is not
+train FOLDER -o OUT.npz --recipe slow                       | argument --recipe: invalid choice
+train FOLDER -o OUT/no/m.npz                                | there is no folder
+repair BASE/cut.bvh -m MODEL -o OUT.bvh                     | Frames
+repair BASE/paw.bvh -m MODEL -o OUT.bvh                     | paw.bvh
+repair WALK -m MODEL -o OUT.fbx                             | written as .bvh
+repair FOLDER -m MODEL -o OUT.bvh                           | expected a folder
+repair WALK -m MODEL -o OUT.bvh --project --smooth          | use it without --joint
+fill WALK -m MODEL -o OUT.bvh                               | say what is missing
+fill WALK -m MODEL -o OUT.bvh --joint head --keyframes 15   | say what is missing
+fill WALK -m MODEL -o OUT.bvh --joint nose                  | there is no joint 'nose'
+fill WALK -m MODEL -o OUT.bvh --joint left_hip              | left_hip is fixed
+fill WALK -m MODEL -o OUT.bvh --joint head --frames 80 400  | the motion has 0 to 99
+fill WALK -m MODEL -o OUT.bvh --joint head --frames 90 40   | the first is after the last
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_0.json       | mask_0.json:1: not JSON
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_1.json       | mask_1.json: expected a list
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_2.json       | entry 1: expected
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_3.json       | entry 1: expected
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_4.json       | entry 1: expected
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_5.json       | entry 2: there is no limb 'tail'
+interpolate WALK WALK -m MODEL -o OUT.bvh --share 2         | argument --share: 2 is not
+sample -m MODEL -o OUT.bvh                                  | requires motions in --data
+sample -m MODEL -o OUT.fbx --prior uniform                  | written as .bvh
+compare WALK -m MODEL                                       | one motion alone
+compare WALK BASE/no.bvh -m MODEL                           | no such file
+show BASE/cut.bvh -o OUT                                    | cut.bvh
+study --data FOLDER -o OUT --quiet                          | leaves nothing of motions to test
+report -o OUT                                               | give --data
+report --data FOLDER -o OUT --only nonsense                 | argument --only: invalid choice
+""".strip().splitlines()
+
+
+@pytest.mark.parametrize("case", ERRORS)
+def test_an_error_says_what_is_wrong(case, things, tmp_path, capsys):
+    words, message = (part.strip() for part in case.split("|"))
+    argv = [str(things.get(word, word)) for word in words.split()]
+    argv = [word.replace("BASE", str(things["base"])) for word in argv]
+    argv = [word.replace("OUT", str(tmp_path / "out")) for word in argv]
+    assert message in refused(capsys, argv, tmp_path)

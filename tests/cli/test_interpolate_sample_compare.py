@@ -1,13 +1,13 @@
 """`interpolate`, `sample` and `compare` from the command line."""
 
 import csv
+import json
 import shutil
 
 import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cli import main
 from numpy_cae.manifold import save_manifold
 from numpy_cae.motion import JOINTS, load_motion, write_bvh
 
@@ -77,6 +77,11 @@ def test_a_folder_becomes_a_matrix_and_a_picture(nested, model, tmp_path, capsys
     np.testing.assert_array_equal(matrix, matrix.T)
     np.testing.assert_array_equal(np.diag(matrix), 0)
     assert matrix[0, 1] > 0
+    run("compare", nested, "-m", model, "--json")
+    said = json.loads(capsys.readouterr().out)
+    np.testing.assert_allclose(said["matrix"], matrix, rtol=1e-5)
+    nearest = np.argmin(np.where(np.eye(3), np.inf, matrix), axis=1)
+    assert said["nearest"] == [header[1 + other] for other in nearest]
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["matrix.csv", "matrix.png"]
 
@@ -87,17 +92,3 @@ def test_two_files_of_one_name_are_told_apart(nested, model, capsys, run):
     first, second = capsys.readouterr().out.splitlines()
     assert first.startswith(f"{one}: nearest is {other}, G = ")
     assert first.split()[-1] == second.split()[-1]
-
-
-def test_an_error_is_one_line(nested, model, tmp_path, error_of):
-    for name, words, message in (
-        ("sample", ["-o", tmp_path / "o.bvh"], "--data"),
-        ("sample", ["-o", tmp_path / "o.fbx"], "written as .bvh"),
-        ("compare", [nested / "a.bvh"], "one motion alone"),
-        ("compare", [nested / "a.bvh", tmp_path / "no.bvh"], "no such file"),
-    ):
-        assert message in error_of(name, *words, "-m", model)
-    with pytest.raises(SystemExit) as exit_:
-        main(["interpolate", "a.bvh", "b.bvh", "-m", str(model), "-o", "x", "--share", "2"])
-    assert exit_.value.code == 2
-    assert not list(tmp_path.iterdir())

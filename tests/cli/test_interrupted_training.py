@@ -120,22 +120,6 @@ def test_resuming_a_complete_training_changes_nothing(walks, whole, capsys, run)
     assert whole.read_bytes() == before
 
 
-def test_a_full_disk(walks, tmp_path, error_of):
-    """A real one: a file system of 32 kB, which holds one checkpoint and no second."""
-    small = tmp_path / "small"
-    small.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=32k", "tmpfs", str(small)]
-    if shutil.which("mount") is None or subprocess.run(mount, check=False).returncode:
-        pytest.skip("only root can mount a small file system")
-    try:
-        (small / "ballast").write_bytes(bytes(8_000))
-        assert "No space left" in error_of("train", walks, "-o", small / "m.npz", *TINY)
-        (small / "ballast").unlink()
-        assert [path.name for path in small.iterdir()] == ["m.checkpoint.npz"]
-    finally:
-        subprocess.run(["umount", str(small)], check=True)
-
-
 def test_a_bad_file_is_listed_and_left_out_unless_strict(walks, tmp_path, capsys, run, error_of):
     motions, out = tmp_path / "motions", tmp_path / "m.npz"
     shutil.copytree(walks, motions)

@@ -29,20 +29,3 @@ def test_whatever_a_result_is_made_of(capsys):
     }
     with pytest.raises(TypeError, match="bytes has no form"):
         plain({"picture": b"PNG"})
-
-
-def test_train_and_compare(walks, tmp_path, capsys, train, run):
-    model = train(walks, tmp_path / "m.npz", "--test", "*_2.bvh", "--json")
-    said = json.loads(capsys.readouterr().out)
-    assert said["model"] == str(model)
-    assert said["settings"]["takes"] == 3
-    (table,) = said["test"]["tables"]
-    assert {row[0] for row in table["rows"]} >= {"the network", "PCA on windows"}
-    assert all(row[2] >= 0 for row in table["rows"])
-    run("compare", walks, "-m", model, "--json")
-    said = json.loads(capsys.readouterr().out)
-    matrix = np.array(said["matrix"])
-    assert matrix.shape == (4, 4)
-    assert np.allclose(matrix, matrix.T)
-    nearest = np.argmin(np.where(np.eye(4), np.inf, matrix), axis=1)
-    assert said["nearest"] == [said["motions"][other] for other in nearest]

@@ -80,34 +80,6 @@ def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
     np.testing.assert_array_equal(filled[105:], came[105:])  # after the last keyframe
 
 
-@pytest.mark.parametrize(
-    ("argv", "message"),
-    [
-        ((), "say what is missing"),
-        (("--joint", "head", "--keyframes", 15), "say what is missing"),
-        (("--joint", "nose"), "there is no joint 'nose'"),
-        (("--joint", "left_hip"), "left_hip is fixed"),
-        (("--joint", "left_wrist", "--frames", 80, 400), "the motion has 0 to 119"),
-        (("--joint", "left_wrist", "--frames", 90, 40), "the first is after the last"),
-        (("--mask", "MASK"), "entry 2: there is no limb 'tail'"),
-    ],
-)
-def test_an_error_says_what_is_wrong(folder, tmp_path, argv, message, error_of):
-    mask = tmp_path / "mask.json"
-    mask.write_text('[{"joint": "head"}, {"limb": "tail"}]')
-    argv = [mask if word == "MASK" else word for word in argv]
-    assert message in error_of(*fill(folder, "walk.bvh", tmp_path / "x.bvh", *argv))
-    assert list(tmp_path.iterdir()) == [mask]
-
-
-@pytest.mark.parametrize("text", ["{", "[]", "[1]", '[{"joint": 3}]', '[{"frames": [1]}]'])
-def test_a_mask_file_of_another_form(folder, tmp_path, text, error_of):
-    mask = tmp_path / "mask.json"
-    mask.write_text(text)
-    line = error_of(*fill(folder, "walk.bvh", tmp_path / "x.bvh", "--mask", mask))
-    assert "mask.json" in line and ("expected" in line or "not JSON" in line)
-
-
 def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, run):
     copy = tmp_path / "walk.bvh"
     copy.write_bytes((folder / "walk.bvh").read_bytes())
@@ -162,10 +134,6 @@ def test_damage_in_most_joints_and_frames_is_pointed_out(takes, tmp_path, capsys
     assert "if it is everywhere, --project" in capsys.readouterr().err
     run("repair", takes / "more" / "spike.bvh", "--force", "--dry-run")
     assert "everywhere" not in capsys.readouterr().err
-
-
-def test_a_folder_is_not_repaired_into_the_name_of_a_file(takes, tmp_path, error_of):
-    assert "expected a folder" in error_of("repair", takes, "-o", tmp_path / "out.bvh")
 
 
 def test_unusable_files_of_a_folder_are_listed(takes, tmp_path, capsys):

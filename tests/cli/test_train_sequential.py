@@ -4,7 +4,6 @@ import json
 import re
 
 import numpy as np
-import pytest
 
 from numpy_cae.manifold import load_manifold
 
@@ -48,22 +47,3 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     assert all(claim["sentence"] in said and claim["figures"] in said for claim in claims)
     written = {path.name for path in out.iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.html", "walking.npz"} <= written
-
-
-def test_a_study_needs_motions_to_test_on(walks, tmp_path, error_of):
-    message = error_of("study", "--data", walks, "-o", tmp_path, *NETWORK)
-    assert "leaves nothing of walking to test" in message
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--test", "*.txt"], "no file matches *.txt"),
-        (["--test", "*"], "every file matches *"),
-        (["--frames", "500"], "as long as a clip of 500 frames"),
-    ],
-)
-def test_it_refuses_motions_that_do_not_suffice(walks, tmp_path, error_of, options, message):
-    out = tmp_path / "seq.npz"
-    assert message in error_of("train", walks, "-o", out, *TINY, *options)
-    assert not out.exists()
