@@ -40,16 +40,16 @@ SUBCOMMANDS = {
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, with the word that was perhaps meant."""
+    """A parser whose errors are one line, with a suggestion for a mistyped word."""
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[override]
-        found, unknown = super().parse_known_args(args, namespace)
-        if unknown:  # refused here, where the options of the subcommand are known
+        parsed, unknown = super().parse_known_args(args, namespace)
+        if unknown:  # report it here: only this parser knows the options of the subcommand
             self.refuse(unknown[0], re.findall(r"--[\w-]+", self.format_help()))
-        return found, unknown
+        return parsed, unknown
 
-    def refuse(self, word: str, known: Iterable[str]) -> None:
-        close = get_close_matches(word, known, 1)
+    def refuse(self, word: str, expected: Iterable[str]) -> None:
+        close = get_close_matches(word, expected, 1)
         self.error(f"unexpected argument {word}" + (f", did you mean {close[0]}?" if close else ""))
 
     def error(self, message: str) -> NoReturn:

@@ -1,4 +1,4 @@
-"""Motions to be drawn, and the colours of holden2015, figure 1."""
+"""Motions to draw, and the colours of holden2015, figure 1."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ PLAIN = "#444444"
 
 @dataclass(frozen=True)
 class Actor:
-    """A motion to be drawn; the viewer shows names, colours `moved` and has `damaged` in its
-    timeline."""
+    """A motion to draw: F frames, at most thirty a second, of J joints.
+
+    The viewer shows the names, colours joints by `moved`, and shows `damaged` in its timeline.
+    """
 
     positions: np.ndarray  # (F, J, 3), world positions in metres
     parents: tuple[int, ...]
     label: str = ""
     colour: str = PLAIN
     names: tuple[str, ...] = ()  # of the joints
-    moved: np.ndarray | None = None  # (F, J) metres of each joint from the first motion's
+    moved: np.ndarray | None = None  # (F, J), distance from the joint of the first motion, metres
     damaged: np.ndarray | None = None  # (F, J) bool
 
     def at_frames(self, frames: np.ndarray) -> Actor:
@@ -41,7 +43,8 @@ class Actor:
 
 
 _RIGID = 0.01
-"""Metres by which a bone's length may change. A root that stays behind has no bone to the hips."""
+"""RIGID: a bone's length changes by less than this (m). The hips have no bone to a root on the
+floor, from which they move away."""
 
 
 def motion_actor(motion: Motion, label: str = "", colour: str = PLAIN, rate: float = 30.0) -> Actor:
@@ -49,8 +52,8 @@ def motion_actor(motion: Motion, label: str = "", colour: str = PLAIN, rate: flo
 
     A root from which the body moves away (an origin on the floor) is left out.
     """
-    drawn = motion.resampled(min(rate, motion.rate))
-    positions, parents = drawn.positions(), drawn.skeleton.parents
+    resampled = motion.resampled(min(rate, motion.rate))
+    positions, parents = resampled.positions(), resampled.skeleton.parents
     first = 0
     while parents.count(first) == 1:
         bone = np.linalg.norm(positions[:, first] - positions[:, first + 1], axis=-1)
@@ -58,15 +61,15 @@ def motion_actor(motion: Motion, label: str = "", colour: str = PLAIN, rate: flo
             break
         first += 1
     kept = tuple(max(parent - first, -1) for parent in parents[first:])
-    return Actor(positions[:, first:], kept, label, colour, tuple(drawn.skeleton.names[first:]))
+    return Actor(positions[:, first:], kept, label, colour, tuple(resampled.skeleton.names[first:]))
 
 
 Motions = Mapping[str, tuple[np.ndarray, str]]
-"""Label to features (F, 63) and a colour."""
+"""Label to features (F, 63) at thirty frames a second and a colour."""
 
 
 def world_actors(motions: Motions) -> list[Actor]:
-    """Motions on the paths that their velocities add up to."""
+    """Motions in the world, on the paths that follow from their velocities."""
     return [
         Actor(features_to_positions(features), PARENTS, label, colour)
         for label, (features, colour) in motions.items()
@@ -74,7 +77,7 @@ def world_actors(motions: Motions) -> list[Actor]:
 
 
 def local_actors(motions: Motions) -> list[Actor]:
-    """Motions in the body's own heading, for strips of poses."""
+    """Motions in the frame of the body, without path and heading, for strips of poses."""
     return [
         Actor(features[:, POSITIONS].reshape(len(features), -1, 3), PARENTS, label, colour)
         for label, (features, colour) in motions.items()

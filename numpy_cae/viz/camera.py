@@ -4,7 +4,7 @@ import numpy as np
 
 
 def camera_view(points: np.ndarray, azimuth: float = 30.0, elevation: float = 8.0) -> np.ndarray:
-    """Points as an orthographic camera sees them that looks at the origin.
+    """Project points to the picture of an orthographic camera that looks at the origin.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class Curve:
 def curves_figure(
     curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
 ) -> Figure:
-    """Curves in one plot, with the legend beside it.
+    """Draw curves in one plot with a legend on the right.
 
     Parameters
     ----------
@@ -61,13 +61,13 @@ def curves_figure(
 def dots_figure(
     names: Sequence[str], colours: Sequence[str], panels: Mapping[str, Sequence[np.ndarray]]
 ) -> Figure:
-    """A row for each name with a dot for each value and a line at their mean.
+    """Draw a row for each name: a dot for each value, and a line at the mean.
 
     Parameters
     ----------
     names, colours : sequences of str
     panels : mapping of title to one array of values for each name
-        nan values are left out; a grey line is at the mean of the first name.
+        Values that are nan are left out. A grey line marks the mean of the first name.
     """
     from matplotlib.figure import Figure
 
@@ -92,8 +92,16 @@ def dots_figure(
 def bars_figure(
     names: Sequence[str], groups: Sequence[tuple[str, Sequence[float], str | None]], up: str
 ) -> Figure:
-    """A group of bars for each name, from labels, heights by name and colours; `up` labels the
-    vertical axis, with the unit."""
+    """Draw a group of bars for each name.
+
+    Parameters
+    ----------
+    names : sequence of str
+    groups : sequence of (label, heights, colour)
+        One height for each name.
+    up : str
+        Label of the vertical axis, with the unit.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 4.6), layout="constrained")
@@ -114,7 +122,7 @@ _LABELS = 40
 
 
 def matrix_figure(distances: np.ndarray, names: Sequence[str], unit: str = "distance") -> Figure:
-    """A matrix of distances in the order of the motions, their names on the right.
+    """Draw a matrix of distances in the order of the motions, with their names on the right.
 
     Parameters
     ----------

@@ -9,10 +9,12 @@ import numpy as np
 
 
 class LiveCurve:
-    """Values over steps, drawn again about once a second: `with LiveCurve("loss") as curve: ...`.
+    """A curve of values over steps, redrawn about once a second.
 
-    `add` takes the next value; each point of the curve is the mean of `block` of them. The drawing
-    is displayed below the cell at the first value and replaced in place. It needs IPython.
+    Use it as `with LiveCurve("loss") as curve: ...` and call `curve.add(value)` in each step.
+
+    Each point of the curve is the mean of `block` values. The first value displays the drawing
+    below the cell; later drawings replace it. Needs IPython.
     """
 
     def __init__(self, title: str, block: int = 1, seconds: float = 1.0):

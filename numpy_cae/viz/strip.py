@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
     """A row of poses for each motion, at the same moments in every row.
 
-    Each pose is drawn at its place on the strip, without its path in the world.
+    The poses are evenly spaced in time and on the strip; the path in the world is left out.
 
     Parameters
     ----------
@@ -26,22 +26,22 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     rate : float
         Frames a second, for the times below.
     poses : int
-        How many.
+        Number of poses in a row.
     azimuth : float
-        Degrees from which the camera looks, 0 from the front of a body that faces +Z.
+        Direction of the camera in degrees, 0 in front of a body that faces +Z.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
     frames = len(actors[0].positions)
     moments = np.unique(np.linspace(0, frames - 1, poses).round().astype(int))
-    drawn = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
-    reach = np.concatenate([pose.reshape(-1, 2) for row in drawn for pose in row])
-    wide = 1.12 * max(np.ptp(reach[:, 0]), 0.5)
-    low, high = reach[:, 1].min() - 0.12, reach[:, 1].max() + 0.15
-    # A pose may reach far to one side of its middle (a press-up).
-    left = min(-0.55 * wide, reach[:, 0].min() - 0.05)
-    right = max(0.55 * wide, reach[:, 0].max() + 0.05) + (len(moments) - 1) * wide
+    rows = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
+    points = np.concatenate([pose.reshape(-1, 2) for row in rows for pose in row])
+    wide = 1.12 * max(np.ptp(points[:, 0]), 0.5)
+    low, high = points[:, 1].min() - 0.12, points[:, 1].max() + 0.15
+    # A pose may extend far to one side of its middle (a press-up).
+    left = min(-0.55 * wide, points[:, 0].min() - 0.05)
+    right = max(0.55 * wide, points[:, 0].max() + 0.05) + (len(moments) - 1) * wide
     width = 1.25 * len(moments)
     if any(actor.label for actor in actors):  # 0.22 inches for the line above the poses
         high += 0.22 * (right - left) / width
@@ -49,7 +49,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     tall = width * min((high - low) / (right - left), 3.0)
     figure = Figure(figsize=(width, len(actors) * tall))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
-    for row, (actor, pictures) in enumerate(zip(actors, drawn, strict=True)):
+    for row, (actor, pictures) in enumerate(zip(actors, rows, strict=True)):
         axes = figure.add_subplot(len(actors), 1, row + 1)
         for place, (frame, picture) in enumerate(zip(moments, pictures, strict=True)):
             lines = picture + np.array([place * wide, 0.0])
@@ -74,5 +74,5 @@ def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
 
 def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure as a PNG file, atomically."""
-    with atomic_write(path) as beside:
-        figure.savefig(beside, format="png", dpi=110, facecolor="white")
+    with atomic_write(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=110, facecolor="white")

@@ -1,9 +1,9 @@
 """Motions in an interactive viewer: one HTML file that needs no network.
 
-The viewer is `viewer_page/viewer.js`, drawn with three.js. A page holds its script once (`head`)
-and any number of motions (`fragment`). Positions are packed: the root as float32, each joint's
-offset from the root as int16 steps of at most 0.1 mm for a body of human size, as differences
-between frames, deflated, in base64.
+`viewer_page/viewer.js` draws with three.js. A page has the script once (`head`) and any number of
+motions (`fragment`). Positions are packed: the root as float32, and each joint's offset from the
+root as int16 in steps of at most 0.1 mm for a body of human size. Differences between frames are
+stored, compressed by zlib, in base64.
 """
 
 import base64
@@ -25,7 +25,7 @@ from numpy_cae.viz.actor import Actor
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
 _LARGEST = np.iinfo(np.int16).max
 _BONE_RADIUS = 0.011
-"""Of the height of the body."""
+"""BONE_RADIUS: a bone's radius as a share of the body's height."""
 DAMAGED_COLOUR, MOVED_COLOUR = "#e8a33a", "#d62728"
 
 
@@ -46,8 +46,8 @@ def save_viewer(
     overlaid : bool
         Start with all motions in one place instead of side by side.
     """
-    with atomic_write(path) as beside:
-        Path(beside).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")
+    with atomic_write(path) as temporary:
+        Path(temporary).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")
 
 
 def page_html(actors: Sequence[Actor], rate: float, title: str = "", overlaid: bool = False) -> str:
@@ -83,11 +83,11 @@ def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style
     ]
     furthest = max((float(a.moved.max()) for a in actors if a.moved is not None), default=0.0)
     height = max(float(np.median(np.ptp(actor.positions[..., 1], axis=1))) for actor in actors)
-    reach = max(float(np.ptp(actor.positions[:, :, 0], axis=1).max()) for actor in actors)
+    width = max(float(np.ptp(actor.positions[:, :, 0], axis=1).max()) for actor in actors)
     data = {
         "rate": rate,
         "frames": longest,
-        "size": max(reach, 0.6 * height, 1e-3) * 1.15,
+        "size": max(width, 0.6 * height, 1e-3) * 1.15,
         "overlaid": overlaid,
         "furthest": furthest,
         "motions": [_packed(actor, furthest, _BONE_RADIUS * height) for actor in actors],
@@ -148,7 +148,7 @@ def _track(label: str, colour: str, values: np.ndarray) -> dict:
 
 @dataclass(frozen=True, repr=False)
 class Player:
-    """A page with a viewer that is displayed as the result of a cell, in a frame of its own."""
+    """A viewer as the result of a notebook's cell, in a frame of its own."""
 
     page: str
     label: str

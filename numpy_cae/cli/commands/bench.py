@@ -1,6 +1,6 @@
-"""Time training steps, encoding and projection. If PyTorch is installed, the same network in
-PyTorch is checked to give the same results and timed alternately with this one; 'ratio' is
-PyTorch's time divided by this one's.
+"""Measure the time of training steps, encoding and projection. If PyTorch is installed, the same
+network in PyTorch must give the same results and is timed in turn with this one; `ratio` is
+PyTorch's time divided by ours.
 
 example: numpy-cae bench --batch 1 16
 """
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure and print each row when it is measured, or with --json all of them at the end."""
+    """Print each row as soon as it is measured, or with --json all rows at the end."""
     _warn_if_busy()
     rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
     if args.json:
@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _warn_if_busy() -> None:
-    """Warn if other programs use the processor, which makes all figures meaningless."""
+    """Warn if other programs use the processor: the times then mean nothing."""
     busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if busy > 0.5:
         load = f"other programs use the processor ({busy:.1f} on average in the last minute)"

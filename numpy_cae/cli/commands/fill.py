@@ -1,5 +1,5 @@
 """Fill in the joints and frames of a motion that are missing, and leave the rest of the file
-unchanged. The values that the file has in their place are ignored. Of a folder every file is
+unchanged. The values that the file has in their place are ignored. In a folder every file is
 filled, and a table is printed; the exit status is 1 if some files could not be used, 2 if none
 could.
 

@@ -1,6 +1,6 @@
-"""Write the students' copies of the lessons, which the package has: a stub in place of each
-solution, no outputs, and a mine.py to which solved functions are saved. Files that exist are kept.
-With --release, write a zip file to be unpacked in the folder of an nbgrader course.
+"""Write copies of the package's lessons for students: a stub in place of each solution, no outputs,
+and a mine.py to which solved functions are saved. Files that exist are kept. With --release, write
+a zip file to be unpacked in the folder of an nbgrader course.
 
 examples: numpy-cae lessons student/                     every lesson
           numpy-cae lessons student/ --only 03           one lesson

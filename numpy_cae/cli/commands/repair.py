@@ -1,6 +1,6 @@
 """Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. A
-motion that is unlike anything that the model has learned is left unchanged. The command prints the
-repaired joints, the frames, and how far the joints moved. Of a folder every file is repaired, and a
+motion that is unlike the motions that the model learned is left unchanged. The command prints the
+repaired joints, their frames, and how far they moved. In a folder every file is repaired, and a
 table is printed; the exit status is 1 if some files could not be used, 2 if none could.
 
 examples:

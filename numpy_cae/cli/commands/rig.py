@@ -15,7 +15,8 @@ from pathlib import Path
 from numpy_cae.cli.shared import arguments
 
 TRUSTED = 15
-"""Names of a known rig; a rig with as many has the others under other names."""
+"""TRUSTED: from so many names on that a known rig has too, these names are trusted more than the
+suggestion by the hierarchy."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print what was found and write the mapping."""
+    """Print how the file is understood, and write the mapping."""
     from numpy_cae.atomic_write import atomic_write
     from numpy_cae.motion import JOINTS, load_motion
     from numpy_cae.motion.retarget.rigs import match_rig
@@ -36,14 +37,14 @@ def run(args: argparse.Namespace) -> int:
 
     mapping, coordinates = arguments.reading(args)
     motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-    rig, found = match_rig(motion.skeleton)
-    names = {joint: motion.skeleton.names[index] for joint, index in found.items()}
+    rig, indices = match_rig(motion.skeleton)
+    names = {joint: motion.skeleton.names[index] for joint, index in indices.items()}
     if len(names) < len(JOINTS):
         suggested = suggest_mapping(motion.skeleton)
-        # A few names that a known rig has too may mean other joints here.
+        # If only a few names are those of a known rig, they may mean other joints here.
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
         motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-        found = match_rig(motion.skeleton)[1]
+        indices = match_rig(motion.skeleton)[1]
         rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
     skeleton = motion.skeleton
     joints = len(skeleton.names) - skeleton.added
@@ -53,11 +54,11 @@ def run(args: argparse.Namespace) -> int:
         f"floor  {motion.floor:.2f} m\nrig    {rig}"
     )
     for joint in JOINTS:
-        name = skeleton.names[found[joint]] if joint in found else "missing: name one of the rig"
-        guessed = name != names.get(joint) and found.get(joint, joints) < joints
+        name = skeleton.names[indices[joint]] if joint in indices else "missing: name one"
+        guessed = name != names.get(joint) and indices.get(joint, joints) < joints
         print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
     if args.output is not None:
-        chosen = {j: skeleton.names[found[j]] for j in JOINTS if found.get(j, joints) < joints}
+        chosen = {j: skeleton.names[indices[j]] for j in JOINTS if indices.get(j, joints) < joints}
         with atomic_write(args.output) as temporary:
             text = json.dumps(chosen, indent=1, ensure_ascii=False)
             temporary.write_text(text + "\n", encoding="utf-8")

@@ -1,10 +1,10 @@
-"""Train jang2018's network on each action, with its regulariser and without, and write study.txt
-(the tables, and each claim with whether it is confirmed), figure 2, samples as strips and as pages
-that play them, and the models. Without --data the motions are made by data_synth.
+"""Train jang2018's network on each action, with its regulariser and without. Write study.txt (the
+tables, and for each claim of the paper whether it is confirmed), figure 2, samples as pictures and
+as pages that play them, and the models. Without --data the motions are made by data_synth.
 
 examples:
   numpy-cae study -o study
-  numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study   motions of your own
+  numpy-cae study --data cmu/walking --test 'walking_5.txt' -o study
 """
 
 import argparse
@@ -44,8 +44,8 @@ def run(args: argparse.Namespace) -> int:
     schedule = train_options.sequence_schedule_of(args)
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
-    how = network | {"report": None if args.quiet else ProgressPrinter()}
-    results, manifolds = sequential(actions, schedule, args.seed, **how)
+    report = None if args.quiet else ProgressPrinter()
+    results, manifolds = sequential(actions, schedule, args.seed, report=report, **network)
     tables = [result for result in results.values() if result.tables]
     claims = [claim.text() for result in tables for claim in result.claims]
     parts = [f"{result.title}\n\n{result.text()}" for result in tables] + ["\n".join(claims)]
@@ -71,7 +71,9 @@ def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
         return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
     reading = arguments.reading(args)
-    actions = [read_action(each.resolve().name, [each], args.test, *reading) for each in args.data]
+    actions = [
+        read_action(folder.resolve().name, [folder], args.test, *reading) for folder in args.data
+    ]
     for action in actions:
         if not (action.training and action.testing):
             which = "train" if action.testing else "test"

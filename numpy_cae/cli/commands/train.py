@@ -1,8 +1,9 @@
 """Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
-folders. A recipe is a set of training options: paper is that of holden2015, fast trains all layers
-at once with Adam, best does so for three times as many epochs, starter is that of the model in the
-package. Options given beside it replace its own. Train into one model file once at a time: a second
-training is refused as soon as the first has saved its state in MODEL.checkpoint.npz.
+folders. A recipe is a set of training options: `paper` is the training of holden2015, `fast` trains
+all layers at once with Adam, `best` does the same for three times as many epochs, `starter` made
+the model of the package. Other options replace those of the recipe. Only one training at a time can
+write a model file: a second one is refused as soon as the first has saved its state in
+MODEL.checkpoint.npz.
 
 example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
 """
@@ -34,23 +35,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folders of motion files, searched with their subfolders",
     )
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
-    add("--test", **arguments.PATTERNS, help="names of files to test on, which are not trained on")
-    picture = "picture to write: figure 1 of a test take, or samples of the sequential model"
+    add(
+        "--test",
+        **arguments.PATTERNS,
+        help="names of the files to test on; they are not trained on",
+    )
+    picture = "picture to write: a test take repaired, or samples of the sequential model"
     add("--picture", type=Path, metavar="PNG", help=picture)
     models = ("convolutional", "sequential")
     model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
     add("--recipe", choices=train_options.RECIPES, default="paper", help="recipe (default: paper)")
-    engine = "code that computes the gradients: fast, or the definitions in ops (default: fast)"
+    engine = "code that computes the gradients: `fast`, or the definitions in `ops` (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     resume = "continue an interrupted run from MODEL.checkpoint.npz; the result is identical"
     add("--resume", **arguments.FLAG, help=resume)
     arguments.add_shared(parser, "seed quiet json mapping unit up floor")
     train_options.add_training_options(parser)
     add = parser.add_argument_group("advanced, files").add_argument
-    often = "seconds between two saved states within an epoch, also saved at its end (default: 60)"
+    often = "seconds between saved states; a state is also saved after each epoch (default: 60)"
     add("--checkpoint", type=arguments.rate, default=60.0, metavar="SECONDS", help=often)
-    add("--strict", **arguments.FLAG, help="stop at a file that cannot be used, not skip it")
+    add(
+        "--strict",
+        **arguments.FLAG,
+        help="stop at a file that cannot be used instead of skipping it",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -95,7 +104,7 @@ def _print(
 
 @dataclass(frozen=True)
 class Learned:
-    """A trained manifold and what can be done with the takes that it was and was not trained on."""
+    """A trained manifold, and functions that test it."""
 
     manifold: Any
     source: str  # what it was learned from, in words
@@ -108,7 +117,7 @@ def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
     from numpy_cae.experiments.repair import half_removed
 
     files = {folder: find_motion_files(folder) for folder in args.folders}
-    paths = [path for found in files.values() for path in found]
+    paths = [path for group in files.values() for path in group]
     training, testing = read_takes(paths, *arguments.reading(args), args.test, args.strict)
     manifold = learn_manifold(
         training,
@@ -121,9 +130,9 @@ def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
         **train_options.network_of(args, args.model),
     )
     manifold.settings["folders"] = [
-        {"name": folder.resolve().name, "files": len(found)}
-        | {"test": sum(is_test(path, args.test) for path in found)}
-        for folder, found in files.items()
+        {"name": folder.resolve().name, "files": len(group)}
+        | {"test": sum(is_test(path, args.test) for path in group)}
+        for folder, group in files.items()
     ]
     material = unlabelled(training, testing)
     return Learned(

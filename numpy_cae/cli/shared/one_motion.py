@@ -56,7 +56,7 @@ def print_written(motion: Motion, path: Path) -> None:
 
 
 def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
-    """The twenty joints (F, 20, 3) at thirty frames a second, to be drawn."""
+    """A motion to draw, from the twenty joints (F, 20, 3) at thirty frames a second."""
     return Actor(body, PARENTS, label, colour, JOINTS)
 
 

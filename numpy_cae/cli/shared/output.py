@@ -16,31 +16,31 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 
-Thing = TypeVar("Thing")
+Item = TypeVar("Item")
 
 
 def note(text: str) -> None:
-    """Print a message, which is no result, on standard error."""
+    """Print a message on standard error, which keeps standard output for results."""
     print(text, file=sys.stderr, flush=True)
 
 
-def with_progress(things: Iterable[Thing], count: int, done: str) -> Iterator[Thing]:
-    """The same things; say after two seconds, then every five seconds how many are `done` ("files
-    read") and the time that is left."""
+def with_progress(items: Iterable[Item], count: int, done: str) -> Iterator[Item]:
+    """Yield the items. After two seconds, and then every five seconds, print how many are `done`
+    ("files read") and the remaining time."""
     begun = time.monotonic()
     due = begun + 2
-    for number, thing in enumerate(things):
+    for number, item in enumerate(items):
         now = time.monotonic()
         if number and now > due:
             left = (now - begun) / number * (count - number)
             note(f"{number} of {count} {done}, {left:.0f} s to go")
             due = now + 5
-        yield thing
+        yield item
 
 
 @contextmanager
 def working(on: str) -> Iterator[None]:
-    """Say after two seconds, then ever more rarely, how long the block has been at work."""
+    """Print how long the block has been running: after 2 s, then at intervals that double."""
     begun, ended = time.monotonic(), threading.Event()
 
     def report() -> None:
@@ -64,13 +64,16 @@ def print_json(value: object) -> None:
 
 
 def plain(value: object) -> object:
-    """A result in types that JSON knows, null where a number is not finite; or TypeError."""
+    """Convert a result to the types of JSON; numbers that are not finite become null.
+
+    Raises TypeError for a type that has no form in JSON.
+    """
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, dict):
-        return {str(key): plain(each) for key, each in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist())
     if isinstance(value, float):
@@ -85,12 +88,12 @@ def plain(value: object) -> object:
 def write_texts(folder: Path, texts: dict[str, str]) -> None:
     """Write text files by name into a folder."""
     for name, text in texts.items():
-        with atomic_write(folder / name) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_write(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
 
 
 def require_place(path: Path) -> None:
-    """Raise ValueError unless a file can be created there; call it before hours of work."""
+    """Raise ValueError unless the file can be created; call this before hours of work."""
     folder = path.resolve().parent
     if path.is_dir():
         raise ValueError(f"{path}: cannot be written: there is a folder of this name")

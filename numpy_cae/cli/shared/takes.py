@@ -18,7 +18,7 @@ SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
 
 
 def training_and_test_takes(args: argparse.Namespace) -> Material:
-    """The takes of --data, those of --test held out; without --data synthetic ones."""
+    """The takes of --data, of which those of --test are for testing; else synthetic takes."""
     if args.data and not args.test:
         raise ValueError("--data needs the takes to hold out: --test PATTERN")
     if args.data:
@@ -60,7 +60,7 @@ def read_takes(
     note(
         f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
         f"({minutes_of(training, 30)}), {len(testing)} to test; lengths in "
-        + ", ".join(f"{each} ({count})" for each, count in notes.most_common())
+        + ", ".join(f"{unit} ({count})" for unit, count in notes.most_common())
     )
     if changed:
         note(f"{changed} files turned to Y up or moved to a floor at 0; see `numpy-cae rig FILE`")
@@ -68,7 +68,7 @@ def read_takes(
 
 
 def minutes_of(takes: Sequence[np.ndarray], rate: float) -> str:
-    """The minutes of takes at so many frames a second, with a warning where they are few."""
+    """The length of takes with `rate` frames a second in minutes, with a warning below ten."""
     minutes = sum(map(len, takes)) / rate / 60
     return f"{minutes:.1f} min" + (", less than 10 is little to learn from" if minutes < 10 else "")
 

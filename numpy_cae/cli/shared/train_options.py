@@ -79,7 +79,8 @@ _TYPES = {
     "bound": arguments.bound,
     "rms": arguments.positive,
 }
-"""Types of the values; others are positive whole numbers or rates, by their default."""
+"""Types of values. An option without a type here takes a positive whole number if its default is a
+whole number, otherwise a rate."""
 _CHOICES = {"optimiser": ("sgd", "adam"), "rate-schedule": ("decay", "one-cycle")}
 
 
