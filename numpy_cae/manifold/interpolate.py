@@ -9,7 +9,8 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 
-TRANSITION = "transition"  # a share that grows from 0 at the first frame to 1 at the last
+TRANSITION = "transition"
+"""TRANSITION: the share that grows from 0 at the first frame to 1 at the last."""
 
 
 def shares(share: float | str, steps: int) -> np.ndarray:
@@ -28,8 +29,9 @@ def interpolate(
 
     Parameters
     ----------
+    manifold : MotionManifold
     first, second : (F, 63), (G, 63) arrays of float
-        Features on the manifold's mean skeleton.
+        Features on the manifold's mean skeleton, at thirty frames a second.
     share : float or "transition"
         Weight of the second motion: 0 is the projection of the first, 1 that of the second; a
         transition goes from the first to the second.
@@ -37,6 +39,27 @@ def interpolate(
     Returns
     -------
     (min(F, G), 63) array of float64
+
+    Raises
+    ------
+    ValueError
+        If a motion has no frames, or `share` is something else.
+
+    Examples
+    --------
+    The mean speed of the hips on the floor, m/s, in a walk, half way between, and in a run:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import interpolate, starter
+    >>> manifold = starter()
+    >>> walk, run = (
+    ...     manifold.body(make_take(kind, 0, seconds=2.0, rate=30.0).motion).features
+    ...     for kind in ("walk", "run")
+    ... )
+    >>> between = interpolate(manifold, walk, run, share=0.5)
+    >>> motions = np.stack([walk, between, run])
+    >>> (30 * np.linalg.norm(motions[..., 60:62], axis=-1)).mean(axis=1).round(1)
+    array([1.5, 2.2, 2.6])
     """
     frames = min(len(first), len(second))
     if frames == 0:

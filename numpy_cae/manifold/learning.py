@@ -25,18 +25,20 @@ from numpy_cae.training import (
 )
 
 RMS = 0.25
-"""Root mean square of each kind of scaled features, not stated in the paper; much smaller values
-hardly learn at a rate of 0.5, much larger ones diverge (docs/lab_book/input_scale.md)."""
+"""RMS: positions, velocities and turns are each scaled to this root mean square. The paper does not
+state it; at a rate of 0.5, much smaller values hardly learn and much larger ones diverge
+(docs/lab_book/input_scale.md)."""
 MAX_WINDOW_RMS = 2.0
-"""Largest root mean square of a window, as a multiple of `RMS`: a person lying down among people
-standing would make training diverge."""
+"""MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
+this times RMS: a person lying down among people standing would make training diverge."""
 MIN_SPREAD = 1e-3
-"""Spread (metres, radians) below which features count as constant and are scaled no further."""
+"""MIN_SPREAD: features that vary less than this (m, rad) count as constant: not scaled up."""
 HIDDEN, LATENT, BURN_IN = 128, 8, 5
 """Units of each GRU, size of z, steps of the decoder before the first frame.
 
 jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
-CLIP_STEP = 5  # frames between the clips of which the mean and deviation are computed
+CLIP_STEP = 5
+"""CLIP_STEP: frames between the clips of which the mean and deviation are computed."""
 
 
 def learn_manifold(
@@ -72,6 +74,31 @@ def learn_manifold(
         Of `train_autoencoder` and `with_engine`.
     mirror : bool
         Whether to learn from mirrored copies of the takes as well.
+
+    Returns
+    -------
+    MotionManifold
+
+    Raises
+    ------
+    ValueError
+        If there are no takes, they do not move, or `window` is not a multiple of the stride.
+
+    Examples
+    --------
+    A tiny network that has seen one walk for one epoch:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import learn_manifold
+    >>> from numpy_cae.motion import body_of
+    >>> from numpy_cae.training import Schedule, Stage
+    >>> takes = [body_of(make_take("walk", 0, seconds=4.0, rate=30.0).motion)]
+    >>> schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(epochs=1, rate=0.1))
+    >>> manifold = learn_manifold(takes, schedule, window=32, overlap=16, filters=(8, 12), taps=5)
+    >>> manifold
+    manifold of layers with 8, 12 filters, learned from 1 takes
+    >>> manifold.stride, manifold.receptive_radius
+    (4, 6)
     """
     if not takes:
         raise ValueError("there are no takes to learn from")
@@ -128,6 +155,27 @@ def learn_sequences(
         As in `learn_manifold`.
     hidden, latent, burn_in, frames : int
         Of `SequentialAutoencoder`, and of a clip.
+
+    Returns
+    -------
+    SequenceManifold
+
+    Raises
+    ------
+    ValueError
+        If there are no motions, or their rigs differ.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import learn_sequences
+    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.training import SequenceSchedule
+    >>> sequences = [angles_of(make_take("walk", 0, seconds=4.0, rate=50.0).motion)]
+    >>> schedule = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
+    >>> manifold = learn_sequences(sequences, schedule, hidden=6, latent=3)
+    >>> manifold.network.encode(manifold.normalise(sequences[0].numbers[None, :50])).shape
+    (1, 3)
     """
     rng = np.random.default_rng(seed)
     manifold = untrained_sequences(sequences, rng, hidden, latent, burn_in, frames, engine)
@@ -205,11 +253,11 @@ def _mean_and_scale(
     since a turn of a frame is a tenth as large as a position and would not be learned."""
     mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
-    for kind in (POSITIONS, VELOCITY, TURN):
-        spread = np.sqrt(np.mean((frames[:, kind] - mean_pose[kind]) ** 2))
-        if kind is POSITIONS and spread < MIN_SPREAD:
+    for part in (POSITIONS, VELOCITY, TURN):
+        spread = np.sqrt(np.mean((frames[:, part] - mean_pose[part]) ** 2))
+        if part is POSITIONS and spread < MIN_SPREAD:
             raise ValueError("every frame of the takes is the same: there is nothing to learn")
-        scale[kind] = rms / max(spread, MIN_SPREAD)
+        scale[part] = rms / max(spread, MIN_SPREAD)
     largest = max(
         np.sqrt(np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2)).max())
         for windows in (cut_windows(take, window, overlap)[0] for take in features)

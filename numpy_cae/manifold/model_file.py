@@ -45,6 +45,13 @@ def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> N
     ------
     FileError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from numpy_cae.manifold import load_manifold, save_manifold, starter
+    >>> save_manifold(starter(), "model.npz", half=True)
+    >>> load_manifold("model.npz").stride
+    8
     """
     if isinstance(manifold, SequenceManifold):
         arrays = _arrays_of_sequences(manifold)
@@ -74,6 +81,13 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     ModelFileError
         If the file is missing or damaged, is not a model of this version, or its arrays do not fit
         together.
+
+    Examples
+    --------
+    >>> from numpy_cae.manifold import load_manifold
+    >>> load_manifold("missing.npz")
+    Traceback (most recent call last):
+    numpy_cae.array_file.ModelFileError: missing.npz: No such file or directory
     """
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
         CONVOLUTIONAL: _motions_of,
@@ -87,8 +101,22 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
 def starter(engine: str = "fast") -> MotionManifold:
     """The manifold in the package, learned from CMU's database and synthetic motion.
 
-    docs/starter_model.md says how, what it measures and where it fails; `engine` is as in
-    `load_manifold`.
+    docs/starter_model.md says how it was learned, its errors and where it fails.
+
+    Parameters
+    ----------
+    engine : {"fast", "ops"}
+        As in `load_manifold`.
+
+    Returns
+    -------
+    MotionManifold
+
+    Examples
+    --------
+    >>> from numpy_cae.manifold import starter
+    >>> [folder["name"] for folder in starter().settings["folders"]]
+    ['asfamc', 'motions']
     """
     with as_file(files("numpy_cae.manifold") / "starter.npz") as path:
         manifold = load_manifold(path, engine)

@@ -17,18 +17,38 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.windows import cut_windows
 
 NEIGHBOURS = 8
-"""Windows that are mixed with the one drawn."""
-_OVERLAP = 0.25  # share of a window over which it is blended into the next
+"""NEIGHBOURS: so many windows, the nearest ones, are mixed with the window drawn."""
+_OVERLAP = 0.25
+"""Share of a window over which it is blended into the next."""
 
 
 def draw_uniform(hidden_frames: int, units: int, rng: np.random.Generator) -> np.ndarray:
-    """Y from the uniform prior of section 3, (hidden_frames, units) of float32."""
+    """Draw Y from the uniform prior of section 3.
+
+    Parameters
+    ----------
+    hidden_frames, units : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (hidden_frames, units) array of float32
+        In [-1, 1].
+
+    Examples
+    --------
+    >>> y = draw_uniform(20, 256, np.random.default_rng(0))
+    >>> y.shape, bool(np.abs(y).max() <= 1)
+    ((20, 256), True)
+    """
     return rng.uniform(-1.0, 1.0, (hidden_frames, units)).astype(np.float32)
 
 
 def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.ndarray:
-    """Φ, by `hidden_units`, of every whole window of takes' features (F, 63), overlapping by half:
-    (windows, window / 8, 256). ValueError if no take is as long as a window."""
+    """The `hidden_units` of all windows of takes (F, 63), which overlap by half.
+
+    Returns (windows, window / stride, 256); ValueError if no take is as long as a window.
+    """
     length = manifold.window
     cut = [cut_windows(take, length, length // 2)[0] for take in takes if len(take) >= length]
     if not cut:
@@ -42,8 +62,22 @@ class NeighbourPrior:
 
         Y = Σ_i a_i Y_i,   a ~ Dirichlet(1, …, 1) over a window Y_0 and its nearest Y_1 … Y_n
 
-    A mixture of small simplexes. Unlike a single Gaussian over all windows it puts no weight
-    between unlike motions. `encoded` is what `encode_windows` returns.
+    The prior is a mixture of small simplexes. Unlike a single Gaussian over all windows it puts no
+    weight between motions that differ.
+
+    Parameters
+    ----------
+    encoded : (windows, hidden frames, units) array
+        As `encode_windows` returns it.
+
+    Examples
+    --------
+    Each draw lies between encoded windows, so it keeps within their smallest and largest values:
+
+    >>> encoded = np.linspace(0, 0.5, 60).reshape(5, 4, 3)
+    >>> y = NeighbourPrior(encoded).draw(4, np.random.default_rng(0))
+    >>> y.shape, bool(encoded.min() <= y.min() <= y.max() <= encoded.max())
+    ((4, 3), True)
     """
 
     encoded: np.ndarray
@@ -76,7 +110,33 @@ def sample(
     rng: np.random.Generator,
     prior: NeighbourPrior | None = None,
 ) -> np.ndarray:
-    """Features (frames, 63) of a new motion, from `prior` or, where None, the uniform prior."""
+    """A new motion, decoded from a draw of a prior.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    frames : int
+        At thirty frames a second.
+    rng : numpy.random.Generator
+    prior : NeighbourPrior, optional
+        The uniform prior where None.
+
+    Returns
+    -------
+    (frames, 63) array of float64
+        Features on the mean skeleton.
+
+    Raises
+    ------
+    ValueError
+        If `frames` is less than 1.
+
+    Examples
+    --------
+    >>> from numpy_cae.manifold import sample, starter
+    >>> sample(starter(), 90, np.random.default_rng(0)).shape
+    (90, 63)
+    """
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
     network = manifold.network

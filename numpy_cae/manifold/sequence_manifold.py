@@ -11,8 +11,10 @@ from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_flo
 from numpy_cae.motion.clips import CLIP
 from numpy_cae.motion.motion import Motion
 
-MIN_LENGTH, MAX_ANGLE = 0.15, 30.0
-"""Rigs differ if a bone of this length (metres) points this angle (degrees) away from the mean."""
+MIN_LENGTH = 0.15
+"""MIN_LENGTH: only bones longer than this (m) are compared by MAX_ANGLE."""
+MAX_ANGLE = 30.0
+"""MAX_ANGLE: rigs differ if a bone points more than this (degrees) away from the mean."""
 
 
 @dataclass
@@ -33,6 +35,20 @@ class SequenceManifold:
         Provenance as JSON values; nothing is computed from it.
     rate, frames
         Frames a second, and frames of the clips that the network was trained on.
+
+    Examples
+    --------
+    A network that has hardly learned, and a motion of two seconds that it draws:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import learn_sequences
+    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.training import SequenceSchedule
+    >>> sequences = [angles_of(make_take("walk", 0, seconds=4.0, rate=50.0).motion)]
+    >>> schedule = SequenceSchedule(epochs=1, steps=1, batch=4, directions=4)
+    >>> manifold = learn_sequences(sequences, schedule, hidden=6, latent=3)
+    >>> manifold.sample(1, np.random.default_rng(0))
+    [motion of 50 frames at 25 a second, 21 joints]
     """
 
     network: SequentialAutoencoder
@@ -50,7 +66,7 @@ class SequenceManifold:
         return ((clips - self.mean) / self.deviation).astype(dtype)
 
     def denormalise(self, x: np.ndarray) -> np.ndarray:
-        """The clips of which `normalise` makes x, float64."""
+        """The inverse of `normalise`, in float64."""
         return x.astype(np.float64) * self.deviation + self.mean
 
     def motion(self, clip: np.ndarray) -> Motion:
