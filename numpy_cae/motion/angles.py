@@ -20,8 +20,8 @@ from numpy_cae.motion.skeleton import Skeleton
 ANGLE_RATE = 25.0
 """Frames a second, MBR17's rate for Human3.6M: half of its fifty."""
 _PERIOD = 2 * np.pi
-# Below this length the direction of a vector is rounding error.
 _SHORT = 1e-9
+"""_SHORT: the direction of a shorter vector is rounding error."""
 
 
 @dataclass(frozen=True)

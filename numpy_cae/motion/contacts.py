@@ -10,13 +10,14 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS
 
 FEET = (JOINTS.index("left_toe"), JOINTS.index("right_toe"))
-"""The joint of each foot that stands: the ball of the foot."""
+"""The toe joints, left and right, at the ball of each foot."""
 STANDING_HEIGHT = 0.025
-"""Metres above the floor within which a toe may stand."""
+"""STANDING_HEIGHT: a toe that stands is at most this high above the floor (m)."""
 STANDING_SPEED = 0.45
-"""Metres a second below which it does. A foot that rolls off its ball is slower, one that swings
-through is four times as fast."""
+"""STANDING_SPEED: a toe that stands is slower than this (m/s). A foot that rolls off its ball is
+slower, one that swings through is four times as fast."""
 _MIN_FRAMES = 3
+"""_MIN_FRAMES: shorter gaps and contacts are noise."""
 
 
 def floor_height(positions: np.ndarray) -> float:
@@ -27,7 +28,7 @@ def floor_height(positions: np.ndarray) -> float:
 def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None) -> np.ndarray:
     """Whether each foot stands.
 
-    A foot is in contact at a frame if its toe is within `STANDING_HEIGHT` of the floor and moves
+    A foot is in contact in a frame if its toe is within `STANDING_HEIGHT` of the floor and moves
     along it slower than `STANDING_SPEED`; gaps and contacts of less than three frames are noise.
 
     Parameters

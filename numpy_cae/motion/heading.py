@@ -39,9 +39,9 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
 def smoothed(values: np.ndarray, sigma: float) -> np.ndarray:
     """Values (F, C) smoothed along time by a Gaussian with a standard deviation of `sigma` frames,
     as `scipy.ndimage.gaussian_filter1d` does; the first and the last value are held."""
-    reach = int(4 * sigma + 0.5)
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    held = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    radius = int(4 * sigma + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
+    held = np.pad(values, ((radius, radius), (0, 0)), mode="edge")
     columns = [np.convolve(column, weights / weights.sum(), "valid") for column in held.T]
     return np.stack(columns, axis=1)
 

@@ -15,9 +15,11 @@ from numpy_cae.motion.joints import JOINTS, PARENTS
 _LEGS = [
     JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("knee", "ankle")
 ]
-_NO_LENGTH = 1e-6  # metres; the CMU BVH files have both collars exactly at the chest
+_NO_LENGTH = 1e-6
+"""_NO_LENGTH: a shorter bone (m) has no direction. In the CMU BVH files both collars are
+exactly at the chest."""
 LEGS = (0.05, 20.0)
-"""Range of the length of both legs in metres; an adult has about 1.7."""
+"""LEGS: both legs of a person are between these lengths (m) in all; an adult has about 1.7."""
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
@@ -55,7 +57,9 @@ def frame_lengths(positions: np.ndarray) -> np.ndarray:
 def problem_of(positions: np.ndarray) -> str:
     """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
     scale; empty if they are. A bone without a length needs one above it that has one."""
-    lengths = np.median(frame_lengths(positions), axis=0)  # whatever a few damaged frames say
+    lengths = np.median(
+        frame_lengths(positions), axis=0
+    )  # a few damaged frames do not change the median
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
         found = f"the bones to both knees and ankles are {legs:.3g} m long in all"

@@ -97,16 +97,18 @@ class Motion:
     def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
         """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""
         joints = range(len(self.skeleton.names)) if joints is None else joints
-        found = np.empty((len(self), len(joints), 3))
+        positions = np.empty((len(self), len(joints), 3))
         for frames in blocks(np.arange(len(self))):
-            found[frames] = self.at(frames).forward_kinematics(joints)[0][:, joints]
-        return found
+            positions[frames] = self.at(frames).forward_kinematics(joints)[0][:, joints]
+        return positions
 
     def forward_kinematics(
         self, joints: Sequence[int] | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """World positions (F, J, 3) in metres and global rotations (F, J, 4) of the joints; of some
-        and those above them only, where `joints` names some."""
+        """World positions (frames, J, 3) in metres and global rotations (frames, J, 4).
+
+        Where `joints` names some, only those and the joints above them are computed.
+        """
         positions, rotations = self.translations.copy(), self.rotations.copy()
         ends = range(len(self.skeleton.names)) if joints is None else joints
         for joint in sorted({each for end in ends for each in self.skeleton.path(end)} - {0}):
@@ -127,10 +129,10 @@ class Motion:
         frames = self.source_frames(rate)
         if frames.dtype == int:
             return replace(self.at(frames), rate=float(rate))
-        own = np.arange(len(self))
-        rotations = rotations_at(own, self.rotations, frames)
+        present = np.arange(len(self))
+        rotations = rotations_at(present, self.rotations, frames)
         columns = self.translations.reshape(len(self), -1).T
-        translations = np.stack([np.interp(frames, own, column) for column in columns], axis=-1)
+        translations = np.stack([np.interp(frames, present, column) for column in columns], axis=-1)
         translations = translations.reshape(len(frames), -1, 3)
         return replace(self, rate=float(rate), rotations=rotations, translations=translations)
 
@@ -147,21 +149,21 @@ class Motion:
 
 
 def blocks(frames: np.ndarray, size: int = 2048) -> list[np.ndarray]:
-    """The frames in pieces, so that a long motion is not in memory several times."""
+    """The frames in pieces: work on a piece at a time needs little memory for a long motion."""
     return [frames[start : start + size] for start in range(0, len(frames), size)]
 
 
-def whole_step(own_rate: float, rate: float) -> int:
-    """n if every n-th frame at `own_rate` is a frame at `rate`; 0 if there is no such n."""
-    step = round(own_rate / rate)
+def whole_step(rate: float, new_rate: float) -> int:
+    """n if every n-th frame at `rate` is a frame at `new_rate`; 0 if there is no such n."""
+    step = round(rate / new_rate)
     # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
-    return step if step >= 1 and abs(own_rate / rate / step - 1) < 0.005 else 0
+    return step if step >= 1 and abs(rate / new_rate / step - 1) < 0.005 else 0
 
 
-def rotations_at(own: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Spherical interpolation of (N, J, 4) quaternions at the times `own`, evaluated at `times`."""
-    if len(own) == 1:
+def rotations_at(known: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Spherical interpolation at `times` of quaternions (N, J, 4) at the times `known` (N,)."""
+    if len(known) == 1:
         return np.repeat(rotations, len(times), axis=0)
-    first = np.clip(np.searchsorted(own, times, side="right") - 1, 0, len(own) - 2)
-    share = np.clip((times - own[first]) / (own[first + 1] - own[first]), 0.0, 1.0)
+    first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(known) - 2)
+    share = np.clip((times - known[first]) / (known[first + 1] - known[first]), 0.0, 1.0)
     return quaternions.slerp(rotations[first], rotations[first + 1], share[:, None])

@@ -25,11 +25,11 @@ UNITS = {
 """The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
 ADULT = 1.7
-"""Metres."""
+"""ADULT: the stature of an adult (m) to which a guess comes closest."""
 TIP_TO_TIP = 1.3
-"""Toe to finger tips along the bones, in statures."""
+"""TIP_TO_TIP: the way from a toe to the finger tips along the bones, in statures."""
 PLAUSIBLE = (0.9, 2.4)
-"""Range of statures in metres; a guess outside it is not reliable."""
+"""PLAUSIBLE: a guess that gives a stature (m) outside this range is not reliable."""
 
 
 def require_unit(unit: float) -> float:

@@ -25,8 +25,8 @@ ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
 seldom bends that far about X, while a full turn about Y meets no pole. At a pole the angles are
 not unique, but their rotation still is."""
 RESOLUTION = 1e-7
-"""Metres, of the positions in the file; a joint that never leaves its offset by more has no
-position channels."""
+"""RESOLUTION: positions in the file are rounded to this (m). A joint that never leaves its
+offset by more has no position channels."""
 ANGLE_FORMAT = "%.6f"
 """1e-6 of a degree moves the end of a 2 m chain by 4e-8 m."""
 

@@ -22,9 +22,9 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.units import require_unit, unit_name
 
 _MIN_COMMAS = 40
-"""In a line; no sentence has as many."""
+"""_MIN_COMMAS: a line with more commas is a row of numbers, no sentence."""
 _CUT = 1.5
-"""Radians between two frames: not a motion but a cut, as after the T-pose."""
+"""_CUT: a step of more radians between two frames is no motion but a cut, as after the T-pose."""
 
 
 def read_expmap(path: str | Path, unit: float | None = None) -> Motion:

@@ -15,13 +15,19 @@ from numpy_cae.errors import FileError
 from numpy_cae.motion.motion import RATE
 
 MAX_VALUE = 1e12
-"""Above every length and angle of a motion; sums and products of smaller numbers are finite."""
+"""MAX_VALUE: a larger number is refused. No length or angle of a motion is as large, and sums and
+products of smaller numbers are finite."""
 HEADER_SIZE = 1 << 22
-"""Bytes, above those before the first frame of every motion file."""
+"""HEADER_SIZE: so many bytes of a file have its header, with every joint."""
 MIN_RATE = 1.0
-"""Frames a second. At lower rates a few frames would last hours and, resampled, fill the memory."""
-MAX_BYTES, MAX_LINE, MAX_JOINTS = 1 << 30, 1_000_000, 5_000
-"""Of a file, of a line of it, and of a skeleton."""
+"""MIN_RATE: fewer frames a second are refused. A few frames would last hours and, resampled, fill
+the memory."""
+MAX_BYTES = 1 << 30
+"""MAX_BYTES: a longer file is refused."""
+MAX_LINE = 1_000_000
+"""MAX_LINE: a line of more characters is refused; a file is decoded in blocks of this size."""
+MAX_JOINTS = 5_000
+"""MAX_JOINTS: a skeleton of more joints is refused."""
 
 
 class MotionFileError(FileError):

@@ -1,7 +1,7 @@
 """Write a changed motion as its own file with only the changed numbers replaced.
 
-The header, the order of channels, line ends, spaces and all other numbers stay as they are, to the
-byte. The text is processed in blocks of frames, so that a long file needs little memory.
+The header, the order of channels, line ends, spaces and all other numbers are unchanged. The
+text is processed in blocks of frames, so that a long file needs little memory.
 """
 
 import logging
@@ -28,9 +28,9 @@ from numpy_cae.motion.quaternions import angle, inverse, product
 log = logging.getLogger(__name__)
 
 _BLOCK = 4096
-"""Frames in memory at a time."""
+"""_BLOCK: so many frames are processed at a time."""
 _NOTICEABLE = 0.5
-"""Degrees by which a rotation may miss, for want of channels or by limits, without a message."""
+"""_NOTICEABLE: a rotation that channels or limits change by more (degrees) is reported."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """What is between words."""
 

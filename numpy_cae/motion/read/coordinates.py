@@ -1,4 +1,4 @@
-"""The up axis and the floor of a motion file: detected, changed to Y up and 0, and restored.
+"""The up axis and the floor of a motion file: detected, and changed to Y up and 0.
 
 Nearly all files have Y up and the floor at 0; such files pass through unchanged. Two observations
 decide, on the twenty joints:
@@ -25,21 +25,25 @@ from numpy_cae.motion.units import require_unit
 log = logging.getLogger(__name__)
 
 UPRIGHT = 0.8
-"""Least component of the mean direction from the ankles to the head along the axis that is up."""
+"""UPRIGHT: an axis is up if the mean direction from the ankles to the head, a unit vector, has at
+least this component along it."""
 TOE = 0.04
-"""Metres from the floor to the lowest of the twenty joints, a toe, of a person who stands."""
+"""TOE: height in metres of the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR = 0.15
 """FLOOR: a floor nearer to 0 than this (m) is not moved, because it cannot be distinguished from
 shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
 to 0.12 (docs/lab_book/axes_and_floor.md)."""
 STEADY = 0.03
-"""Metres between the quartiles of the lowest joint's height in a body that rests on a floor."""
+"""STEADY: a body rests on a floor if the quartiles of its lowest joint's height (m) are nearer."""
 NEAR = 0.10
-"""Metres. The lowest joint is this near to a floor on which the body stands or lies."""
-AT_ZERO, AT_LEVEL = 0.25, 0.1
-"""Parts of the time: a body that is so long near 0 has its floor there, whatever is below (stairs,
-a ladder); else the floor is the lowest level at which it is so long."""
+"""NEAR: the body stands or lies on a floor if its lowest joint is nearer to it than this (m)."""
+AT_ZERO = 0.25
+"""AT_ZERO: a body that is near 0 for this part of the time has its floor there, whatever is below
+(stairs, a ladder)."""
+AT_LEVEL = 0.1
+"""AT_LEVEL: else the floor is the lowest level at which the body is for this part of the time."""
 _POSES = 500
+"""_POSES: about so many poses of a motion are looked at."""
 
 
 @dataclass(frozen=True)

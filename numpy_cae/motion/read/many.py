@@ -21,7 +21,8 @@ from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
 WORTHWHILE = 20e6
 """WORTHWHILE: files of fewer bytes in all are read faster by one process than by several."""
 MAX_STEP = 30.0
-"""Metres that the hips may move in a 30th of a second, and that a joint may be away from them."""
+"""MAX_STEP: a take in which the hips move further (m) in a 30th of a second, or a joint is further
+from the hips, is refused."""
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from numpy_cae.motion.retarget.to_rig import retarget
 class Body:
     """The twenty joints of a motion as features on the mean skeleton, with the inverse.
 
-    Each quantity is computed when it is first used, and once. The first use raises
-    `UnknownRigError` if joints are missing from the rig.
+    Quantities are computed lazily and cached. The first use raises `UnknownRigError` if joints are
+    missing from the rig. (F, ...) means thirty frames a second, (frames, ...) the file's frames.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class Body:
 
     def retarget(self, positions: np.ndarray, touched: np.ndarray | None = None) -> Motion:
         """The motion, changed so that its joints, or those that are `touched` (frames, 20), follow
-        positions (frames, 20, 3) of the file."""
+        positions (frames, 20, 3), in the frames of the file."""
         return retarget(self.motion, positions, touched)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:

@@ -16,7 +16,7 @@ from numpy_cae.motion.masks import runs
 from numpy_cae.motion.quaternions import from_vector, inverse, product, slerp, to_vector
 
 SHORT = 0.25
-"""Seconds. A spike within a stretch of this length is removed with the rest of it."""
+"""SHORT: a damaged stretch of at most so many seconds is interpolated, with any spike in it."""
 
 
 def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:

@@ -15,11 +15,12 @@ from numpy_cae.motion.skeleton import Skeleton
 
 _MAX_JOINTS, _MAX_PAIRS = 1000, 50
 _SAME = 0.15
-"""Largest difference of the lengths of a left and a right limb, relative to the longer."""
+"""_SAME: a left and a right limb differ in length by at most this part of the longer."""
 _LONG = 0.75
-"""Least length of the shorter of the two bones of a limb, relative to the longest such pair."""
+"""_LONG: a knee or elbow is between two bones whose shorter is at least this part of the longest
+such bone."""
 _HEAD = 0.06
-"""Least distance from the head joint to the top of the head, relative to the whole body."""
+"""_HEAD: the head joint is at least this part of the body's size below the top of the head."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
 """Names of joints that divide one bone."""
 

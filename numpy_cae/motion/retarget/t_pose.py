@@ -12,9 +12,9 @@ from numpy_cae.motion.quaternions import angle, inverse, product
 from numpy_cae.motion.retarget.rigs import body_positions
 
 MIN_COSINE = np.cos(np.radians(20.0))
-"""Of the angle between a limb and its direction in a T-pose."""
+"""MIN_COSINE: a limb is in a T-pose if the angle to its direction there has this cosine or more."""
 JUMP = 8.0
-"""The first step over the median of the following steps, in radians a frame over all joints."""
+"""JUMP: the first step counts as a jump if it is so many times the median of those that follow."""
 _FOLLOWING = 25
 
 # limb, from, to, and its direction in a T-pose that faces +Z

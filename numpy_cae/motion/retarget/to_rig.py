@@ -1,20 +1,20 @@
 """Retargeting: change a motion of any rig so that its twenty joints reach new positions.
 
 A network changes positions; the user's file has a rig with fingers, several joints in its neck and
-rotations of its own. So the rig's pose is kept and only rotated: from the root down, each joint on
-the path from one of the twenty to the next adds a rotation Q to its global rotation,
+rotations of its own. We keep the rig's pose and, from the root down, give each joint on a path
+between two of the twenty an extra rotation Q_j,
 
     G'_j = Q_j · G'_parent · R_j
 
 that points its bones at their targets. One bone gets the smallest rotation, which keeps its twist;
-several bones of one joint (hips, chest) get one rotation that fits all. Joints in between (a second
-spine, a neck) share: number i of n, counting from 0, makes 1 / (n - i) of the rotation still
-needed, so a long spine bends evenly. No bone changes its length. Where the targets are the present
+several bones of one joint (hips, chest) get one rotation that fits all. The n joints in between (a
+second spine, a neck) share the rotation equally: joint i, counted from 0, makes 1 / (n - i) of what
+is left, so a long spine bends evenly. No bone changes its length. Where the targets are the present
 positions nothing changes, and all other joints keep R_j.
 
 With a mask of touched joints, the others have their present positions as targets, so that a joint
-below a touched one is corrected to stay where it is, and frames without touched joints stay as
-they are. For a wrist or an ankle that has to be reached exactly, the target of the elbow or the
+below a touched one is corrected to stay where it is, and frames without touched joints are
+unchanged. For a wrist or an ankle that has to be reached exactly, the target of the elbow or the
 knee is moved to the nearest point from which it can be: on a circle about the limb's line.
 """
 
@@ -31,14 +31,12 @@ from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.retarget.seams import without_seams
 
 _ROUNDING = 1e-9
-"""Radians, and metres at a bone's end. Smaller differences leave a rotation unchanged."""
+"""_ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
 _MOVED = 1e-6
-"""Metres. A joint further from its offset has position channels that move the whole body."""
+"""_MOVED: a joint further from its offset (m) has position channels that move the whole body."""
 
 _FLEXIBLE_WEIGHT = 0.3
-"""A bone with intermediate joints gets this lower weight in the fit of several bones, because these
-joints can correct it later. If only such bones miss their targets, the joint is not rotated, unless
-it has no others."""
+"""Weight, in a joint's fit, of a bone with intermediate joints: those can correct the rest."""
 
 _TAU = 0.03
 """τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
@@ -223,6 +221,7 @@ def _corrected(
     # Where the targets are the unchanged bones, restore their rotation exactly.
     unchanged = np.all(np.abs(target - own) < _ROUNDING, axis=(1, 2))
     fitted = np.where(unchanged[:, None], before, fitted)
+    # If only bones with intermediate joints miss, those joints do it, unless there are no others.
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
     misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
     return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
@@ -267,9 +266,8 @@ def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
 
 
 def _carrier(motion: Motion, hips: int) -> int:
-    """The joint that moves with the hips' targets: the one whose position channels move the whole
-    body in this file, the hips or the nearest ancestor that leaves its offset. A root at rest
-    stays at rest."""
+    """The joint whose translation moves the whole body: the hips, or the nearest ancestor whose
+    translation differs from its offset. A root at rest stays at rest."""
     for joint in motion.skeleton.path(hips):
         distance = motion.translations[:, joint] - motion.skeleton.offsets[joint]
         if np.abs(distance).max() > _MOVED:
