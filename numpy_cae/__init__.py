@@ -15,7 +15,7 @@ from importlib import import_module as _import_module
 
 from numpy_cae import notebook as _notebook
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 __all__ = ["fill", "learn", "load", "repair", "show"]
 
 _notebook.register()
