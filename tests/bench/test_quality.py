@@ -1,30 +1,29 @@
-"""Trainings in turns: the order, what is timed, the times to the same error, both networks."""
+"""The trainings of docs/time_to_quality.py: their order, what is timed, and that all learn."""
 
+import importlib.util
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from numpy_cae.bench import quality, trainings
 from numpy_cae.bench.convolutional import torch
-from numpy_cae.bench.quality import Quality, Training, train_in_turns
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import Schedule, SequenceSchedule, Stage, recipe, train_autoencoder
+from numpy_cae.training import SequenceSchedule, Stage, zero_values
 
-STAGE = replace(recipe("fast").fine_tuning, epochs=4, rate=0.001, batch=2, norm=1.0)
-SEQUENCES = SequenceSchedule(
-    epochs=2, steps=20, rate=0.01, batch=8, optimiser="adam", rate_schedule="one-cycle"
-)
+PATH = Path(__file__).parents[2] / "docs" / "time_to_quality.py"
+ADAM = {"batch": 8, "optimiser": "adam", "rate_schedule": "one-cycle"}
 
 
-def waves(rng, batch):
-    """Clips of 6 frames of a sine at a phase drawn anew."""
-    phases = rng.uniform(0, 2 * np.pi, size=(batch, 1, 1))
-    return np.sin(np.arange(6)[None, :, None] / 2 + phases + np.arange(3)).astype(np.float32)
+@pytest.fixture
+def script():
+    spec = importlib.util.spec_from_file_location("time_to_quality", PATH)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
+def test_turns_are_shared_and_only_training_is_timed(script, monkeypatch):
     now, called = [0.0], []
 
     def passes(seconds, name, result=None):
@@ -34,52 +33,45 @@ def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
 
     def training(name, count):
         turns = (passes(2.0, name) for _ in range(count))
-        return Training(name, count, turns, lambda: passes(10.0, "", 1.0))
+        return script.Training(name, count, turns, lambda: passes(10.0, "", 1.0))
 
     monkeypatch.setattr(time, "perf_counter", lambda: now[0])
     both = [training("a", 2), training("b", 4)]
-    train_in_turns(both)
+    script.train_in_turns(both)
     assert "".join(called) == "abbabb"
     assert [each.seconds for each in both] == [[2.0, 4.0], [2.0, 4.0, 6.0, 8.0]]
 
 
-def test_the_target_is_the_lowest_error_that_all_reach():
-    ours = Training("ours", 3, iter(()), float, [2.0, 4.0, 6.0], [3.0, 1.9, 1.0])
-    theirs = Training("theirs", 3, iter(()), float, [5.0, 10.0, 15.0], [4.0, 2.0, 2.1])
-    text = Quality([ours, theirs], "cm").text()
+def test_the_target_is_the_lowest_error_that_all_reach(script):
+    ours = script.Training("ours", 3, iter(()), float, [2.0, 4.0, 6.0], [3.0, 1.9, 1.0])
+    theirs = script.Training("theirs", 3, iter(()), float, [5.0, 10.0, 15.0], [4.0, 2.0, 2.1])
+    text = script.Quality([ours, theirs], "cm").text()
     assert "seconds to 2.000 cm" in text
     assert "| theirs | 10.0 | 2.50 | 15.0 | 2.000 |" in text
 
 
-def test_an_epoch_of_ours_is_one_of_numpy_cae_train():
-    windows = np.random.default_rng(1).normal(size=(10, 16, 63)).astype(np.float32) / 4
-    trained, expected = (ConvAutoencoder(filters=(3, 4, 5), taps=3) for _ in range(2))
-    assert len(list(trainings.epochs(trained, windows, STAGE))) == STAGE.epochs
-    train_autoencoder(expected, windows, Schedule(Stage(epochs=0), STAGE))
-    for name, weight in trained.parameters.items():
-        np.testing.assert_array_equal(weight, expected.parameters[name])
-
-
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
-def test_all_networks_learn(monkeypatch):
+@pytest.mark.parametrize("sequential", [False, True])
+def test_all_networks_learn(script, monkeypatch, sequential):
     torch.set_num_threads(1)  # no time is compared here
-    monkeypatch.setattr(trainings, "USUAL", replace(trainings.USUAL, epochs=5, batch=2))
-    monkeypatch.setattr(trainings, "USUAL_SEQUENCES", replace(SEQUENCES, epochs=3))
-    monkeypatch.setattr(trainings, "HIDDEN", 12)
-    monkeypatch.setattr(trainings, "ConvAutoencoder", lambda rng: ConvAutoencoder(63, (8, 9), 5))
-    phases = np.random.default_rng(3).uniform(0, 6, (6, 1, 63))
-    x = (np.sin(np.arange(160)[:, None] / 8 + phases) / 4).astype(np.float32)
-    windows = trainings.trainings(x, STAGE, lambda repair: np.mean((repair(x) - x) ** 2))
-    held_out = waves(np.random.default_rng(5), 50)
-    for made, counts in (
-        (windows, [4, 5, 4]),
-        (trainings.sequence_trainings(waves, held_out, SEQUENCES), [2, 3, 2]),
-    ):
-        train_in_turns(made)
-        assert [len(each.errors) for each in made] == counts
-        assert all(each.errors[-1] < each.errors[0] for each in made)
+    rng = np.random.default_rng(3)
+    if sequential:
+        schedule = SequenceSchedule(epochs=2, steps=20, rate=0.01, **ADAM)
+        monkeypatch.setattr(script, "USUAL_SEQUENCES", replace(schedule, epochs=3))
+        monkeypatch.setattr(script, "HIDDEN", 12)
 
+        def waves(rng, batch):
+            phases = rng.uniform(0, 6, size=(batch, 1, 1)) + np.arange(3)
+            return np.sin(np.arange(6)[:, None] / 2 + phases).astype(np.float32)
 
-def test_without_pytorch_the_command_says_so(monkeypatch, error_of):
-    monkeypatch.setattr(quality, "torch", None)
-    assert "PyTorch, which is not installed" in error_of("bench", "--quality")
+        made = script.sequence_trainings(waves, waves(rng, 50), schedule)
+    else:
+        stage = Stage(epochs=8, rate=0.001, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True, **ADAM)
+        stage = replace(stage, batch=2, norm=1.0)
+        monkeypatch.setattr(script, "USUAL", replace(script.USUAL, epochs=9, batch=2))
+        waves = np.sin(np.arange(160)[:, None] / 8 + rng.uniform(0, 6, (6, 1, 63)))
+        x = (waves / 4).astype(np.float32)
+        lost = zero_values(x, 0.5, np.random.default_rng(0))
+        made = script.trainings(x, stage, lambda f: np.mean((f(lost) - x) ** 2))
+    script.train_in_turns(made)
+    assert all(each.errors[-1] < each.errors[0] for each in made)
