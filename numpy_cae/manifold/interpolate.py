@@ -59,7 +59,7 @@ def interpolate(
     >>> between = interpolate(manifold, walk, run, share=0.5)
     >>> motions = np.stack([walk, between, run])
     >>> (30 * np.linalg.norm(motions[..., 60:62], axis=-1)).mean(axis=1).round(1)
-    array([1.5, 2.2, 2.6])
+    array([1.4, 2.2, 2.6])
     """
     frames = min(len(first), len(second))
     if frames == 0:
