@@ -101,7 +101,7 @@ def test_coordinates_that_are_none():
 READERS = {".amc": read_amc, ".bvh": read_bvh}
 
 
-@pytest.mark.parametrize("step", [16, pytest.param(1, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("step", [48, pytest.param(1, marks=pytest.mark.thorough)])
 def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_folder, step):
     paths = [path for path in find_motion_files(data_folder) if path.suffix in READERS]
     for path in paths[::step]:
