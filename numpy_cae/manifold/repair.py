@@ -72,7 +72,7 @@ class Repaired:
             )
         groups: dict[str, list[int]] = defaultdict(list)
         for joint in np.flatnonzero(self.touched.any(axis=0)):
-            groups[_frames_of(self.touched[:, joint])].append(joint)
+            groups[_frames_of(self.touched[:, joint])].append(int(joint))
         lines = []
         for frames, joints in groups.items():
             moved = 100 * self.moved[:, joints][self.touched[:, joints]]
@@ -191,7 +191,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     all joints: frames 1 to 9, 11 to 19: moved 3.9 cm, at most 24.3
     """
     missing = checked_mask(missing, len(motion))
-    holes = Holes(manifold.body(_interpolated(motion, missing.all(axis=1))), missing)
+    holes = Holes(manifold.body(_interpolated(motion, np.asarray(missing.all(axis=1)))), missing)
     return holes.filled(fill(manifold, holes.features, holes.mask), motion)
 
 
@@ -263,7 +263,7 @@ class Holes:
             change = positions[:, joint] - before[:, joint]
             positions[:, joint] = before[:, joint] + strength * change
         motion = body.retarget(positions, holes)
-        return Repaired(motion, holes, distances(original, motion, holes.any(axis=1)))
+        return Repaired(motion, holes, distances(original, motion, np.asarray(holes.any(axis=1))))
 
 
 def distances(before: Motion, after: Motion, changed: np.ndarray | None = None) -> np.ndarray:
