@@ -126,6 +126,11 @@ def test_a_bound_on_the_norm_must_be_above_zero(bound):
         clip_norm([np.ones(2)], bound)
 
 
+def test_a_stage_names_the_optimiser_and_its_momentum():
+    assert module.make_optimiser(Stage(momentum=0.9), {"w": np.zeros(2)}).momentum == 0.9
+    assert isinstance(module.make_optimiser(Stage(optimiser="adam"), {}), Adam)
+
+
 def test_the_rate_decays_from_the_first_epoch_on():
     assert decayed_rate(0.5, 0.9, 0) == 0.5
     assert decayed_rate(0.5, 0.9, 2) == pytest.approx(0.405)
