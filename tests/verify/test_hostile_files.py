@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 
 import pytest
 
@@ -30,6 +31,13 @@ right = tanh
 def tanh(x):
     y, pullback = right(x)
     return y.view(Cheat), lambda dy: pullback(dy).view(Cheat)
+"""
+GRANDCHILD = """
+pid = ctypes.CDLL(None).fork()
+if pid == 0:
+    os.setsid()
+    time.sleep(100)
+open('pid', 'w').write(str(pid))
 """
 
 
@@ -125,6 +133,15 @@ json.dumps = lambda *a, **k: '{"outcomes": []}'
 def test_a_wrong_function_gets_no_points_by_replacing_what_tests_use(graded, attempt):
     file = graded(WRONG + attempt)
     assert not file.held and file.points <= 2 and file.possible == 10, str(file)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="orphans are adopted on Linux only")
+def test_a_forked_process_does_not_outlive_the_grading(graded, tmp_path):
+    assert graded(RIGHT + GRANDCHILD).points == 10
+    pid = int((tmp_path / "pid").read_text())
+    if pid > 0:  # users other than root may not even fork
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
 
 
 def notebook(**sources) -> str:

@@ -16,7 +16,13 @@ from pathlib import Path
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.grading.sandbox.confinement import confine, end_with_parent
+from numpy_cae.verify.grading.sandbox.confinement import (
+    PR_SET_CHILD_SUBREAPER,
+    PR_SET_PDEATHSIG,
+    confine,
+    end_children,
+    set_process_option,
+)
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.trial import described
 
@@ -26,12 +32,13 @@ CRASHED = "its process ended: it crashed, was killed for its memory, or ended it
 
 def main() -> None:
     """Do the request on standard input; one reply goes to standard output."""
-    end_with_parent()
+    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
 def reply_to(request: dict) -> dict:
     """What the file lacks, and for each function a report or the reason why there is none."""
+    set_process_option(PR_SET_CHILD_SUBREAPER, 1)
     submission = read_submission(Path(request["path"]))
     catalogue = import_module(request["catalogue"]).CATALOGUE
     given = {name: catalogue[name].solution for name in request["given"]}
@@ -42,7 +49,9 @@ def reply_to(request: dict) -> dict:
         seconds = min(2 * request["cpu_seconds"], (deadline - time.monotonic()) / left)
         if seconds <= 0:
             return {"failed": "the time limit for the whole file is used up"}
-        return do_apart(partial(_confined, work, request), seconds)
+        result = do_apart(partial(_confined, work, request), seconds)
+        end_children()  # such as a process that left the group which do_apart kills
+        return result
 
     def names() -> dict:
         functions, problems = submission.run(given, {})

@@ -16,7 +16,7 @@ except ImportError:  # Windows, where a process has no such limits
     resource = None
 
 LARGEST_WRITTEN_FILE = 2**24
-PR_SET_PDEATHSIG = 1
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -29,10 +29,36 @@ DO_THE_EXERCISE = (
 ).split()
 
 
-def end_with_parent() -> None:
-    """Make this process end when its parent ends (Linux)."""
+def set_process_option(option: int, value: int) -> None:
+    """Call prctl, which only Linux has.
+
+    With PR_SET_PDEATHSIG this process ends when its parent ends; with PR_SET_CHILD_SUBREAPER it
+    becomes the parent of its descendants whose own parent has ended.
+    """
     with suppress(OSError, AttributeError, TypeError):
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def end_children() -> None:
+    """Kill the processes whose parent this one is, as far as /proc lists them (Linux).
+
+    A child's own children become this process's when the child ends, and are killed next.
+    """
+    while children := _children():
+        for process in children:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+
+
+def _children() -> list[int]:
+    """The numbers of the processes whose parent this one is."""
+    children = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # the process ended while it was read
+            _, parent, *_ = path.read_text(errors="replace").rpartition(")")[2].split()
+            if int(parent) == os.getpid():
+                children.append(int(path.parent.name))
+    return children
 
 
 def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
@@ -46,7 +72,7 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
         os.dup2(nothing, stream)
     sys.stdin = open(0, closefd=False)
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
-    end_with_parent()
+    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     cpu = math.ceil(time.process_time() + seconds)
     limits = {"CPU": cpu, "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
     for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
