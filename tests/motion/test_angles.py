@@ -1,9 +1,12 @@
-"""The 54 numbers of jang2018: their names, the conversion and its inverse, clips."""
+"""The 54 numbers of jang2018: the T-pose that is dropped, vectors without jumps, clips."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from data_synth import JANG2018_KINDS, make_take
 from numpy_cae.motion import (
@@ -13,10 +16,13 @@ from numpy_cae.motion import (
     cut_clips,
     draw_clips,
     load_angles,
+    load_motion,
     motion_of,
     read_expmap,
+    without_t_pose,
 )
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
+from numpy_cae.motion.angles import shortest_clips, unwrapped
 from numpy_cae.motion.expmap_rigs import HUMAN36M
 from numpy_cae.motion.retarget.rigs import with_joint_names
 
@@ -92,3 +98,76 @@ def test_clips_begin_anywhere_and_at_no_place(sequence):
     assert len(every) == len(sequence) - 49
     gaps = np.abs(clips[:, None] - every[None]).max(axis=(2, 3)).min(axis=1)
     assert gaps.max() < 1e-12
+
+
+def wrapped(vectors):
+    """As a reader of rotations gives them: none longer than π."""
+    return Rotation.from_rotvec(vectors.reshape(-1, 3)).as_rotvec().reshape(vectors.shape)
+
+
+def equal_rotations(a, b):
+    gap = Rotation.from_rotvec(a.reshape(-1, 3)).inv() * Rotation.from_rotvec(b.reshape(-1, 3))
+    return gap.magnitude().max() < 1e-9
+
+
+@given(st.integers(0, 9999))
+def test_the_same_rotations_without_a_jump(seed):
+    rng = np.random.default_rng(seed)
+    # Three joints that turn far about axes which drift slowly, never through no rotation at all.
+    angle = rng.uniform(0.5, 9.0, 3) + np.linspace(0, 1, 100)[:, None] * rng.uniform(0, 9, 3)
+    axis = rng.normal(size=(1, 3, 3)) + 0.002 * np.cumsum(rng.normal(size=(100, 3, 3)), axis=0)
+    axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
+    smooth = angle[..., None] * axis
+    found = unwrapped(wrapped(smooth))
+    assert equal_rotations(found, smooth)
+    steps = np.linalg.norm(np.diff(smooth, axis=0), axis=-1).max()
+    assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() < 2 * steps + 1e-9
+
+
+def test_an_exact_identity_on_the_way_keeps_the_turn():
+    smooth = np.array([[0.0, 6.0, 0.0], [0.0, 2 * np.pi, 0.0], [0.0, 6.6, 0.0]])
+    angle = wrapped(smooth)
+    angle[1] = 0.0
+    assert np.allclose(unwrapped(np.concatenate([smooth[:1], angle[1:]])), smooth, atol=1e-9)
+
+
+def test_what_does_not_jump_is_left_alone():
+    calm = np.random.default_rng(0).normal(0, 0.2, (50, 4, 3))
+    assert np.array_equal(unwrapped(calm), calm)
+    assert np.array_equal(shortest_clips(calm), calm)
+
+
+@given(st.integers(0, 9999), st.integers(-3, 3))
+def test_a_clip_forgets_turns_made_before_it(seed, turns):
+    rng = np.random.default_rng(seed)
+    axis = rng.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    clip = (rng.uniform(0.5, 2.5) + 0.2 * np.sin(np.linspace(0, 6, 50)))[:, None, None] * axis
+    later = clip * (1 + 2 * np.pi * turns / np.linalg.norm(clip, axis=-1, keepdims=True))
+    assert equal_rotations(shortest_clips(later), clip)
+    assert np.allclose(shortest_clips(later), clip, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", JANG2018_KINDS)
+def test_a_t_pose_is_dropped_and_a_first_frame_is_not(kind):
+    """As the conversions of CMU put it: every joint at rest, the root where it starts."""
+    motion = make_take(kind, 3, seconds=1.0).motion
+    longer = motion.at(np.array([0, *range(len(motion))]))
+    longer.rotations[0] = [0.0, 0.0, 0.0, 1.0]
+    assert np.array_equal(without_t_pose(longer).rotations, motion.rotations)
+    assert without_t_pose(motion) is motion
+
+
+def test_someone_who_stands_in_a_t_pose_keeps_it():
+    motion = make_take("idle", 0, seconds=1.0).motion
+    rest = replace(motion, rotations=np.zeros_like(motion.rotations) + [0.0, 0.0, 0.0, 1.0])
+    assert without_t_pose(rest) is rest
+
+
+def test_every_cmu_text_has_one_and_only_one(data_folder):
+    files = sorted((data_folder / "cmu/expmap").glob("*/*.txt"))
+    for path in files[::4]:
+        motion = load_motion(path)
+        once = without_t_pose(motion)
+        assert len(once) == len(motion) - 1, path.name
+        assert without_t_pose(once) is once, path.name

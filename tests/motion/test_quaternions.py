@@ -1,4 +1,4 @@
-"""Quaternions agree with SciPy's rotations."""
+"""Quaternions agree with SciPy's rotations; resampling of a motion."""
 
 from itertools import permutations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from numpy_cae.motion import quaternions
+from numpy_cae.motion import Motion, Skeleton, quaternions
 
 ONE, OTHER = (Rotation.random(50, random_state=seed) for seed in (1, 2))
 P, Q = ONE.as_quat(), OTHER.as_quat()
@@ -48,7 +48,7 @@ def test_the_nearest_rotation_to_a_matrix_is_no_reflection():
     np.testing.assert_allclose(found, u @ vt, atol=1e-12)
 
 
-@pytest.mark.parametrize("order", map("".join, permutations("XYZ")))
+@pytest.mark.parametrize("order", ["".join(order) for order in permutations("XYZ")])
 def test_angles_about_three_axes_and_at_a_pole(order):
     np.testing.assert_allclose(quaternions.to_angles(order, P), ONE.as_euler(order), atol=1e-14)
     angles = 1.5 * VECTORS
@@ -59,3 +59,21 @@ def test_angles_about_three_axes_and_at_a_pole(order):
         found = quaternions.to_angles(order, turned)
         np.testing.assert_array_equal(found[:, 2], 0)
         assert_same(turned, Rotation.from_euler(order, found))
+
+
+@pytest.mark.parametrize(
+    ("rate", "new", "step"),
+    [(120, 30, 4), (1 / 0.0083333, 30, 4), (120, 50, 2.4), (24, 30, 0.8), (29.97, 30, 1)],
+)
+def test_resampling_sub_samples_and_interpolates(rate, new, step):
+    """`step` is the number of frames between two of the result; a rounded rate is the same rate."""
+    frames = np.arange(13.0)
+    turns = Rotation.from_rotvec(0.1 * frames[:, None] * [0.0, 1.0, 0.0]).as_quat()
+    leg = Skeleton(("hip", "knee"), (-1, 0), np.zeros((2, 3)))
+    translations = frames[:, None, None] * np.ones((1, 2, 3))
+    motion = Motion(leg, rate, np.repeat(turns[:, None], 2, axis=1), translations)
+    found = motion.resampled(new)
+    times = step * np.arange(len(found))
+    assert found.rate == new and 12 - step < times[-1] <= 12
+    np.testing.assert_allclose(found.translations[:, 1, 0], times, atol=1e-12)
+    np.testing.assert_allclose(2 * np.arcsin(found.rotations[:, 1, 1]), 0.1 * times, atol=1e-12)

@@ -100,6 +100,7 @@ UNTIDY = {
     "trailing blanks": TIDY.replace("\n", "  \t\n"),
     "no last newline": TIDY.rstrip("\n"),
     "brace on the same line": TIDY.replace("\n  {", " {").replace("\n{", "{"),
+    "beyond UTF-8": TIDY.replace("Hips", "Hüfte").encode("latin-1"),
     "headers": TIDY.replace("Frames: 2", "FRAMES :2").replace("Frame Time: ", "frame  time:"),
     "case": TIDY.replace("Xrotation", "xROTATION").replace("ROOT", "Root").replace("Site", "site"),
     "named End Site": TIDY.replace("End Site", "End Site toe"),
@@ -112,50 +113,19 @@ UNTIDY = {
 @pytest.mark.parametrize("untidied", UNTIDY.values(), ids=UNTIDY)
 def test_spacing_and_case_do_not_matter(read_text, untidied):
     tidy, motion = read_text(TIDY, unit=0.01), read_text(untidied, unit=0.01)
-    assert motion.skeleton.names == tidy.skeleton.names == ("Hips", "mixamorig:Left Leg")
+    hips = "Hüfte" if isinstance(untidied, bytes) else "Hips"
+    assert motion.skeleton.names == (hips, "mixamorig:Left Leg")
     assert motion.rate == tidy.rate
     np.testing.assert_array_equal(motion.positions(), tidy.positions())
     np.testing.assert_array_equal(motion.skeleton.end_sites[1], tidy.skeleton.end_sites[1])
 
 
-@pytest.mark.parametrize(
-    "time, rate",
-    [
-        (".0083333", 120),
-        ("0.0333333", 30),
-        ("0.033367", 1 / 0.033367),
-        ("0.04", 25),
-        ("1e-3", 1000),
-    ],
-)
+TIMES = {".0083333": 120, "0.0333333": 30, "0.033367": 1 / 0.033367, "0.04": 25, "1e-3": 1000}
+
+
+@pytest.mark.parametrize(("time", "rate"), TIMES.items())
 def test_the_rounding_of_a_frame_time_is_undone(read_text, time, rate):
     assert read_text(TIDY.replace(".0083333", time), unit=1.0).rate == rate
-
-
-def test_position_channels_stand_in_for_the_offset_axis_by_axis(read_text):
-    text = TIDY.replace("CHANNELS 3 Yrotation Xrotation Zrotation", "CHANNELS 1 Yposition")
-    text = text.replace("4 5 6", "7").replace("-4 -5 -.6", "8").replace("0 -40 0", "11 -40 13")
-    motion = read_text(text, unit=1.0)
-    np.testing.assert_array_equal(motion.translations[:, 1], [[11, 7, 13], [11, 8, 13]])
-
-
-@pytest.mark.parametrize("channels", ["    CHANNELS 0\n", ""])
-def test_a_joint_without_channels_is_stiff(read_text, channels):
-    text = TIDY.replace("    CHANNELS 3 Yrotation Xrotation Zrotation\n", channels)
-    motion = read_text(text.replace(" 4 5 6", "").replace(" -4 -5 -.6", ""), unit=1.0)
-    np.testing.assert_array_equal(motion.rotations[:, 1], [[0, 0, 0, 1]] * 2)
-    np.testing.assert_array_equal(motion.translations[:, 1], [[0, -40, 0]] * 2)
-
-
-def test_names_beyond_utf8_are_kept_as_latin_1(read_text):
-    motion = read_text(TIDY.replace("Hips", "Hüfte").encode("latin-1"), unit=1.0)
-    assert motion.skeleton.names[0] == "Hüfte"
-
-
-@pytest.mark.parametrize("unit", [0, -1, np.nan, np.inf])
-def test_a_unit_must_be_a_length(read_text, unit):
-    with pytest.raises(ValueError, match="unit is"):
-        read_text(TIDY, unit=unit)
 
 
 def test_guesses_are_logged_and_unlikely_ones_are_warnings(data_folder, read_text, caplog):

@@ -18,7 +18,6 @@ from numpy_cae.motion import (
     at_rate_of,
     body_of,
     body_positions,
-    load_motion,
     retarget,
 )
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
@@ -42,9 +41,8 @@ def a_rig(spines=2, root=True):
 
     if root:
         add("floor", None, np.zeros(3))
-    for joint, name in enumerate(JOINTS):
+    for joint, (name, offset) in enumerate(zip(JOINTS, body.offsets, strict=True)):
         parent = JOINTS[body.parents[joint]] if joint else ("floor" if root else None)
-        offset = body.offsets[joint]
         if name == "chest":
             for more in range(spines):
                 add(f"spine_{more}", parent, offset / (spines + 1))
@@ -104,14 +102,13 @@ def test_bones_keep_their_lengths_and_the_hips_are_where_they_were_asked_for(see
     asked = body_positions(motion) + np.random.default_rng(seed).normal(0, 0.2, (6, 20, 3))
     followed = retarget(motion, asked)
     np.testing.assert_allclose(body_positions(followed)[:, 0], asked[:, 0], atol=1e-12)
-    hips = motion.skeleton.index("hips")
-    still = np.arange(len(motion.skeleton.names)) != hips
-    np.testing.assert_array_equal(followed.translations[:, still], motion.translations[:, still])
-    for kept in ("skeleton", "rate", "unit"):
-        assert getattr(followed, kept) == getattr(motion, kept)
+    changed = np.any(followed.translations != motion.translations, axis=(0, 2))
+    assert np.flatnonzero(changed).tolist() == [motion.skeleton.index("hips")]
+    assert (followed.rate, followed.unit) == (motion.rate, motion.unit)
 
 
-def test_a_moved_wrist_turns_its_elbow_and_nothing_else():
+def test_a_moved_wrist_turns_its_elbow_without_twist_and_nothing_else():
+    """The axis of the elbow's turn is square to the forearm before and after."""
     motion = posed(a_rig(), 9, 3)
     asked = body_positions(motion)
     asked[4:, JOINTS.index("left_wrist")] += [0.05, 0.1, -0.02]
@@ -122,6 +119,12 @@ def test_a_moved_wrist_turns_its_elbow_and_nothing_else():
     changed[4:, elbow] = False
     assert not changed.any()
     np.testing.assert_array_equal(followed.translations, motion.translations)
+    (before, turned), (after, turned_after) = (m.forward_kinematics() for m in (motion, followed))
+    wrist = motion.skeleton.index("left_wrist")
+    axis = to_vector(product(turned_after[:, elbow], inverse(turned[:, elbow])))
+    for positions in (before, after):
+        forearm = positions[:, wrist] - positions[:, elbow]
+        np.testing.assert_allclose(np.sum(axis * forearm, axis=-1), 0, atol=1e-12)
 
 
 @pytest.mark.parametrize("joint", ["hips", "left_elbow", "right_knee", "right_ankle"])
@@ -163,27 +166,11 @@ def test_a_twist_that_positions_do_not_show_is_removed_with_the_damage(frames):
     assert gap(body_positions(repaired), body_positions(motion)).max() < 1e-6
 
 
-def test_a_bone_turns_without_twisting():
-    """The turn of the elbow is about an axis square to the forearm before and after."""
-    motion = posed(a_rig(), 4, 5)
-    asked = body_positions(motion)
-    asked[:, JOINTS.index("left_wrist")] += [0.0, 0.15, 0.05]
-    followed = retarget(motion, asked)
-    (before, turned), (after, turned_after) = (m.forward_kinematics() for m in (motion, followed))
-    elbow, wrist = (motion.skeleton.index(f"left_{joint}") for joint in ("elbow", "wrist"))
-    axis = to_vector(product(turned_after[:, elbow], inverse(turned[:, elbow])))
-    for where in (before, after):
-        forearm = where[:, wrist] - where[:, elbow]
-        np.testing.assert_allclose(np.sum(axis * forearm, axis=-1), 0, atol=1e-12)
-
-
 def test_joints_in_between_share_the_turn():
     """A spine of four equal bones that is asked to bend forward bends in each of its joints."""
     motion = posed(a_rig(3), 1, 0, size=1e-4)
     asked = body_positions(motion)
-    above = [JOINTS.index(name) for name in JOINTS if "hip" not in name][3:]
-    above = [place for place in above if asked[0, place, 1] > asked[0, 1, 1]]
-    asked[:, [JOINTS.index("chest"), *above]] += [0.0, -0.03, 0.1]
+    asked[:, asked[0, :, 1] > asked[0, JOINTS.index("spine"), 1]] += [0.0, -0.03, 0.1]
     followed = retarget(motion, asked)
     spine = [motion.skeleton.index(name) for name in ("spine", "spine_0", "spine_1", "spine_2")]
     angles = Rotation.from_quat(followed.rotations[0, spine]).magnitude()
@@ -222,32 +209,6 @@ def test_what_cannot_be_followed_is_said():
         retarget(replace(motion, skeleton=skeleton), body_positions(motion))
 
 
-def test_two_trials_of_one_cmu_subject(data_folder):
-    """31 joints, a back of three and a neck of two between the twenty, hips on stiff bones."""
-    one, other = (
-        load_motion(data_folder / "cmu" / "asfamc" / "02" / f"02_{trial}.amc")
-        for trial in ("01", "03")
-    )
-    one = one.at(slice(170))
-    asked = body_positions(other)[:170]
-    followed = retarget(one, asked)
-    assert gap(body_positions(one), asked).mean() > 0.5
-    assert gap(body_positions(followed), asked).mean() < 0.001
-    assert gap(body_positions(followed), asked).max() < 0.01
-    fingers = one.skeleton.index("lfingers")
-    np.testing.assert_array_equal(followed.rotations[:, fingers], one.rotations[:, fingers])
-
-
-@pytest.mark.parametrize("rate", [30.0, 29.97, 120.0, 100.0, 24.0])
-def test_poses_at_thirty_a_second_come_back_to_any_rate(rate):
-    motion = make_take("walk", 1, seconds=2.0, rate=rate).motion
-    back = at_rate_of(motion, body_of(motion))
-    truth = body_positions(motion)
-    assert back.shape == truth.shape
-    assert gap(back, truth).max() < 0.03  # a foot in swing, beyond the last pose
-    assert gap(back, truth).mean() < 0.002
-
-
 def test_a_swing_straight_back_and_of_nothing():
     before = np.array([[1.0, 0, 0], [0, 2.0, 0], [0, 0, 0], [0, 0, 1]])
     after = np.array([[-3.0, 0, 0], [0, 1.0, 0], [1, 0, 0], [0, 0, 0]])
@@ -256,28 +217,29 @@ def test_a_swing_straight_back_and_of_nothing():
     np.testing.assert_array_equal(angle(turn)[1:], 0)
 
 
-def swing_axes(rng, count):
-    axes = rng.normal(size=(count, 3))
-    return axes / np.linalg.norm(axes, axis=1, keepdims=True)
-
-
 @given(seed=st.integers(0, 999))
 def test_a_fan_along_one_line_does_not_turn_about_it(seed):
     rng = np.random.default_rng(seed)
-    before = np.array([0.2, 0.25, 0.3])[:, None] * swing_axes(rng, 5)[:, None]
+    axes = rng.normal(size=(5, 1, 3))
+    axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
+    before = np.array([0.2, 0.25, 0.3])[:, None] * axes
     shaken = before + rng.normal(0, 0.005, before.shape)
     np.testing.assert_array_less(angle(fit_fan(before, before, 0.03)), 1e-7)
     assert np.degrees(angle(fit_fan(shaken, before, 0.03)).max()) < 20
 
 
-@pytest.mark.parametrize("frames", [1, 2, 5])
-def test_clips_of_a_few_frames_come_back(frames):
-    motion = make_take("walk", 1, seconds=1.0, rate=120.0).motion.at(slice(frames))
-    back = at_rate_of(motion, body_of(motion))
-    assert back.shape == (frames, 20, 3)
-    np.testing.assert_allclose(back[::4], body_positions(motion)[::4], atol=1e-9)
+@pytest.mark.parametrize(
+    ("rate", "frames"),
+    [(30.0, 60), (29.97, 59), (120.0, 240), (100.0, 200), (24.0, 48), (120.0, 1), (120.0, 5)],
+)
+def test_poses_at_thirty_a_second_come_back_to_any_rate(rate, frames):
+    motion = make_take("walk", 1, seconds=2.0, rate=rate).motion.at(slice(frames))
+    back, truth = at_rate_of(motion, body_of(motion)), body_positions(motion)
+    assert back.shape == truth.shape == (frames, 20, 3)
+    assert gap(back, truth).max() < 0.03  # a foot in swing, beyond the last pose
+    assert gap(back, truth).mean() < 0.002
     with pytest.raises(ValueError, match="poses at 30 a second"):
-        at_rate_of(motion, np.zeros((9, 20, 3)))
+        at_rate_of(motion, np.zeros((99, 20, 3)))
 
 
 @pytest.mark.parametrize("rate", [120.0, 50.0, 24.0])

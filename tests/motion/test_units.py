@@ -48,9 +48,6 @@ def test_real_skeletons_in_any_unit_are_measured_right(data_folder, tmp_path, ta
     for unit in UNITS.values():
         write_bvh(short, tmp_path / "take.bvh", unit)
         assert load_motion(tmp_path / "take.bvh").unit == unit
-
-
-def test_a_given_unit_is_doubted_too():
     assert stated_unit(0.01, "as given", 0.0).startswith("centimetres (as given")
     assert "no adult" not in stated_unit(0.01, "as given", 1.8)
     assert "18.2 m tall, which no adult is" in stated_unit(0.1, "as given", 18.2)
