@@ -19,7 +19,7 @@ import numpy as np
 from numpy_cae.bench.convolutional import TorchModel, torch
 from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.table import PAUSE
-from numpy_cae.experiments.ablation.ablation import HALF_REMOVED, Evaluation
+from numpy_cae.experiments.ablation import HALF_REMOVED, Evaluation
 from numpy_cae.experiments.material import read_material, synthetic_material
 from numpy_cae.experiments.sequences.study import synthetic_action
 from numpy_cae.fast import accelerate

@@ -1,33 +1,14 @@
-"""Retrieval by a distance: precision at 1 and average precision.
+"""Retrieval by a distance: average precision.
 
 A query searches a gallery, nearest first. With rel(r) = 1 where the motion at rank r is relevant,
 and R of them in the gallery,
 
-    precision at 1      rel(1)
     average precision   1/R · Σ_r rel(r) · (rel(1) + … + rel(r)) / r
 
-Each function gives one number for each query, so that two methods can be compared query by query;
-their means are the precision at 1 and the mean average precision (mAP) of a table.
+The mean over all queries is the mean average precision (mAP) of a table.
 """
 
 import numpy as np
-
-
-def precision_at_1(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
-    """1 where the nearest motion is relevant, else 0; of equally near ones the first counts.
-
-    Parameters
-    ----------
-    distances : (Q, N) array of float
-        From each query to each motion of the gallery; infinite for those that are left out.
-    alike : (Q, N) array of bool
-
-    Returns
-    -------
-    (Q,) array of float64
-    """
-    nearest = np.argmin(distances, axis=1)
-    return alike[np.arange(len(alike)), nearest].astype(np.float64)
 
 
 def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
@@ -35,8 +16,10 @@ def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    distances, alike
-        As in `precision_at_1`.
+    distances : (Q, N) array of float
+        From each query to each motion of the gallery; infinite for those that are left out.
+    alike : (Q, N) array of bool
+        The motions that are relevant to each query.
 
     Returns
     -------

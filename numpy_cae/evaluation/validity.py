@@ -62,7 +62,8 @@ class ValidityMeasure:
     Parameters
     ----------
     real : sequence of (F, 63) arrays of float
-        Features of real motions, on the same bones as the motions to measure.
+        Features of real motions, on the same bones as the motions to measure. At most `MAX_POSES`
+        of their poses, evenly spread, are kept.
     lengths : (20,) array of float
         The bones' lengths, metres.
     rate : float
@@ -70,8 +71,11 @@ class ValidityMeasure:
     """
 
     def __init__(self, real: Sequence[np.ndarray], lengths: np.ndarray, rate: float):
+        from scipy.spatial import cKDTree  # slow to import, and seldom used
+
         self.lengths, self.rate = lengths, rate
-        self.nearest = NearestPose(np.concatenate(list(real)))
+        poses = np.concatenate(list(real)).astype(np.float64)[:, POSITIONS]
+        self._tree = cKDTree(poses[:: -(-len(poses) // MAX_POSES)])
 
     def of(self, features: np.ndarray) -> Validity:
         """Measure one motion, (F, 63) features of at least 3 frames."""
@@ -80,33 +84,17 @@ class ValidityMeasure:
             bone_length_error(positions, self.lengths),
             foot_sliding(positions, self.rate),
             jitter(positions, self.rate),
-            float(self.nearest.distances(features).mean()),
+            float(self.nearest_distances(features).mean()),
         )
 
+    def nearest_distances(self, features: np.ndarray) -> np.ndarray:
+        """The distance of every frame (F, 63) to the nearest of the real poses, cm, (F,).
 
-class NearestPose:
-    """The distance to the nearest of a set of real poses.
+            d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
 
-        d_t = 100 · min_i √ mean_k (q_{t,k} - q_{i,k})²
-
-    over the 60 position features, local to the body's place on the floor and its heading: the
-    smallest `position_error` of each frame to a real pose, in centimetres.
-
-    Parameters
-    ----------
-    features : (N, 63) array of float
-        Real poses, on the same bones as the poses to measure. At most `MAX_POSES` of them, evenly
-        spread, are kept.
-    """
-
-    def __init__(self, features: np.ndarray):
-        from scipy.spatial import cKDTree  # slow to import, and seldom used
-
-        step = -(-len(features) // MAX_POSES)
-        self._tree = cKDTree(np.asarray(features, dtype=np.float64)[::step, POSITIONS])
-
-    def distances(self, features: np.ndarray) -> np.ndarray:
-        """d of every frame (F, 63), in centimetres, (F,)."""
+        over the 60 position features, local to the body's place on the floor and its heading: the
+        smallest `position_error` of each frame to a real pose.
+        """
         poses = np.asarray(features, dtype=np.float64)[:, POSITIONS]
         distance, _ = self._tree.query(poses)
         return 100 * distance / np.sqrt(poses.shape[1])

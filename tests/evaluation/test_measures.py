@@ -18,9 +18,8 @@ from numpy_cae.evaluation import (
     nearest_neighbour_accuracy,
     position_error,
 )
-from numpy_cae.evaluation.retrieval import average_precision, precision_at_1
+from numpy_cae.evaluation.retrieval import average_precision
 from numpy_cae.evaluation.samples import clip_distances
-from numpy_cae.evaluation.validity import NearestPose
 from numpy_cae.motion import (
     JOINTS,
     POSITIONS,
@@ -105,7 +104,8 @@ def test_the_nearest_pose_equals_an_exhaustive_search(walk):
     queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
     apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
     expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
-    np.testing.assert_allclose(NearestPose(features).distances(queries), expected)
+    measure = ValidityMeasure([features], LENGTHS, 30.0)
+    np.testing.assert_allclose(measure.nearest_distances(queries), expected)
 
 
 def test_validity_is_all_measures(walk):
@@ -167,7 +167,6 @@ ALIKE = np.array([[True, True, False, False], [False, True, False, True]])
 
 
 def test_retrieval_by_hand():
-    np.testing.assert_array_equal(precision_at_1(DISTANCES, ALIKE), [1.0, 0.0])
     # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
     np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
 
@@ -176,7 +175,6 @@ def test_an_infinite_distance_leaves_a_motion_out():
     itself = DISTANCES.copy()
     itself[0, 1] = np.inf
     # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
-    assert precision_at_1(itself, ALIKE)[0] == 0
     assert average_precision(itself, ALIKE)[0] == pytest.approx(1 / 2)
     alone = np.array([[np.inf, 1.0]])
     with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):

@@ -22,7 +22,7 @@ SMALL = {
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
 """Constants of experiments that would take long."""
-FEW_SETTINGS = {"AXES": (3, 15, 45), "LENGTHS": (3, 7), "POLYNOMIALS": ((5, 0), (9, 2))}
+FEW_SETTINGS = {"AXES": (3, 15, 45), "POLYNOMIALS": ((5, 0), (9, 2))}
 """Of the baselines of repair."""
 
 

@@ -1,40 +1,42 @@
 """The ablation: rows differ in what they are named after, and the claims count the seeds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from numpy_cae.cli import main
-from numpy_cae.experiments.ablation import ablation
-from numpy_cae.experiments.ablation.ablation import (
+from numpy_cae.experiments import ablation
+from numpy_cae.experiments.ablation import (
     HALF_REMOVED,
     MEASURES,
     RECONSTRUCTION,
     Evaluation,
     Row,
     ablation_result,
+    all_rows,
     measure_rows,
 )
-from numpy_cae.experiments.ablation.choices import choices
-from numpy_cae.training import DivergedError
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training import DivergedError, Schedule
 
 
 def test_equal_sizes_are_equal_and_every_row_trains_its_own_network():
-    paper, *others = choices(32)
-    assert len({choice.name for choice in others}) == len(others) == 9
-    for choice in (paper, *others):
-        network = choice.network(np.random.default_rng(0))
-        sizes = [a.size for layer in network.layers for a in layer.parameters.values()]
-        assert sum(sizes) == choice.parameters == pytest.approx(paper.parameters, rel=0.01)
-        assert (choice.filters, choice.schedule) != (paper.filters, paper.schedule) or (
-            choice is paper
-        )
+    paper, *others = all_rows()
+    assert len({row.name for row in others}) == len(others) == 9
+    for row in (paper, *others):
+        layers = ConvAutoencoder(filters=row.filters, taps=ablation.TAPS).layers
+        sizes = [a.size for layer in layers for a in layer.parameters.values()]
+        assert sum(sizes) == row.parameters == pytest.approx(paper.parameters, rel=0.01)
+        same = (row.filters, row.schedule) == (paper.filters, paper.schedule)
+        assert same == (row is paper)
 
 
 def test_every_row_is_measured_from_every_seed(labelled, monkeypatch):
     evaluation = Evaluation(labelled)
     lines: list[str] = []
-    few = choices(1, 0, 1)[:2]
-    rows = measure_rows(evaluation, few, 2, lines.append)
+    rows = [replace(row, filters=(1,)) for row in all_rows(0, 1)[:2]]
+    measure_rows(evaluation, rows, 2, lines.append)
     assert len(lines) == 2 * len(rows)
     for row in rows:
         assert np.isfinite(row.values(HALF_REMOVED)).all()
@@ -46,17 +48,18 @@ def test_every_row_is_measured_from_every_seed(labelled, monkeypatch):
         raise DivergedError("layer 1", "the loss is nan", "w1", "nothing was saved", "lower it")
 
     monkeypatch.setattr(ablation, "train_autoencoder", diverges)
-    assert measure_rows(evaluation, few[:1], 1)[0].measured == [None]
+    measure_rows(evaluation, rows[:1], 1)
+    assert rows[0].measured[2:] == [None]
 
 
 def with_errors(name, *errors):
     """A row with these errors of repair; None for a seed that diverged."""
     measured = [e and dict.fromkeys(MEASURES, 1.0) | {HALF_REMOVED: e} for e in errors]
-    return Row(name, measured=measured)
+    return Row(name, (1,), Schedule(), measured)
 
 
 def test_a_claim_is_confirmed_if_every_seed_agrees():
-    names = [choice.name for choice in choices()][1:]
+    names = [row.name for row in all_rows()][1:]
     rows = [with_errors("paper", 1.0, 2.0)] + [with_errors(name, 1.5, 2.5) for name in names]
     rows[1] = with_errors(names[0], 1.5, 1.9)  # one layer: better for one seed
     rows[2] = with_errors(names[1], 1.5, None)  # two layers: diverged once

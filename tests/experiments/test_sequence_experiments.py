@@ -7,15 +7,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.evaluation import angle_distance
-from numpy_cae.experiments.sequences.reconstruction import (
-    HELD,
-    LINEAR,
-    MEAN,
-    NETWORK,
-    SQUARED,
-    reconstruction,
-)
-from numpy_cae.experiments.sequences.regulariser import regulariser
+from numpy_cae.experiments.sequences import sequential
 from numpy_cae.experiments.sequences.samples import (
     FITTED,
     PRIOR,
@@ -24,6 +16,7 @@ from numpy_cae.experiments.sequences.samples import (
     fitted_latents,
     samples,
 )
+from numpy_cae.experiments.sequences.sequential import HELD, LINEAR, MEAN, NETWORK, SQUARED
 from numpy_cae.experiments.sequences.study import (
     Action,
     figure_2,
@@ -86,7 +79,7 @@ def test_figure_3_draws_samples_of_each_source(studies):
 
 
 def test_reconstruction_beside_simpler_methods(studies):
-    result = reconstruction(studies[:1])
+    result = sequential.reconstruction(studies[:1])
     errors = {
         method: result.tables[0].value(f"walking: {method}", SQUARED)
         for method in (MEAN, HELD, LINEAR, NETWORK)
@@ -110,9 +103,9 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
-    monkeypatch.setattr("numpy_cae.experiments.sequences.regulariser.REPEATS", 1)
+    monkeypatch.setattr(sequential, "REPEATS", 1)
     free = train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
-    result = regulariser(studies[:1], [free])
+    result = sequential.regulariser(studies[:1], [free])
     _, error, error_without, *_ = result.tables[0].rows[0]
     assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
     assert result.claims[1].confirmed == (error < error_without)

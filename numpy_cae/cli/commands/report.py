@@ -22,7 +22,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, print_json, working, write_texts
 from numpy_cae.cli.shared.takes import SYNTHETIC_MINUTES, TEST_EVERY, training_and_test_takes
-from numpy_cae.experiments.ablation import choices
+from numpy_cae.experiments import ablation
 from numpy_cae.experiments.material import Material, is_test, read_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
@@ -59,15 +59,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--only", nargs="+", choices=every, default=names, metavar="NAME", help=only)
     arguments.add_shared(parser, "seed json mapping unit up floor")
     add = parser.add_argument_group("ablation").add_argument
-    ablation = "train and compare networks of other depth, unpooling, training, … instead "
-    ablation += f"(default: on {SYNTHETIC_MINUTES:g} minutes of synthetic motions)"
-    add("--ablation", **arguments.FLAG, help=ablation)
-    seeds = f"number of seeds that each row is trained from (default: {choices.SEEDS})"
-    add("--seeds", **arguments.COUNT, default=choices.SEEDS, help=seeds)
-    width = f"filters of the lowest of three layers; the paper has 64 (default: {choices.WIDTH})"
-    add("--width", **arguments.COUNT, default=choices.WIDTH, help=width)
+    compare = "train and compare networks of other depth, unpooling, training, … instead "
+    compare += f"(default: on {SYNTHETIC_MINUTES:g} minutes of synthetic motions)"
+    add("--ablation", **arguments.FLAG, help=compare)
+    seeds = f"number of seeds that each row is trained from (default: {ablation.SEEDS})"
+    add("--seeds", **arguments.COUNT, default=ablation.SEEDS, help=seeds)
     pair = {"type": arguments.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
-    default = (choices.LAYER_EPOCHS, choices.FINE_EPOCHS)
+    default = (ablation.LAYER_EPOCHS, ablation.FINE_EPOCHS)
     epochs = "epochs of each layer and of fine tuning (default: {} {})".format(*default)
     add("--epochs", **pair, default=default, help=epochs)
 
@@ -118,27 +116,25 @@ def _experiments(args: argparse.Namespace) -> Measured:
 
 def _ablation(args: argparse.Namespace) -> Measured:
     """Train and compare the networks of the ablation."""
-    from numpy_cae.experiments.ablation.ablation import Evaluation, ablation_result, measure_rows
-
     material = training_and_test_takes(args)
     args.output.mkdir(parents=True, exist_ok=True)
-    started, networks = time.monotonic(), choices.choices(args.width, *args.epochs)
-    evaluation = Evaluation(material)
+    started, rows = time.monotonic(), ablation.all_rows(*args.epochs)
+    evaluation = ablation.Evaluation(material)
 
     def progress(line: str) -> None:
         note(f"{time.monotonic() - started:.0f} s, {line}")
 
-    rows = measure_rows(evaluation, networks, args.seeds, progress)
+    ablation.measure_rows(evaluation, rows, args.seeds, progress)
     folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
-    layer, fine_tuning = networks[0].schedule.layer, networks[0].schedule.fine_tuning
+    layer, fine_tuning = rows[0].schedule.layer, rows[0].schedule.fine_tuning
     provenance = {
         "data": f"{folders}: {len(material.training)} takes to learn from "
         f"({len(evaluation.windows)} windows), {len(material.testing)} to test",
         "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
         "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}",
-        **_network(networks[0].filters, choices.TAPS, vars(layer), vars(fine_tuning)),
+        **_network(ablation.FILTERS, ablation.TAPS, vars(layer), vars(fine_tuning)),
     }
-    return {"ablation": ablation_result(rows, evaluation.sample)}, provenance
+    return {"ablation": ablation.ablation_result(rows, evaluation.sample)}, provenance
 
 
 def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material, dict[str, str]]:

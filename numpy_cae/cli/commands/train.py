@@ -145,8 +145,8 @@ def _learn_windows(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
 
 def _learn_sequences(args: argparse.Namespace, checkpoint: Checkpoint) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    from numpy_cae.experiments.sequences.reconstruction import reconstruction
     from numpy_cae.experiments.sequences.samples import figure_3
+    from numpy_cae.experiments.sequences.sequential import reconstruction
     from numpy_cae.experiments.sequences.study import Study, read_action
 
     name, network = args.folders[0].resolve().name, train_options.network_of(args, args.model)

@@ -87,7 +87,10 @@ def _pca(
 def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """The typical test take with half of its values removed, projected, and in truth, drawn."""
     features, _ = manifold.features(typical(manifold, material.testing).positions)
-    motions = _half_removed(manifold, features, seed)
+    damaged = zero_values(manifold.normalise(features), P, np.random.default_rng(seed))
+    corrupted = manifold.denormalise(damaged)
+    projected = manifold.project(corrupted)
+    motions = {"corrupted": corrupted, "projected": projected, "truth": features}
     errors = {name: position_error(x, features) for name, x in motions.items()}
     labels = [f"{name}, {errors[name]:.1f} cm off in pose" for name in list(errors)[:2]]
     drawn = zip(motions.values(), (CORRUPTED, PROJECTED, TRUTH), strict=True)
@@ -97,14 +100,6 @@ def figure_1(manifold: MotionManifold, material: Material, seed: int = 0) -> Res
         (),
         *moving(dict(zip([*labels, "truth"], drawn, strict=True)), manifold.rate, azimuth=55.0),
     )
-
-
-def _half_removed(
-    manifold: MotionManifold, features: np.ndarray, seed: int
-) -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(seed)
-    corrupted = manifold.denormalise(zero_values(manifold.normalise(features), P, rng))
-    return {"corrupted": corrupted, "projected": manifold.project(corrupted), "truth": features}
 
 
 def typical(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> LabelledTake:

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter
 
 from numpy_cae.evaluation import PCA, interpolate_linearly
@@ -30,9 +29,8 @@ from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, Curve, curves_figure
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
-MEDIAN, SAVITZKY_GOLAY = "median filter", "Savitzky-Golay filter"
+SAVITZKY_GOLAY = "Savitzky-Golay filter"
 AXES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450)
-LENGTHS = (3, 5, 7, 9, 15)
 POLYNOMIALS = tuple(
     (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
 )
@@ -75,16 +73,12 @@ class RepairBaseline:
 def repair_baselines(split: Split) -> list[RepairBaseline]:
     """All of them. A polynomial of order 0 is the moving average."""
 
-    def median(x: np.ndarray, length: int) -> np.ndarray:
-        return median_filter(x, (1, length, 1), mode="nearest")
-
     def polynomial(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
         return savgol_filter(x, *setting, axis=1)
 
     frames = split.testing.x.shape[1]
     short = tuple(setting for setting in POLYNOMIALS if setting[0] <= frames)
     return [
-        RepairBaseline(MEDIAN, LENGTHS, median, median),
         RepairBaseline(SAVITZKY_GOLAY, short, polynomial, polynomial),
         _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
         _pca(PCA_ON_WINDOWS, split, split.training.x[0].size),
@@ -118,8 +112,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         note(CORRUPTED_ROW, damaged)
         for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
             for baseline in baselines:
-                if suffix and baseline.name == MEDIAN:
-                    continue  # a median is a value that was there, or zero: it is not scaled
                 setting = baseline.best(practice * factor, choosing)
                 note(baseline.name + suffix, baseline.repair(damaged * factor, setting))
             note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
@@ -131,11 +123,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         mask_given.append(testing.error(interpolate_linearly(damaged, known)))
 
     columns = [f"p = {p}" for p in PS]
-    easier = "An easier problem, mask given:"
     rows = [[name, *row] for name, row in errors.items()]
     tables = [
         Table(CAPTION, ["mask unknown", *columns], rows),
-        Table(easier, ["mask given", *columns], [[INTERPOLATED, *mask_given]]),
+        Table(
+            "An easier problem, mask given:",
+            ["mask given", *columns],
+            [[INTERPOLATED, *mask_given]],
+        ),
     ]
     return Result(
         "Repair: values removed with probability p",

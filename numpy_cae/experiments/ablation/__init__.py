@@ -1,1 +1,0 @@
-"""The ablation of holden2015: every choice of its network and training, left out or replaced."""
