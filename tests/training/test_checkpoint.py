@@ -5,6 +5,7 @@ import gc
 import os
 import sys
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,11 +27,13 @@ WINDOWS = np.random.default_rng(0).normal(scale=0.3, size=(7, 8, 3)).astype(np.f
 # Three stages of two epochs of four steps.
 FINE = Stage(epochs=2, rate=0.01, batch=2, momentum=0.9)
 SCHEDULE = Schedule(Stage(epochs=2, batch=2), FINE)
-ADAM = Schedule(
-    Stage(epochs=1, batch=2, optimiser="adam"),
-    Stage(epochs=2, rate=0.01, batch=2, optimiser="adam"),
-)
+BY_ADAM = replace(FINE, optimiser="adam", momentum=0.0)
+ADAM = Schedule(replace(BY_ADAM, epochs=1, rate=0.5), BY_ADAM)
 SHORT = SequenceSchedule(epochs=2, steps=4, batch=4, directions=4, momentum=0.9)
+
+
+def draw(rng, batch):
+    return rng.normal(size=(batch, 6, 3)).astype(np.float32)
 
 
 class Interrupted(Exception):
@@ -39,29 +42,23 @@ class Interrupted(Exception):
 
 def interrupt(after):
     """A report that raises once so many steps have been made."""
-    made = [0]
+    steps = iter(range(after))
 
     def report(state):
-        made[0] += 1
-        if made[0] > after:
+        if next(steps, None) is None:
             raise Interrupted
 
     return report
 
 
-def train_conv(path=None, schedule=SCHEDULE, windows=WINDOWS, report=None, resume=False):
-    model = ConvAutoencoder(3, (4, 5), taps=3, rng=np.random.default_rng(0))
-    checkpoint = path and Checkpoint(path, 0.0, resume)
-    history = train_autoencoder(model, windows, schedule, 1, report, checkpoint)
-    return model.parameters, history.losses
-
-
-def train_sequence(path=None, schedule=SHORT, report=None, resume=False):
-    def draw(rng, batch):
-        return rng.normal(size=(batch, 6, 3)).astype(np.float32)
-
-    model = SequentialAutoencoder(3, 5, 2, np.random.default_rng(0))
-    checkpoint = path and Checkpoint(path, 0.0, resume)
+def train(path=None, schedule=SCHEDULE, windows=WINDOWS, report=None, resume=False):
+    """The weights by name, and the losses of each stage."""
+    checkpoint, rng = path and Checkpoint(path, 0.0, resume), np.random.default_rng(0)
+    if isinstance(schedule, Schedule):
+        model = ConvAutoencoder(3, (4, 5), taps=3, rng=rng)
+        history = train_autoencoder(model, windows, schedule, 1, report, checkpoint)
+        return model.parameters, history.losses
+    model = SequentialAutoencoder(3, 5, 2, rng)
     history = train_sequential(model, draw, schedule, 1, report, checkpoint)
     return model.weights, history.losses
 
@@ -74,12 +71,12 @@ def same(one, other):
 
 
 @pytest.mark.parametrize(
-    ("train", "schedule", "after"),
-    [(train_conv, SCHEDULE, after) for after in (0, 3, 4, 7, 8, 16, 23)]
-    + [(train_conv, ADAM, after) for after in (1, 4, 11)]
-    + [(train_sequence, SHORT, after) for after in (0, 3, 4)],
+    ("schedule", "after"),
+    [(SCHEDULE, after) for after in (0, 3, 4, 7, 8, 16, 23)]
+    + [(ADAM, after) for after in (1, 4, 11)]
+    + [(SHORT, after) for after in (0, 3, 4)],
 )
-def test_a_resumed_run_is_bit_identical(tmp_path, train, schedule, after):
+def test_a_resumed_run_is_bit_identical(tmp_path, schedule, after):
     whole = train(schedule=schedule)
     with pytest.raises(Interrupted):
         train(tmp_path / "c.npz", schedule, report=interrupt(after))
@@ -97,25 +94,24 @@ def test_the_seconds_of_the_interrupted_run_count():
 
 def test_a_checkpoint_is_not_overwritten_unasked_nor_used_for_another_run(tmp_path):
     path = tmp_path / "c.npz"
-    train_conv(path)
+    train(path)
     before = path.read_bytes()
     with pytest.raises(CheckpointError, match="--resume"):
-        train_conv(path)
-    with pytest.raises(CheckpointError, match="other motions"):
-        train_conv(path, windows=WINDOWS * 2, resume=True)
-    with pytest.raises(CheckpointError, match="other motions"):
-        train_conv(path, ADAM, resume=True)
+        train(path)
+    for other in ({"windows": WINDOWS * 2}, {"schedule": ADAM}):
+        with pytest.raises(CheckpointError, match="other motions"):
+            train(path, **other, resume=True)
     assert path.read_bytes() == before
 
 
 def test_a_checkpoint_that_is_damaged(tmp_path):
     path = tmp_path / "c.npz"
-    train_conv(path)
+    train(path)
     data = path.read_bytes()
     for changed in (data[:100], data[: len(data) // 2] + b"x" * 50 + data[len(data) // 2 :]):
         path.write_bytes(changed)
         with pytest.raises(CheckpointError, match="not a checkpoint of this version"):
-            train_conv(path, resume=True)
+            train(path, resume=True)
 
 
 @pytest.mark.parametrize(
@@ -143,21 +139,21 @@ def test_a_failure_while_a_state_is_written_leaves_the_old_one(
         patch.setattr(sys, "unraisablehook", complaints.append)
         patch.setattr(owner, name, failing)
         with pytest.raises((KeyboardInterrupt, CheckpointError)) as raised:
-            train_conv(path)
+            train(path)
         gc.collect()
     assert made[0] > calls and complaints == []
     if isinstance(failure, OSError):
         said = r"No space left.*\(layer 1, 1 epochs and 0 steps done\)\. Correct"
         assert raised.type is CheckpointError and raised.match(said)
     assert [each.name for each in tmp_path.iterdir()] == ["c.npz"]
-    assert same(train_conv(), train_conv(path, resume=True))
+    assert same(train(), train(path, resume=True))
 
 
 def test_divergence_names_the_part_and_the_checkpoint_which_keeps_only_finite_states(tmp_path):
     path = tmp_path / "c.npz"
     schedule = Schedule(Stage(epochs=1, rate=0.1), Stage(epochs=5, rate=1e20, decay=1.0))
     with pytest.raises(DivergedError) as failure, np.errstate(all="ignore"):
-        train_conv(path, schedule)
+        train(path, schedule)
     said = str(failure.value)
     assert said.startswith("fine tuning, epoch 1, step ")
     assert "not finite: the output of fine tuning;" in said
@@ -170,7 +166,6 @@ def test_within_an_epoch_a_state_is_saved_only_when_the_last_one_is_old(tmp_path
     saved = []
     monkeypatch.setattr(Checkpoint, "save", lambda self, state: saved.append(state.step))
     for seconds in (1e9, 0.0):
-        model = ConvAutoencoder(3, (4, 5), taps=3)
         kept = Checkpoint(tmp_path / "c.npz", seconds)
-        train_autoencoder(model, WINDOWS, SCHEDULE, checkpoint=kept)
+        train_autoencoder(ConvAutoencoder(3, (4, 5)), WINDOWS, SCHEDULE, checkpoint=kept)
     assert saved == [0] * 6 + [1, 2, 3, 0] * 6

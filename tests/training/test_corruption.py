@@ -1,12 +1,20 @@
-"""Damage of stretches: only chains are damaged, in at most three stretches of a window."""
+"""Corruption: a share of values, noise, and stretches of chains, at most three in a window."""
 
 import numpy as np
 import pytest
 
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
-from numpy_cae.training import Stage
-from numpy_cae.training.corruption import LONGEST, _damage, corrupted_copy, damage_stretches
+from numpy_cae.training import Stage, zero_values
+from numpy_cae.training.corruption import (
+    LONGEST,
+    _damage,
+    corrupt,
+    corrupted_copy,
+    damage_stretches,
+)
+
+X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 
 
 def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
@@ -90,3 +98,40 @@ def test_mirroring_twice_is_the_identity_and_exchanges_the_hands():
     np.testing.assert_array_equal(mirrored(mirrored(positions)), positions)
     left, right = JOINTS.index("left_wrist"), JOINTS.index("right_wrist")
     np.testing.assert_array_equal(mirrored(positions)[:, left, 1:], positions[:, right, 1:])
+
+
+@pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 1.0])
+def test_corruption_zeroes_a_share_p_and_changes_nothing_else(p):
+    before = X.copy()
+    corrupted = zero_values(X, p, np.random.default_rng(0))
+    lost = corrupted == 0
+    assert lost.mean() == pytest.approx(p, abs=0.01)
+    np.testing.assert_array_equal(corrupted[~lost], X[~lost])
+    np.testing.assert_array_equal(X, before)
+    assert corrupted.dtype == np.float32
+
+
+def test_each_window_draws_its_own_p_between_the_two():
+    corrupted = corrupted_copy(X, Stage(zeroed=(0.2, 0.8)), np.random.default_rng(0))
+    lost = (corrupted == 0).mean(axis=(1, 2))
+    assert 0.15 < lost.min() < 0.3
+    assert 0.7 < lost.max() < 0.85
+    assert lost.mean() == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.parametrize("zeroed", [0.5, (0.1, 0.9)])
+def test_rescaled_input_has_the_mean_of_the_clean_input(zeroed):
+    ones = np.ones((60, 160, 9), np.float32)
+    stage = Stage(zeroed=zeroed, rescaled=True)
+    corrupted = corrupted_copy(ones, stage, np.random.default_rng(0))
+    assert corrupted.dtype == np.float32
+    # 1440 values a window, at p = 0.9 of which a tenth is kept, ten times as large.
+    np.testing.assert_allclose(corrupted.mean(axis=(1, 2)), 1, atol=5 * 3 / np.sqrt(1440))
+    plain = corrupt(ones, zeroed, False, np.random.default_rng(0))
+    np.testing.assert_array_equal(corrupted == 0, plain == 0)
+
+
+@pytest.mark.parametrize("p", [1.5, (1.2, 1.5)])
+def test_a_probability_above_one_is_an_error(p):
+    with pytest.raises(ValueError, match="expected a probability"):
+        corrupt(X, p, False, np.random.default_rng(0))

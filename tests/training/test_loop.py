@@ -1,0 +1,311 @@
+"""Training both networks: what each step uses, that they learn, where they stop, what is said."""
+
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from numpy_cae.fast import accelerate, fast_conv_autoencoder
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.training import (
+    RECIPES,
+    DivergedError,
+    ProgressPrinter,
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    TrainingState,
+    layerwise,
+    progress,
+    recipe,
+    sgd,
+    step,
+    train_autoencoder,
+    train_sequential,
+)
+
+NO_EPOCH = Stage(epochs=0)
+MOMENTUM = Stage(epochs=2, rate=0.1, batch=4, rescaled=True, momentum=0.9)
+ADAM = Stage(epochs=3, rate=0.001, alpha=0.0, batch=4, optimiser="adam", rate_schedule="one-cycle")
+SEQUENCE = SequenceSchedule(epochs=3, steps=5, rate=0.01, batch=6, directions=4)
+SCHEDULES = {
+    "paper": Schedule(Stage(epochs=2), Stage(epochs=2, rate=0.01, alpha=0.0)),
+    "momentum": Schedule(Stage(epochs=1), MOMENTUM),
+    "end to end": Schedule(NO_EPOCH, ADAM),
+    "sequence": SEQUENCE,
+    "sequence by adam": replace(SEQUENCE, optimiser="adam"),
+}
+
+
+def waves(rng, count, frames=16):
+    """Clips of a sine at a phase drawn anew, in five features."""
+    phases = rng.uniform(0, 2 * np.pi, size=(count, 1, 1))
+    time = np.arange(frames)[None, :, None] / 2
+    return (0.5 * np.sin(time + phases + [0.0, 1.0, 2.5, 4.0, 5.0])).astype(np.float32)
+
+
+WINDOWS = waves(np.random.default_rng(1), 12, frames=40)
+
+
+def new_model(schedule, filters=(16, 24)):
+    """The network that a schedule trains."""
+    rng = np.random.default_rng(3)
+    if isinstance(schedule, Schedule):
+        return ConvAutoencoder(5, filters, taps=5, rng=rng)
+    return SequentialAutoencoder(5, 12, 2, rng)
+
+
+def parameters(model):
+    return model.parameters if isinstance(model, ConvAutoencoder) else model.weights
+
+
+def trained(schedule, draw=waves, off=0.0, model=None, engine=lambda model: model, **more):
+    """The weights by name, and the losses of each stage."""
+    model = model or new_model(schedule)
+    rng = np.random.default_rng(0)
+    if isinstance(model, ConvAutoencoder):
+        windows = WINDOWS if draw is waves else draw(rng, 12)
+        history = train_autoencoder(engine(model), windows, schedule, rng, **more)
+    else:
+        model.weights["latent_b"] += off
+        history = train_sequential(engine(model), draw, schedule, rng, **more)
+    return parameters(model), history.losses
+
+
+@pytest.mark.parametrize("name", SCHEDULES)
+def test_both_engines_train_alike(name):
+    ours, losses = trained(SCHEDULES[name])
+    fast, fast_losses = trained(SCHEDULES[name], engine=accelerate)
+    for stage, values in losses.items():
+        np.testing.assert_allclose(fast_losses[stage], values, rtol=1e-4)
+    for weight, values in ours.items():
+        np.testing.assert_allclose(fast[weight], values, atol=2e-4, err_msg=weight)
+
+
+@pytest.mark.parametrize(("name", "threads"), [("paper", 2), ("momentum", 3)])
+def test_runs_on_as_many_threads_are_equal_to_the_bit_others_but_for_rounding(
+    monkeypatch, name, threads
+):
+    monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
+    engines = [partial(accelerate, threads=count) for count in (threads, threads, 1)]
+    one, two, single = (trained(SCHEDULES[name], engine=engine)[0] for engine in engines)
+    for weight in one:
+        np.testing.assert_array_equal(one[weight], two[weight])
+        np.testing.assert_allclose(one[weight], single[weight], atol=1e-4)
+
+
+def test_the_defaults_are_the_papers():
+    numbers = {"epochs": 25, "rate": 0.5, "decay": 0.9, "alpha": 0.01, "batch": 1, "zeroed": 0.1}
+    unused = {"rescaled": False, "momentum": 0.0, "norm": None, "unpooling": None}
+    layer = Stage(**numbers, **unused, optimiser="sgd", rate_schedule="decay")
+    assert Schedule() == RECIPES["paper"] == Schedule(layer, replace(layer, rate=0.01, alpha=0.0))
+    with pytest.raises(ValueError, match="expected one of paper, fast, best"):
+        recipe("slow")
+    assert recipe("best").fine_tuning == replace(recipe("fast").fine_tuning, epochs=130)
+
+
+def test_every_stage_lowers_its_loss():
+    _, losses = trained(Schedule(Stage(epochs=4), Stage(epochs=4, rate=0.05, alpha=0.0)))
+    assert list(losses) == ["layer 1", "layer 2", "fine tuning"]
+    assert all(len(each) == 4 and each[-1] < each[0] for each in losses.values())
+
+
+def sequence(**changes):
+    numbers = {"epochs": 3, "steps": 40, "batch": 16, "directions": 8, "weight": 0.05}
+    return SequenceSchedule(**numbers | {"rate": 1.0, "momentum": 0.0} | changes)
+
+
+def test_it_learns_to_reconstruct_sequences():
+    _, losses = trained(sequence())
+    errors = losses["reconstruction"]
+    assert len(errors) == len(losses["discrepancy"]) == 120
+    assert np.mean(errors[-12:]) < np.mean(errors[:12]) / 2
+    totals = np.array(errors) + 0.05 * np.array(losses["discrepancy"])
+    assert losses["sequences"] == pytest.approx(list(totals.reshape(3, 40).mean(axis=1)))
+
+
+def test_the_regulariser_brings_the_latents_to_the_prior():
+    """They begin three off its centre, and only λ has a reason to bring them there."""
+    free, held = (trained(sequence(weight=w, epochs=2), off=3.0)[1] for w in (0.0, 1.0))
+    assert np.mean(held["discrepancy"][-20:]) < np.mean(free["discrepancy"][-20:]) / 2
+
+
+@pytest.fixture
+def seen(monkeypatch):
+    """The arguments of every call of `SequentialAutoencoder.loss_and_gradients`."""
+    calls = []
+    original = SequentialAutoencoder.loss_and_gradients
+
+    def recorded(self, x, prior, directions, weight):
+        calls.append((x.copy(), prior.copy(), directions.copy(), weight))
+        return original(self, x, prior, directions, weight)
+
+    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
+    return calls
+
+
+def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
+    """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
+    trained(sequence(epochs=2, steps=30))
+    clips, priors, directions, weights = zip(*seen, strict=True)
+    for drawn in (clips, priors, directions):
+        assert len({each.tobytes() for each in drawn}) == 60
+    assert set(weights) == {0.05}
+    points = np.concatenate(priors)
+    assert len(np.unique(points, axis=0)) == len(points) == 60 * 16
+    np.testing.assert_allclose(points.mean(0), 0, atol=0.15)
+    np.testing.assert_allclose(np.cov(points.T), np.eye(2), atol=0.2)
+
+
+def test_postures_are_added_to_whole_clips(seen):
+    """The same number in all frames of a clip, another in every clip, with this deviation."""
+    trained(sequence(epochs=1, posture=2.0), lambda rng, n: np.ones((n, 8, 5), np.float32))
+    added = np.concatenate([clips for clips, *_ in seen]) - 1
+    assert added.dtype == np.float32
+    np.testing.assert_array_equal(added, np.broadcast_to(added[:, :1], added.shape))
+    assert len(np.unique(added[:, 0, 0])) == len(added)
+    np.testing.assert_allclose(added.std(), 2.0, rtol=0.1)
+
+
+def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
+    """The gradients of the last update, all of them together, are clipped before they descend."""
+    clipped, used, clip_norm = [], [], step.clip_norm
+
+    def update(self, gradients, rate):
+        used.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
+
+    monkeypatch.setattr(step, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
+    monkeypatch.setattr(sgd.Sgd, "update", update)
+    trained(sequence(norm=0.05, epochs=1))
+    assert max(clipped) > 0.05  # or there was nothing to clip
+    np.testing.assert_allclose(used, np.minimum(clipped, 0.05), rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "schedule",
+    [
+        Schedule(NO_EPOCH, Stage(epochs=3, batch=6, rate=0.4, decay=0.5)),
+        sequence(epochs=3, steps=2, rate=0.4, decay=0.5),
+    ],
+)
+def test_the_rate_decays_by_the_epoch(monkeypatch, schedule):
+    rates = []
+    monkeypatch.setattr(sgd.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
+    trained(schedule)
+    assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
+
+
+def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
+    """Layer 2 learns from what layer 1 makes of the clean windows, corrupted anew (Vincent)."""
+    stages = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(epochs=2, rate=0.01, alpha=0.0))
+    model, calls = new_model(stages), []
+    original = model.loss_and_gradients
+
+    def recorded(x, corrupted, alpha, first, layer):
+        below = model.layers[0].encode_with_pullback(WINDOWS)[0] if layer else WINDOWS
+        whole = {window.tobytes() for window in below}
+        if layer != 0:  # layer 1 is still moving while it trains, those above it are not
+            assert all(window.tobytes() in whole for window in x)
+        lost = corrupted != x
+        assert np.all(corrupted[lost] == 0)
+        calls.append((layer, alpha, first is not None, lost.mean()))
+        return original(x, corrupted, alpha, first, layer)
+
+    monkeypatch.setattr(model, "loss_and_gradients", recorded)
+    trained(stages, model=model)
+    of_layers = [(layer, 0.01, True) for layer in (0, 1) for _ in range(36)]
+    assert [call[:3] for call in calls] == of_layers + [(None, 0.0, False)] * 24
+    assert np.mean([call[3] for call in calls]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_an_epoch_shows_every_window_once_in_a_new_order(monkeypatch):
+    shown = []
+    keep = lambda model, x, *more: shown.append(x[:, 0, 0]) or 1.0  # noqa: E731
+    monkeypatch.setattr(layerwise, "denoising_step", keep)
+    windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 5), np.float32)
+    schedule = Schedule(Stage(epochs=2, batch=3), NO_EPOCH)
+    trained(schedule, lambda *_: windows, model=new_model(schedule, (4,)))
+    first, second = shown[:4], shown[4:]
+    assert [len(batch) for batch in first] == [3, 3, 3, 1]
+    assert sorted(np.concatenate(first)) == list(range(10))
+    assert list(np.concatenate(first)) != list(np.concatenate(second))
+
+
+def test_the_loss_of_an_epoch_is_the_mean_over_its_windows(monkeypatch):
+    """Batches of 5, 5 and 2: the small one counts for its two windows and no more."""
+    of_steps = iter([1.0, 2.0, 4.0, 3.0, 3.0, 3.0])
+    monkeypatch.setattr(layerwise, "denoising_step", lambda *arguments: next(of_steps))
+    schedule = Schedule(Stage(epochs=1, batch=5), Stage(epochs=1, batch=5))
+    _, losses = trained(schedule, model=new_model(schedule, (4,)))
+    assert losses["layer 1"] == [pytest.approx((5 * 1 + 5 * 2 + 2 * 4) / 12)]
+    assert losses["fine tuning"] == [pytest.approx(3.0)]
+
+
+def test_a_batch_steps_along_the_mean_of_its_gradients():
+    """Two windows in one step move the weights by the mean of what each would do."""
+    moved, stage = [], Stage(alpha=0.0, zeroed=0.0)
+    for chosen in ([0], [1], [0, 1]):
+        model, x = new_model(Schedule()), WINDOWS[chosen]
+        before = model.layers[0].w.copy()
+        optimiser = step.make_optimiser(stage, model.parameters)
+        layerwise.denoising_step(model, x, x, stage, 0.1, np.random.default_rng(0), optimiser)
+        moved.append(model.layers[0].w - before)
+    np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
+
+
+def test_a_line_for_each_epoch_or_silence(capsys):
+    schedule = Schedule(Stage(epochs=2, batch=5), Stage(epochs=3, rate=0.01, batch=5))
+    _, losses = trained(schedule, report=ProgressPrinter())
+    lines = capsys.readouterr().err.splitlines()
+    expected = [
+        f"{name}, epoch {number}/{len(of_stage)}: loss {loss:.5f}, "
+        for name, of_stage in losses.items()
+        for number, loss in enumerate(of_stage, start=1)
+    ]
+    assert len(lines) == len(expected) == 7
+    assert all(line.startswith(start) for line, start in zip(lines, expected, strict=True))
+    trained(schedule)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(monkeypatch, capsys):
+    clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
+    monkeypatch.setattr(progress, "time", clock)
+    state = TrainingState({}, np.random.default_rng(0), name="layer 1", epochs=4, steps=8)
+    state.epoch, state.step, state.history.seconds["layer 1"] = 1, 4, 60.0
+    printer = ProgressPrinter()
+    clock.now += 30
+    printer(state)
+    assert capsys.readouterr().err == ""
+    clock.now += 1
+    printer(state)
+    printer(state)
+    assert capsys.readouterr().err == "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"
+    state.epoch, state.step, state.history.seconds["layer 1"] = 2, 0, 70.0
+    state.history.losses["layer 1"] = [0.5, 0.125]
+    printer(state)
+    said = "layer 1, epoch 2/4: loss 0.12500, 70 s elapsed, 70 s left\n"
+    assert capsys.readouterr().err == said
+
+
+@pytest.mark.parametrize("schedule", [Schedule(), SEQUENCE])
+def test_a_loss_that_is_not_finite_changes_no_weight(schedule):
+    with pytest.raises(DivergedError, match=r"epoch 1, step 1: .* is nan.*finite: the input"):
+        model = new_model(schedule)
+        trained(schedule, lambda rng, n: np.full((n, 8, 5), np.nan, np.float32), model=model)
+    before, after = (parameters(each) for each in (new_model(schedule), model))
+    assert all(np.array_equal(array, before[name]) for name, array in after.items())
+
+
+@pytest.mark.parametrize(("at_step", "fails"), [(0, False), (1, True)])
+def test_weights_are_checked_at_the_end_of_an_epoch(at_step, fails):
+    state = TrainingState({"w1": np.ones(2), "b1": np.array([np.inf])}, np.random.default_rng(0))
+    state.begin_stage("layer 1", sgd.Sgd({}), epochs=1, steps=2, examples=2)
+    state.step = at_step
+    if fails:
+        with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
+            progress.require_finite(0.1, WINDOWS, 0.5, state, None)
+    else:
+        progress.require_finite(0.1, WINDOWS, 0.5, state, None)
