@@ -2,7 +2,9 @@
 
 import ast
 import importlib
+import io
 import re
+import tokenize
 from collections import defaultdict
 from pathlib import Path
 
@@ -86,6 +88,68 @@ def test_foundation_imports_nothing_but_itself():
     for name in FOUNDATION:
         imported = imported_modules(PACKAGE / f"{name}.py")
         assert imported <= {f"numpy_cae.{other}" for other in FOUNDATION}, (name, imported)
+
+
+LAYERS = {
+    "core": set(),
+    "formats": {"core"},
+    "retarget": {"core"},
+    "read": {"core", "formats", "retarget"},
+}
+"""What each layer inside `motion` may import besides itself."""
+
+
+def layer_of(module: str) -> str:
+    """The layer of a dotted name such as numpy_cae.motion.formats.bvh."""
+    part = [*module.split("."), ""][2]
+    return part if part in LAYERS else "core"
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_the_layers_of_motion_import_in_one_direction(layer):
+    folder = PACKAGE / "motion" if layer == "core" else PACKAGE / "motion" / layer
+    paths = folder.glob("*.py") if layer == "core" else folder.rglob("*.py")
+    wrong = {
+        (str(path.relative_to(PACKAGE)), name)
+        for path in paths
+        if path != PACKAGE / "motion" / "__init__.py"  # gathers the public names of all layers
+        for name in imported_modules(path)
+        if name.startswith("numpy_cae.motion") and layer_of(name) not in LAYERS[layer] | {layer}
+    }
+    assert not wrong
+
+
+MOST_CODE = {"numpy_cae": 16000, "data_synth": 2250, "tests": 8500}
+"""Lines that hold code; docstrings, comments and blank lines are free."""
+LAYOUT = {
+    *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE),
+    *(tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER),
+}
+
+
+def code_lines(path: Path) -> int:
+    """The lines of a file that hold code."""
+    text = path.read_text(encoding="utf-8")
+    docstrings = {
+        line
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+        for line in range(node.lineno, node.end_lineno + 1)
+    }
+    used = {
+        line
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type not in LAYOUT
+        for line in range(token.start[0], token.end[0] + 1)
+    }
+    return len(used - docstrings)
+
+
+@pytest.mark.parametrize("folder", MOST_CODE)
+def test_the_code_keeps_its_budget(folder):
+    assert sum(map(code_lines, python_files(folder))) <= MOST_CODE[folder]
 
 
 MAP = (ROOT / "docs" / "map.md").read_text(encoding="utf-8")
