@@ -19,10 +19,9 @@ from numpy_cae.motion.features import (
 from numpy_cae.motion.formats.amc import read_amc
 from numpy_cae.motion.formats.asf import read_asf
 from numpy_cae.motion.formats.bvh import read_bvh
-from numpy_cae.motion.formats.bvh_writer import write_bvh
 from numpy_cae.motion.formats.expmap import read_expmap
 from numpy_cae.motion.formats.text_file import MotionFileError
-from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write import write_bvh, write_motion
 from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
@@ -30,6 +29,7 @@ from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.read.coordinates import Coordinates
 from numpy_cae.motion.read.load import find_motion_files, load_angles, load_body, load_motion
 from numpy_cae.motion.read.windows import load_windows
+from numpy_cae.motion.retarget.body import at_rate_of, body_of
 from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.motion.retarget.rigs import (
     Mappings,
@@ -39,9 +39,7 @@ from numpy_cae.motion.retarget.rigs import (
     joint_index,
     read_mapping,
 )
-from numpy_cae.motion.retarget.t_pose import without_t_pose
-from numpy_cae.motion.retarget.to_angles import angles_of
-from numpy_cae.motion.retarget.to_body import at_rate_of, body_of
+from numpy_cae.motion.retarget.to_angles import angles_of, without_t_pose
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.windows import cut_windows

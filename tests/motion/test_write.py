@@ -27,7 +27,7 @@ from numpy_cae.motion import (
     write_like,
     write_motion,
 )
-from numpy_cae.motion.formats import bvh_writer
+from numpy_cae.motion.formats import write
 from numpy_cae.motion.units import CMU_UNIT
 
 
@@ -125,7 +125,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
         yield "1 2 3"
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(bvh_writer, "_frame_lines", full_disk)
+    monkeypatch.setattr(write, "_frame_lines", full_disk)
     with pytest.raises(FileError, match="cannot be written: No space left") as failed:
         write_bvh(drawn_motion(0), path)
     assert failed.value.path == path

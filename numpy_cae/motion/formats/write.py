@@ -1,20 +1,161 @@
-"""Write a motion to any supported file, chosen by its suffix; here as a table of positions."""
+"""Write a motion, by the suffix of its file: as BVH, or as a table of positions.
 
+BVH reads back the same and opens in Blender. Blender's importer reads lines and requires more than
+the format does: every brace on a line of its own, OFFSET directly below '{' and CHANNELS directly
+below OFFSET, all three rotations of a joint or none, and `Frames:` and `Frame Time:` as written
+here. Its bones end at the next joint, so a last joint needs an End Site.
+"""
+
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.axes import without_added
-from numpy_cae.motion.formats.bvh_writer import write_bvh
+from numpy_cae.motion.axes import as_in_file, without_added
+from numpy_cae.motion.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.units import require_unit
+
+POSITIONS = ["Xposition", "Yposition", "Zposition"]
+ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
+"""R = R_z · R_x · R_y, the order of most files. Its poles are at ±90° of the middle angle: a trunk
+seldom bends that far about X, while a full turn about Y meets no pole. At a pole the angles are
+not unique, but their rotation still is."""
+RESOLUTION = 1e-7
+"""RESOLUTION: positions in the file are rounded to this (m). A joint that never leaves its
+offset by more has no position channels."""
+ANGLE_FORMAT = "%.6f"
+"""1e-6 of a degree moves the end of a 2 m chain by 4e-8 m."""
+
+
+def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:
+    """Write a motion to a BVH file atomically.
+
+    The up axis and the floor are those of the file that the motion came from; reading it back
+    gives positions within 1e-5 m. Joints are depth first in the file, whatever
+    their order in the skeleton; the root has six channels, another joint three rotations, and
+    three positions before them if it leaves its offset.
+
+    Parameters
+    ----------
+    motion : Motion
+    path : path of the file
+        Replaced if it exists.
+    unit : float, optional
+        Metres in one unit of length of the file; `motion.unit` by default.
+
+    Raises
+    ------
+    ValueError
+        If the motion has no frames, values that are not finite or names that BVH cannot hold, or
+        `unit` is not above 0.
+    FileError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.bvh")
+    >>> Path("walk.bvh").read_text().splitlines()[:2]
+    ['HIERARCHY', 'ROOT root']
+    """
+    unit = require_unit(motion.unit if unit is None else unit)
+    motion = as_in_file(motion)
+    require_writable(motion)
+    for name in motion.skeleton.names:
+        if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
+            raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
+    order = _depth_first(motion.skeleton)
+    distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
+    moving = {joint for joint in order if joint == 0 or distance[joint] > RESOLUTION}
+    lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
+    lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
+    with (
+        atomic_write(path) as temporary,
+        temporary.open("w", encoding="utf-8", newline="\n") as file,
+    ):
+        for line in chain(lines, _frame_lines(motion, order, moving, unit)):
+            file.write(line + "\n")
+
+
+def require_writable(motion: Motion) -> None:
+    """Raise ValueError if a motion has no frames or values that are not finite."""
+    if len(motion) == 0:
+        raise ValueError("the motion has no frames, expected one at least")
+    for values in ("rotations", "translations"):
+        wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
+        if len(wrong):
+            frame, joint, _ = wrong[0]
+            raise ValueError(
+                f"{values} hold a value that is not finite: frame {frame}, "
+                f"joint {motion.skeleton.names[joint]!r}"
+            )
+
+
+def _depth_first(skeleton: Skeleton) -> list[int]:
+    order, waiting = [], [0]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += reversed(skeleton.children(order[-1]))
+    return order
+
+
+def _length_format(unit: float) -> str:
+    decimals = max(0, int(np.ceil(np.log10(unit / RESOLUTION))))
+    return f"%.{decimals}f"
+
+
+def _joint_lines(
+    skeleton: Skeleton, order: list[int], moving: set[int], unit: float
+) -> Iterator[str]:
+    def offset(vector: np.ndarray) -> str:
+        return "OFFSET " + " ".join(_length_format(unit) % value for value in vector / unit)
+
+    still_open: list[int] = []
+    for joint in order:
+        while still_open and still_open[-1] != skeleton.parents[joint]:
+            still_open.pop()
+            yield "  " * len(still_open) + "}"
+        outer, inner = "  " * len(still_open), "  " * (len(still_open) + 1)
+        still_open.append(joint)
+        channels = POSITIONS + ROTATIONS if joint in moving else ROTATIONS
+        yield f"{outer}{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}"
+        yield f"{outer}{{"
+        yield f"{inner}{offset(skeleton.offsets[joint])}"
+        yield f"{inner}CHANNELS {len(channels)} {' '.join(channels)}"
+        if joint in skeleton.end_sites or not skeleton.children(joint):
+            yield f"{inner}End Site"
+            yield f"{inner}{{"
+            yield f"{inner}  {offset(skeleton.end_sites.get(joint, np.zeros(3)))}"
+            yield f"{inner}}}"
+    while still_open:
+        still_open.pop()
+        yield "  " * len(still_open) + "}"
+
+
+def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float) -> Iterator[str]:
+    columns, formats = [], []
+    for joint in order:
+        if joint in moving:
+            columns.append(motion.translations[:, joint] / unit)
+            formats += [_length_format(unit)] * 3
+        # Without avoidable jumps between frames.
+        angles = continuous_angles(nearest_angles(motion.rotations[:, joint], "ZXY"))
+        columns.append(np.degrees(angles))
+        formats += [ANGLE_FORMAT] * 3
+    line = " ".join(formats)
+    for values in np.concatenate(columns, axis=1).tolist():
+        yield line % tuple(values)
 
 
 def write_npz(motion: Motion, path: str | Path) -> None:
     """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically."""
     positions, rate = motion.positions(), motion.rate
     names, parents = np.array(motion.skeleton.names), np.array(motion.skeleton.parents)
-    with atomic_write(path) as beside, beside.open("wb") as file:
+    with atomic_write(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, positions=positions, names=names, parents=parents, rate=rate)
 
 
@@ -25,7 +166,10 @@ def write_csv(motion: Motion, path: str | Path) -> None:
     table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
     names = [name.replace('"', '""') for name in motion.skeleton.names]
     header = ",".join(["time", *(f'"{name} {axis}"' for name in names for axis in "xyz")])
-    with atomic_write(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as file:
+    with (
+        atomic_write(path) as temporary,
+        temporary.open("w", encoding="utf-8", newline="\n") as file,
+    ):
         np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")
 
 
@@ -35,8 +179,8 @@ WRITERS = {".bvh": write_bvh, ".npz": write_npz, ".csv": write_csv}
 def require_writer(path: str | Path) -> None:
     """Raise ValueError if no writer has the suffix of this path."""
     if Path(path).suffix.lower() not in WRITERS:
-        known = "a motion is written as .bvh, .npz or .csv (positions)"
-        raise ValueError(f"{path}: {known}")
+        supported = "a motion is written as .bvh, .npz or .csv (positions)"
+        raise ValueError(f"{path}: {supported}")
 
 
 def write_motion(motion: Motion, path: str | Path) -> None:

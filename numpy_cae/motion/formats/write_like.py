@@ -37,8 +37,8 @@ _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 
 @dataclass(frozen=True)
 class _Format:
-    """`frames` yields the pieces of a file's text, each with whether it is a frame; `numbers` gives
-    the places of a frame's numbers among its words, in the order of the columns of `channels`."""
+    """`frames` yields the parts of a file's text, each with whether it is a frame; `numbers` gives
+    the indices of a frame's numbers among its words, in the order of the columns of `channels`."""
 
     channels: list[Channels]
     frames: Callable[[Iterable[str]], Iterator[tuple[str, bool]]]
@@ -89,17 +89,17 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     if not same_kind or len(before) != len(after):
         write_motion(after, path)
         return
-    found = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
+    file_format = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
     misses: dict[str, float] = {}
     count = 0
     with (
-        atomic_write(path) as beside,
+        atomic_write(path) as temporary,
         _text(source, "r") as lines,
-        _text(beside, "w") as output,
+        _text(temporary, "w") as output,
     ):
         last = None
-        pieces = found.frames(lines)
-        while block := list(islice(pieces, _BLOCK)):
+        parts_of_text = file_format.frames(lines)
+        while block := list(islice(parts_of_text, _BLOCK)):
             places = [place for place, (_, is_frame) in enumerate(block) if is_frame]
             frames = slice(count, count + len(places))
             count += len(places)
@@ -108,7 +108,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
             texts = [block[place][0] for place in places]
             if places:
                 parts = before.at(frames), after.at(frames)
-                texts, last = _replaced(texts, last, *parts, found, misses)
+                texts, last = _replaced(texts, last, *parts, file_format, misses)
             for place, text in zip(places, texts, strict=True):
                 block[place] = text, True
             output.writelines(text for text, _ in block)
@@ -124,7 +124,7 @@ def _replaced(
     last: np.ndarray | None,
     before: Motion,
     after: Motion,
-    found: _Format,
+    file_format: _Format,
     misses: dict[str, float],
 ) -> tuple[list[str], np.ndarray]:
     """The texts of some frames with new numbers, and the numbers of the last frame; `last` are
@@ -139,22 +139,24 @@ def _replaced(
         column
         for kind, is_new in (("t", moved.any(axis=0)), ("r", turned.any(axis=0)))
         for joint in np.flatnonzero(is_new)
-        for column in found.channels[joint].columns(kind)
+        for column in file_format.channels[joint].columns(kind)
     ]
-    width = sum(len(channels.names) for channels in found.channels)
-    read, numbers = array("d"), {}
+    width = sum(len(channels.names) for channels in file_format.channels)
+    read = array("d")
+    numbers: dict[int, list[int]] = {}  # frame -> the places of its numbers among the pieces
     for frame in np.flatnonzero(needed).tolist():
         # They are split again below: the words of all frames at once do not fit into the cache.
-        words = _words(texts[frame])[0]
-        places = numbers[frame] = found.numbers(words)
+        pieces, words = _split(texts[frame])
+        order = file_format.numbers([pieces[word] for word in words])
+        places = numbers[frame] = [words[index] for index in order]
         if len(places) != width:
             raise ValueError(f"a frame has {len(places)} numbers, when it was read it had {width}")
-        read.extend([float(words[places[column]]) for column in used])
+        read.extend([float(pieces[places[column]]) for column in used])
     values = np.zeros((len(texts), width))
     values[np.ix_(needed, np.array(used, int))] = np.reshape(read, (len(numbers), len(used)))
-    values[-1] = [float(words[place]) for place in places]
+    values[-1] = [float(pieces[place]) for place in places]
     old = values.copy()
-    for joint, channels in enumerate(found.channels):
+    for joint, channels in enumerate(file_format.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
         place = np.ix_(frames, channels.columns("t"))
         values[place] = channels.position_values(after.translations[frames, joint])
@@ -167,30 +169,18 @@ def _replaced(
     new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
     written = map(f"%.{decimals}f".__mod__, values[new].tolist())
     for frame in np.flatnonzero(changed).tolist():
-        own, gaps = _words(texts[frame])
-        places = numbers[frame]
+        pieces, _ = _split(texts[frame])
         for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
-            own[places[column]] = text
-        texts[frame] = _joined(own, gaps)
+            pieces[numbers[frame][column]] = text
+        texts[frame] = "".join(pieces)
     return texts, values[-1]
 
 
-def _words(text: str) -> tuple[list[str], list[str]]:
-    """The words of a text, and what is before, between and after them; of single spaces, nothing
-    between."""
-    body = text.strip()
-    words, between = body.split(), []
-    if " ".join(words) != body:
-        pieces = _GAPS.split(body)
-        words, between = pieces[::2], pieces[1::2]
-    before, _, after = text.partition(body)
-    return words, [before, *between, after]
-
-
-def _joined(words: list[str], gaps: list[str]) -> str:
-    if len(gaps) == 2:
-        return gaps[0] + " ".join(words) + gaps[1]
-    return "".join(gap + word for gap, word in zip(gaps, [*words, ""], strict=True))
+def _split(text: str) -> tuple[list[str], list[int]]:
+    """A text in pieces, of which every second is a gap between words, and the places of its words
+    among the pieces."""
+    pieces = _GAPS.split(text)
+    return pieces, [place for place in range(0, len(pieces), 2) if pieces[place]]
 
 
 def _put_angles(
@@ -216,13 +206,14 @@ def _put_angles(
     return miss
 
 
-def _decimals(texts: list[str], numbers: dict[int, Sequence[int]]) -> int:
+def _decimals(texts: list[str], numbers: dict[int, list[int]]) -> int:
     """The most decimals of a number in some of the frames."""
     words = []
     for frame in islice(numbers, 0, None, max(1, len(numbers) // 50)):
-        own, _ = _words(texts[frame])
-        words += [own[place] for place in numbers[frame] if "e" not in own[place].lower()]
-    return max((len(word.partition(".")[2]) for word in words), default=6)
+        pieces, _ = _split(texts[frame])
+        words += [pieces[place] for place in numbers[frame]]
+    plain = (word for word in words if "e" not in word.lower())
+    return max((len(word.partition(".")[2]) for word in plain), default=6)
 
 
 def _text(path: Path, mode: str):
@@ -261,12 +252,11 @@ def _amc_format(source: Path, motion: Motion) -> _Format:
 
     def numbers(words: list[str]) -> list[int]:
         places = [0] * sum(counts)
-        filled = [place for place, word in enumerate(words) if word]
         place = 1
-        while place < len(filled):
-            joint = index[words[filled[place]]]
+        while place < len(words):
+            joint = index[words[place]]
             first, count = channels[joint].first, counts[joint]
-            places[first : first + count] = filled[place + 1 : place + 1 + count]
+            places[first : first + count] = range(place + 1, place + 1 + count)
             place += 1 + count
         return places
 

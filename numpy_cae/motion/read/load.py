@@ -19,10 +19,10 @@ from numpy_cae.motion.formats.write import write_motion
 from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read.coordinates import Coordinates, in_y_up
+from numpy_cae.motion.retarget.body import body_of
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, with_joint_names
 from numpy_cae.motion.retarget.to_angles import angles_of
-from numpy_cae.motion.retarget.to_body import body_of
 
 SUPPORTED = (
     "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
@@ -64,13 +64,11 @@ class FileMotion(Motion):
             If the suffix is another, or values are not finite; if the file cannot be written.
         """
         path = Path(path)
-        if self.source.suffix.lower() != path.suffix.lower() or path.suffix.lower() not in KEPT:
-            write_motion(self, path)
-            return
-        if before is None:
+        same_format = self.source.suffix.lower() == path.suffix.lower() in KEPT
+        if same_format and before is None:
             names = self.skeleton.joint_names or None
             before = load_motion(self.source, self.unit, None, self.up, self.floor, names)
-        if before.rate != self.rate:
+        if not same_format or before is None or before.rate != self.rate:
             write_motion(self, path)
             return
         write_like(self.source, before, self, path)
@@ -155,10 +153,13 @@ def load_motion(
 
 @contextmanager
 def _naming(path: Path) -> Iterator[None]:
-    """Turn any unexpected exception of the block into a `MotionFileError` that names the file, so
-    that one strange file does not end the reading of thousands."""
+    """Name the file in an `UnknownRigError` of the block, and turn any unexpected exception into a
+    `MotionFileError` that names it, so that one strange file does not end the reading of thousands.
+    """
     try:
         yield
+    except UnknownRigError as error:
+        raise UnknownRigError(f"{path}: {error}") from None
     except NumpyCaeError:
         raise
     except Exception as error:
@@ -207,13 +208,10 @@ def load_body(
     >>> positions.shape, len(motion)
     ((60, 20, 3), 240)
     """
-    known = vars(coordinates or Coordinates())
-    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **known)
-    try:
-        with _naming(Path(path)):
-            return body_of(motion), motion
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{path}: {error}") from None
+    given = vars(coordinates or Coordinates())
+    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **given)
+    with _naming(Path(path)):
+        return body_of(motion), motion
 
 
 def load_angles(
@@ -249,11 +247,10 @@ def load_angles(
     >>> load_angles("walk.bvh").numbers.shape
     (50, 54)
     """
-    try:
-        known = vars(coordinates or Coordinates())
-        return angles_of(load_motion(path, mapping=mapping, **known | {"floor": 0.0}))
-    except UnknownRigError as error:
-        raise UnknownRigError(f"{path}: {error}") from None
+    given = vars(coordinates or Coordinates()) | {"floor": 0.0}
+    motion = load_motion(path, mapping=mapping, **given)
+    with _naming(Path(path)):
+        return angles_of(motion)
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:

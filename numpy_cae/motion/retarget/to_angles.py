@@ -5,6 +5,10 @@ joints between (a second bone of the spine, a collar) are included and every joi
 keeps its orientation:
 
     R_j = G_ancestorᵀ · G_j
+
+Conversions of the CMU database insert a T-pose before the first frame. It is not part of the
+motion: the person leaves it within a 120th of a second. So it is recognised by its shape and by
+the jump after it; someone recorded in a T-pose leaves it slowly and keeps it.
 """
 
 import numpy as np
@@ -15,9 +19,22 @@ from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
 from numpy_cae.motion.expmap_rigs import HUMAN36M
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.rigs import find_joints
-from numpy_cae.motion.retarget.t_pose import without_t_pose
+from numpy_cae.motion.retarget.rigs import body_positions, find_joints
 from numpy_cae.motion.skeleton import Skeleton
+
+MIN_COSINE = np.cos(np.radians(20.0))
+"""MIN_COSINE: a limb is in a T-pose if the angle to its direction there has this cosine or more."""
+JUMP = 8.0
+"""JUMP: the first step counts as a jump if it is so many times the median of those that follow."""
+_FOLLOWING = 25
+
+# limb, from, to, and its direction in a T-pose that faces +Z
+_LIMBS = (
+    ("left_shoulder", "left_wrist", (1.0, 0.0, 0.0)),
+    ("right_shoulder", "right_wrist", (-1.0, 0.0, 0.0)),
+    ("left_hip", "left_ankle", (0.0, -1.0, 0.0)),
+    ("right_hip", "right_ankle", (0.0, -1.0, 0.0)),
+)
 
 
 def angles_of(motion: Motion) -> AngleSequence:
@@ -79,3 +96,43 @@ def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:
         neck = skeleton.parents[neck]
     found["neck"] = neck
     return [found[joint] for joint in table.joints]
+
+
+def without_t_pose(motion: Motion) -> Motion:
+    """The motion without its first frame if that is a T-pose from which the second jumps.
+
+    Parameters
+    ----------
+    motion : Motion
+        At the rate of its file: resampling would blend the T-pose with the next frames.
+
+    Returns
+    -------
+    Motion
+        The same object if its first frame is no such T-pose.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=1.0).motion
+    >>> without_t_pose(walk) is walk
+    True
+    """
+    if len(motion) < 3:
+        return motion
+    body = body_positions(motion.at(slice(0, 1)))[0]
+    for start, end, direction in _LIMBS:
+        limb = body[JOINTS.index(end)] - body[JOINTS.index(start)]
+        if limb @ np.array(direction) < MIN_COSINE * np.linalg.norm(limb):
+            return motion
+    first = motion.rotations[: _FOLLOWING + 2]
+    steps = np.linalg.norm(
+        quaternions.angle(quaternions.product(first[1:], quaternions.inverse(first[:-1]))), axis=-1
+    )
+    jumps = steps[0] > JUMP * max(float(np.median(steps[1:])), 1e-3)
+    return motion.at(slice(1, None)) if jumps else motion
