@@ -10,16 +10,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def run_tests(folder, *options):
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "test_my_gru.py",
-        *options,
-    ]
+    command = [sys.executable, *"-m pytest -q -p no:cacheprovider test_my_gru.py".split(), *options]
     paths = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(folder)]), "OPENBLAS_NUM_THREADS": "1"}
     ran = subprocess.run(command, cwd=folder, env={**os.environ, **paths}, capture_output=True)
     return ran.returncode, ran.stdout.decode()

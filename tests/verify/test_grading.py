@@ -8,14 +8,8 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.verify.grading import student_file as grading
 
-RIGHT = """
-import numpy as np
-
-def tanh(x):
-    y = np.tanh(x)
-    return y, lambda dy: dy * (1 - y * y)
-"""
-
+RIGHT = "import numpy as np\ndef tanh(x):\n    y = np.tanh(x)\n"
+RIGHT += "    return y, lambda dy: dy * (1 - y * y)\n"
 SEVERAL = """
 import numpy as np
 
@@ -95,20 +89,13 @@ def test_without_the_functions_to_be_tested_the_file_fails(graded):
     assert "no function has an operation's name" in graded("x = 1").faults[0]
 
 
-def test_output_warnings_an_altered_numpy_and_self_tests_are_no_fault(graded):
-    noise = """
-    import os, sys, warnings
-    os.write(1, b"hello"); os.write(2, b"hello")
-    print("x is", x.shape, "x" * 10**6, flush=True)
-    warnings.warn("careful"); np.log(np.float64(0))
-    y = """
-    report = graded(RIGHT.replace("\n    y = ", noise) + "np.abs = np.sum = np.zeros = None\n")
-    assert report.held and [each.operation for each in report.reports] == ["tanh"]
-    assert "tanh: UserWarning: careful (line 8)" in report.notes
+def test_a_warning_is_a_note_and_costs_no_points(graded):
+    warning = "    import warnings; warnings.warn('careful'); np.log(np.float64(0))\n    y = "
+    file = graded(RIGHT.replace("    y = ", warning))
+    assert file.held and "tanh: UserWarning: careful (line 3)" in file.notes
 
 
 def test_endless_loops_end(graded, monkeypatch):
-    assert "endless loop" in graded("while True: pass", seconds=0.5).faults[0]
     monkeypatch.setattr(grading, "EXERCISE_SECONDS", 2.0)
     report = graded(RIGHT + ENDLESS)
     by_name = {r.operation: r for r in report.reports}

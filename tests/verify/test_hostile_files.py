@@ -112,7 +112,7 @@ except RuntimeError:
         b"\xef\xbb\xbf# coding: utf-8\n" + RIGHT.replace("\n", "\r\n").encode(),
         IMPORTS + TANH.format(WRITES) + "print('hello'); sys.stdin.read()",
         RIGHT + REPLACES_MODULES,
-        RIGHT + TO_ALL.format(b'{"found": ["tanh"]}\n') + "\nos.closerange(3, 1000)",
+        RIGHT + TO_ALL.format(b'{"defined": ["tanh"]}\n') + "\nos.closerange(3, 1000)",
         RIGHT + WAITS,
     ],
     ids=["marks", "output", "modules", "open files", "unfinished work"],
@@ -125,7 +125,7 @@ def test_what_harms_nobody_costs_no_points(graded, content):
 REPLACES_TESTS = """
 np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True
 builtins.all = builtins.AssertionError = builtins.max = lambda *a: True
-json.dumps = lambda *a, **k: '{"outcomes": []}'
+json.dumps = lambda *a, **k: '{"properties": []}'
 """
 
 

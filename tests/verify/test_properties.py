@@ -10,17 +10,12 @@ from numpy_cae.verify.operations.catalogue import CATALOGUE, in_other_convention
 from numpy_cae.verify.operations.patch import conventions_of
 
 
-def test_properties_are_data():
-    for name, exercise in CATALOGUE.items():
-        listed = exercise.properties
-        assert len({tried.name for tried in listed}) == len(listed) >= 8
-        assert all(tried.operation == name and tried.statement for tried in listed)
-
-
 def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
     seeds = set()
-    for exercise in CATALOGUE.values():
+    for operation, exercise in CATALOGUE.items():
+        assert len({tried.name for tried in exercise.properties}) == len(exercise.properties) >= 8
         for tried in exercise.properties:
+            assert tried.operation == operation and tried.statement
             cases = tried.cases()
             for name, options in tried.sizes.items():
                 assert {case[name] for case in cases} == set(options)

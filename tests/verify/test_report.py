@@ -30,11 +30,6 @@ def test_a_report_shows_points_counterexample_and_mistake():
     assert max(map(len, text.splitlines())) <= 100
 
 
-def test_an_unknown_operation_is_an_error_with_the_names():
-    with pytest.raises(ValueError, match=r"no operation is called 'my_conv1d'; there are conv1d, "):
-        verify.report("my_conv1d", my_conv1d)
-
-
 def problem_of(operation, name, function):
     """What a report says about one property."""
     tried = next(each for each in verify.properties(operation) if each.name == name)

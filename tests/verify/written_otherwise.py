@@ -140,27 +140,6 @@ def gates(x, h, w, u, b, c):
     return r, z, np.tanh(x @ w_n + b_n + r * inner), inner
 
 
-@right("gru_step")
-def step_with_separate_matrices(x, h, w, u, b, c):
-    r, z, n, inner = gates(x, h, w, u, b, c)
-
-    def pullback(g):
-        new = g * (1 - z) * (1 - n**2)
-        update = g * (h - n) * z * (1 - z)
-        reset = new * inner * r * (1 - r)
-        to_x, to_h = np.hstack([reset, update, new]), np.hstack([reset, update, new * r])
-        return (
-            np.einsum("bg,cg->bc", to_x, w),
-            g * z + np.einsum("bg,hg->bh", to_h, u),
-            np.einsum("bc,bg->cg", x, to_x),
-            np.einsum("bh,bg->hg", h, to_h),
-            to_x.sum(0),
-            to_h.sum(0),
-        )
-
-    return n + z * (h - n), pullback
-
-
 @right("gru")
 def gru_all_weights_at_once(x, h0, w, u, b, c):
     """Keeps the gates' gradients of all frames and multiplies them with the inputs at the end."""
@@ -189,6 +168,17 @@ def gru_all_weights_at_once(x, h0, w, u, b, c):
         return to_x @ w.T, g, dw, du, to_x.sum((0, 1)), to_h.sum((0, 1))
 
     return np.stack(before[1:], axis=1), pullback
+
+
+@right("gru_step")
+def step_as_a_sequence_of_one_frame(x, h, w, u, b, c):
+    y, of_sequence = gru_all_weights_at_once(x[:, None], h, w, u, b, c)
+
+    def pullback(g):
+        dx, *others = of_sequence(g[:, None])
+        return dx[:, 0], *others
+
+    return y[:, 0], pullback
 
 
 @right("mean_squared_error")

@@ -63,8 +63,10 @@ class Argument:
         """
         analytic = float(np.sum(self.gradient * direction))
         first, along = np.cbrt(self.epsilon), self.x[direction != 0]
-        own = np.min(np.abs(along / direction[direction != 0]), initial=1.0)
-        smaller = [*SMALLER, own, own / 8] if 0 < own < SMALLER[-1] else [*SMALLER]
+        nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
+        smaller = [*SMALLER]
+        if 0 < nearest < SMALLER[-1]:
+            smaller += [nearest, nearest / 8]
         depend = np.zeros(self.here.shape, dtype=bool)  # the outputs that have changed so far
         slopes: list[Slope] = []
         todo = [1.0, *smaller]

@@ -1,9 +1,9 @@
-"""Differences of the value against the pullback: the test that every derivative here has to pass.
+"""The gradient check: differences of the value are compared with what the pullback returns.
 
-The slope of Σ dy ∘ f along an entry of an argument must be the entry of the gradient that the
-pullback returns for dy. `check_gradients` and the functions up to `_slope_agrees` are this check as
-textbooks have it, with one step. Below is what real functions need besides: arrays too large to
-try every entry, float32, tuples; `differences` judges what one step does not confirm.
+The slope of Σ dy ∘ f along an entry of an argument must equal the entry of the gradient that the
+pullback returns for dy. `check_gradients` and `_slope_agrees` are the textbook check with one step.
+The other functions handle arrays with too many entries to try each, float32 and tuples;
+`differences` judges the directions that one step does not confirm.
 """
 
 import inspect
@@ -28,7 +28,7 @@ EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 4
 KINKS_EXCUSED = 0.05
 SINGLE_TOLERANCE = 1e-4
-"""The least tolerance where float32 is involved."""
+"""The smallest tolerance if an argument is float32."""
 
 
 def check_gradients(
@@ -39,9 +39,9 @@ def check_gradients(
     names: Sequence[str] | None = None,
     only: Sequence[str] | None = None,
 ) -> None:
-    """Raise unless the pullback of f agrees with differences of its value, in every argument.
+    """Raise unless the pullback of f agrees with differences of the value, for every argument.
 
-    docs/verify.md says what is done about steps, kinks and float32.
+    docs/verify.md explains how steps are chosen, and how kinks and float32 are handled.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def check_gradients(
     tolerance : float
         Relative to the sizes of both numbers, and at least 1e-4 for float32.
     names : sequence of str, optional
-        The names of the arguments in messages, by default those in the signature of f.
+        The names of the arguments in messages; by default the names in the signature of f.
     only : sequence of str, optional
         The names of the arguments to check, by default all.
 
@@ -98,9 +98,8 @@ def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool
 
     A difference of 0 confirms nothing: the step may be too small to change the value.
     """
-    step = np.cbrt(
-        at.epsilon
-    )  # errors: step² from the third derivative, epsilon / step by rounding
+    # The errors are step² times the third derivative, and epsilon / step by rounding.
+    step = np.cbrt(at.epsilon)
     ahead, behind = at.f(at.x + step * direction), at.f(at.x - step * direction)
     numeric = np.sum(at.dy * (ahead - behind)) / (2 * step)
     analytic = np.sum(at.gradient * direction)
@@ -129,9 +128,9 @@ def _arguments(
 def _gradients_of_two_calls(
     f: Callable, inputs: Sequence, names: Sequence[str], places: Sequence[int], rng
 ) -> tuple[list, tuple]:
-    """Random upstream gradients and what the pullback makes of them, which must be gradients.
+    """Random upstream gradients, and the gradients that the pullback returns for them.
 
-    Neither call may alter its arguments, and the second must return what the first did.
+    Raise unless these are gradients, no argument is altered, and a second call returns the same.
     """
     before = copies(inputs)
     value, pullback = call(f, inputs)
@@ -176,11 +175,10 @@ def _is_differentiated(name: str, x: object) -> bool:
 
 
 def _upstream(value: object, rng: np.random.Generator) -> np.ndarray | None:
-    """A random upstream gradient for one output; None for what is no float."""
+    """A random upstream gradient for one output, or None if the output has no floats."""
     if not is_float(value):
         return None
-    dy = rng.standard_normal(np.shape(value)).astype(np.asarray(value).dtype)
-    return dy if np.ndim(value) else dy[()]
+    return rng.standard_normal(np.shape(value)).astype(np.asarray(value).dtype)[()]
 
 
 def _require_untouched(names: Sequence[str], arrays: Sequence, before: Sequence) -> None:
@@ -200,7 +198,7 @@ def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> No
     if np.iscomplexobj(gradient):
         raise AssertionError(f"the gradient for {name} is complex")
     if not np.all(np.isfinite(gradient)):
-        index = _plain(np.argwhere(~np.isfinite(gradient))[0])
+        index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
         raise AssertionError(f"the gradient for {name} is {gradient[index]} at index {index}")
 
 
@@ -248,16 +246,19 @@ def _judge(
 
 
 def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
-    """Every entry in turn; of a large array, random directions of entries that contribute alike."""
+    """Every entry in turn; for a large array, random directions.
+
+    A random direction covers entries whose contributions to the slope are of similar size.
+    """
     if at.x.size <= EVERY_ENTRY_UP_TO:
         yield from _entries(at.x, range(at.x.size))
         return
     scale = step_scale(at.x)
     contribution = np.abs(at.gradient) * scale
     decades = np.round(np.log10(np.maximum(contribution, 1e-30)) / 3)
-    for alike in np.unique(decades):
+    for decade in np.unique(decades):
         for _ in range(DIRECTIONS):
-            yield rng.standard_normal(at.x.shape) * scale * (decades == alike)
+            yield rng.standard_normal(at.x.shape) * scale * (decades == decade)
 
 
 def _entries(x: np.ndarray, entries: Iterable[int]) -> Iterator[np.ndarray]:
@@ -280,13 +281,13 @@ def _trace(at: Argument, direction, verdict, tolerance) -> tuple[tuple[int, ...]
         judged = [at.judge(_restricted(direction, half), tolerance) for half in halves]
         worse = max((0, 1), key=lambda i: abs(judged[i].numeric - judged[i].analytic))
         entries, verdict = halves[worse], judged[worse]
-    index = _plain(np.unravel_index(entries[0], direction.shape))
+    index = tuple(map(int, np.unravel_index(entries[0], direction.shape)))
     numbers = (verdict.numeric, verdict.analytic, verdict.jump)
     return index, Verdict(verdict.kind, *(number / direction[index] for number in numbers))
 
 
 def _names(f: Callable, count: int) -> tuple[str, ...]:
-    """The names of f's arguments, or their positions where it has none to tell."""
+    """The names of f's arguments, or their positions if the signature of f does not name them."""
     try:
         parameters = list(inspect.signature(f).parameters.values())
     except (TypeError, ValueError):
@@ -295,7 +296,3 @@ def _names(f: Callable, count: int) -> tuple[str, ...]:
     if len(named) < count:
         return tuple(f"argument {i}" for i in range(count))
     return tuple(named[:count])
-
-
-def _plain(index: Sequence[int]) -> tuple[int, ...]:
-    return tuple(int(i) for i in index)

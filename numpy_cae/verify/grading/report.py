@@ -17,6 +17,7 @@ WIDTH = 98
 INDENT = 10
 FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
 STAGES = {"value": 0, "gradient": 1, "adjoint": 1}
+WHY = ("problem", "counterexample", "likely_mistake")
 UNSOLVED = NotImplementedError.__name__
 
 
@@ -51,9 +52,9 @@ class Report:
         stages = [STAGES.get(name.partition(" ")[0].rstrip("s"), 2) for name in names]
         if min(stages) == 2:
             stages = [2 if name in FORM else 0 for name in names]
-        each = list(zip(stages, self.outcomes, strict=True))
-        failed = min((stage for stage, outcome in each if not outcome.held), default=2)
-        return [o.stated.points if o.held and stage <= failed else 0 for stage, o in each]
+        pairs = list(zip(stages, self.outcomes, strict=True))
+        failed = min((stage for stage, outcome in pairs if not outcome.held), default=2)
+        return [o.stated.points if o.held and stage <= failed else 0 for stage, o in pairs]
 
     @property
     def possible(self) -> int:
@@ -67,11 +68,6 @@ class Report:
         return "\n".join(self._lines())
 
     __repr__ = __str__
-
-    def as_reply(self) -> dict:
-        """What `report_from_reply` in another process needs besides the exercise."""
-        outcomes = [[o.held, o.problem, o.counterexample, o.mistake] for o in self.outcomes]
-        return {"convention": self.exercise.convention, "outcomes": outcomes}
 
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
@@ -160,7 +156,7 @@ def report(
     any_convention : bool
         Whether another documented convention may be followed, such as GRU gates in another order.
     called : str, optional
-        The name of the function in the report, by default its own.
+        The name of the function in the report; by default its `__name__`.
 
     Returns
     -------
@@ -202,20 +198,20 @@ def report(
 
 
 def report_from_reply(exercise: Exercise, called: str, reply: dict) -> Report:
-    """The report that another process made of a function, or one on why it made none.
+    """The report that another process made, or a report that says why there is none.
 
-    The reply is a report's `as_reply`; statements and points are not taken from it.
+    The reply is `Report.as_json`; names, statements and points are not taken from it.
     """
     try:
         problem = visible(reply.get("failed", ""))
         if not problem:
             every = (exercise, *in_other_conventions(exercise))
-            (followed,) = (each for each in every if each.convention == reply["convention"])
-            both = zip(followed.properties, reply["outcomes"], strict=True)
-            outcomes = [
-                Outcome(stated, held is True, visible(problem), visible(example), visible(mistake))
-                for stated, (held, problem, example, mistake) in both
-            ]
+            (followed,) = (one for one in every if one.convention == reply["convention"])
+            both = zip(followed.properties, reply["properties"], strict=True)
+            outcomes = (
+                Outcome(stated, one["held"] is True, *(visible(one[key]) for key in WHY))
+                for stated, one in both
+            )
             return Report(followed, called, tuple(outcomes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"

@@ -112,21 +112,21 @@ def grade(
     ValueError
         If there is no such operation or lesson.
     """
-    known = catalogue.CATALOGUE
+    exercises = catalogue.CATALOGUE
     named = dict(named or {})
     for operation in named:
-        find_exercise(operation, known)
+        find_exercise(operation, exercises)
     lessons = getattr(catalogue, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
     submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
-    tested = assigned or (known if submission.is_notebook else operations.CATALOGUE)
+    tested = assigned or (exercises if submission.is_notebook else operations.CATALOGUE)
     wanted = {name: name for name in tested} | named
     reply = {"failed": submission.fault}
     if not submission.fault:
-        there = assigned or submission.defined() & wanted.keys()
-        given = {other for name in there for other in known[name].given} - set(assigned)
+        tested = assigned or submission.defined() & wanted.keys()
+        given = {other for name in tested for other in exercises[name].given} - set(assigned)
         if {*wanted, *given} <= operations.CATALOGUE.keys():
             catalogue = operations  # quicker to import
         request = {
@@ -141,7 +141,7 @@ def grade(
             "megabytes": megabytes,
         }
         reply = run(request)
-    return _graded(submission, known, wanted, {*assigned, *named}, reply)
+    return _graded(submission, exercises, wanted, {*assigned, *named}, reply)
 
 
 def _graded(
@@ -178,5 +178,5 @@ def _graded(
 
 
 def _is_helper(report: Report, submission: Submission) -> bool:
-    """Whether a function shares its name with an operation, but not its arguments or results."""
+    """Whether a function has an operation's name, but other arguments or results."""
     return "TypeError" in report.outcomes[0].problem and submission.calls(report.called)

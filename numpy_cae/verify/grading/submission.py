@@ -20,9 +20,9 @@ DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Submission:
-    """The parts of a file that are run, each with its name: the whole file, or exercise cells.
+    """A student's file. `cells` are the parts that are run: the file, or the exercise cells.
 
-    `ids` names the exercises of the cells that are there, whoever wrote them; `fault` tells why a
+    A cell is (name, text). `ids` are the names of all exercises in a notebook; `fault` says why a
     file cannot be read.
     """
 
@@ -44,13 +44,13 @@ class Submission:
         return number if number in lessons else ""
 
     def defined(self) -> set[str]:
-        """The names of functions in the text, which may not be Python."""
+        """The names of functions in the text, even if the text is not valid Python."""
         return set(DEFINITION.findall(self._text()))
 
     def calls(self, name: str) -> bool:
         """Whether the text seems to call a function, besides defining it."""
-        found = re.findall(rf"(?<![.\w]){name}\(", self._text())
-        return len(found) > (name in self.defined())
+        calls = re.findall(rf"(?<![.\w]){name}\(", self._text())
+        return len(calls) > (name in self.defined())
 
     def _text(self) -> str:
         sources = (source for _, source in self.cells)
@@ -61,27 +61,29 @@ class Submission:
     ) -> tuple[dict[str, Callable], list[str]]:
         """Run it as a module; return the functions that it defines, and what went wrong.
 
-        The parts may use the functions that are given, and in a notebook `np`; the functions of
-        `instead` replace its own after that.
+        The parts may use the functions of `given` and, in a notebook, `np`. After the parts have
+        run, the functions of `instead` replace those of the same names.
         """
         module, problems = ModuleType("student"), []
         sys.modules["student"], sys.modules["mine"] = module, ModuleType("mine")
-        vars(sys.modules["mine"]).update(given)  # an earlier lesson's are the package's own
+        vars(sys.modules["mine"]).update(given)  # the functions of earlier lessons
         sys.path.append(str(self.path.parent))
-        own = vars(module)
-        own |= {"__file__": str(self.path), "__builtins__": vars(sys.modules["builtins"]), **given}
+        names = vars(module)
+        builtins = vars(sys.modules["builtins"])
+        names |= {"__file__": str(self.path), "__builtins__": builtins, **given}
         if self.is_notebook:
-            own["np"] = sys.modules["numpy"]
+            names["np"] = sys.modules["numpy"]
         for name, source in self.cells:
             try:
                 with np.errstate():
-                    exec(compile(source, name, "exec"), own)
+                    exec(compile(source, name, "exec"), names)
             except BaseException as error:  # such as SystemExit
                 part = name if self.is_notebook else "at import"
                 problems.append(f"{part}: {described(error, name)}")
-        there = list(own.items())
-        own |= instead
-        return {name: f for name, f in there if callable(f) and f is not given.get(name)}, problems
+        defined = list(names.items())
+        names |= instead
+        functions = {name: f for name, f in defined if callable(f) and f is not given.get(name)}
+        return functions, problems
 
 
 def read_submission(path: Path) -> Submission:

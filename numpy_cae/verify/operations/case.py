@@ -1,9 +1,9 @@
 """One example to try a property on: sizes, a class of values, and a seed.
 
-A counterexample reads "batch 1, frames 2, values ties, seed 3". The arrays follow from that.
-Ordinary entries are a shuffled even grid: distinct and never 0, and short to write down. The other
-classes have what an operation meets in use: zeros, ties, numbers near 0, saturating ones, and
-arrays with a structure, such as repeated or sorted slices.
+A counterexample reads "batch 1, frames 2, values ties, seed 3". These determine the arrays.
+Ordinary entries are a shuffled even grid: distinct, never 0, and short to write down. The other
+classes contain zeros, ties, numbers near 0, numbers that saturate, and arrays with a structure,
+such as repeated or sorted slices.
 """
 
 import math
@@ -18,13 +18,13 @@ MAX_SHRINKS = 150
 SEEDS = 10_000
 SEEDS_TRIED = 3
 LARGE = 16
-"""A size above this comes in one case of a property, with small sizes beside it."""
+"""A size above LARGE occurs in one case of a property only, together with small sizes."""
 VERY_LARGE = 100
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
 
 Sizes = Mapping[str, tuple]
-"""What to draw from, the simplest first: sizes by name, and classes such as those of values."""
+"""The options of each size, and of each class such as "values"; the simplest option comes first."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ def _along_an_axis(change: Callable[..., np.ndarray]) -> Callable[..., np.ndarra
 
 
 def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
-    kinds = [draw(rng, shape, reach) for draw in list(VALUES.values())[:10]]
-    return np.choose(rng.integers(len(kinds), size=shape), kinds)
+    arrays = [draw(rng, shape, reach) for draw in list(VALUES.values())[:10]]
+    return np.choose(rng.integers(len(arrays), size=shape), arrays)
 
 
 VALUES: dict[str, Callable[..., np.ndarray]] = {
@@ -149,11 +149,11 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
 def random_cases(
     name: str, sizes: Sizes, count: int, combined: Sequence[str] = (), together: bool = False
 ) -> list[Case]:
-    """At least so many cases, seeded by a name, those of the smallest arrays first.
+    """At least `count` cases, reproducible from `name`, smallest arrays first.
 
-    Each small size and each class is drawn as often, a large size once, and every combination of
-    those that are named once, or twice where these are few. A very large size has a case of its
-    own, otherwise simple; if `together`, so have the last ones of all sizes.
+    Small sizes and value classes occur equally often, large sizes once, and each combination of
+    the sizes in `combined` once (twice if there are few). A very large size gets an additional
+    case, in which everything else is simple; if `together`, the last options of all sizes get one.
     """
     combined = [size for size in combined if size in sizes]
     every = list(product(*(sizes[size] for size in combined)))
@@ -163,13 +163,14 @@ def random_cases(
     combinations = zip(*islice(cycle(every), count), strict=True)
     columns.update(zip(combined, map(list, combinations), strict=True))
     large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
-    beside_small = [each for each in large if each[1] <= VERY_LARGE]
-    for number, (size, option) in zip(rng.permutation(count), beside_small, strict=False):
+    with_small = [(size, option) for size, option in large if option <= VERY_LARGE]
+    alone = [(size, option) for size, option in large if option > VERY_LARGE]
+    for number, (size, option) in zip(rng.permutation(count), with_small, strict=False):
         columns[size][number] = option
     rows = [tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
     ordinary = {name: options[0] for name, options in sizes.items()}
-    for number, (size, option) in enumerate(each for each in large if each not in beside_small):
+    for number, (size, option) in enumerate(alone):
         simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
         rows.append(tuple((ordinary | simple | {size: option}).items()))
     if together:
@@ -180,7 +181,7 @@ def random_cases(
 
 
 def _column(rng: np.random.Generator, options: Sequence, count: int) -> list:
-    """So many of the options that are not large, each as often, in random order."""
+    """`count` of the options that are not large, in random order, all equally often."""
     small = [option for option in options if not _is_large(option)]
     order = [rng.permutation(len(small)) for _ in range(-(-count // len(small)))]
     return [small[i] for i in np.concatenate(order)[:count]]
@@ -195,7 +196,7 @@ def _entries(case: Case) -> int:
 
 
 def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
-    """A case that fails likewise, none of whose sizes or classes can be simpler by itself."""
+    """A case that fails in the same way; making any one size or class simpler would pass."""
     tried = 0
     while tried < MAX_SHRINKS:
         for simpler in _simpler(case, sizes):
@@ -209,7 +210,7 @@ def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
 
 
 def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
-    """The case with one thing simpler, the largest simplifications first."""
+    """The case with one size, class or seed made simpler, largest simplifications first."""
     for number, (name, size) in enumerate(case.sizes):
         for option in sizes[name][: sizes[name].index(size)]:
             changed = (*case.sizes[:number], (name, option), *case.sizes[number + 1 :])

@@ -26,15 +26,15 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     if operation is None:
         return ""
     cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
-    found = [stated.check.found(implementation, case) for case in cases]
-    right = [stated.check.found(operation.reference, case) for case in cases]
-    if sum(not _same(one, other) for one, other in zip(found, right, strict=True)) < SEVERAL:
+    results = [stated.check.results(implementation, case) for case in cases]
+    right = [stated.check.results(operation.reference, case) for case in cases]
+    if sum(not _same(one, other) for one, other in zip(results, right, strict=True)) < SEVERAL:
         return ""
     explained = {}
     for sentence, wrong in _wrong_operations(operation.name):
         alike = (
-            _same(one, stated.check.found(wrong, case))
-            for one, case in zip(found, cases, strict=True)
+            _same(one, stated.check.results(wrong, case))
+            for one, case in zip(results, cases, strict=True)
         )
         if all(alike):
             explained[sentence] = _shared_effects(operation, implementation, wrong)
@@ -51,13 +51,13 @@ def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:
 
 
 def _shared_effects(operation: Operation, implementation: Callable, wrong: Callable) -> int:
-    """How many of a wrong operation's results are wrong; -1 if the implementation's differ."""
+    """The number of results that a wrong operation changes; -1 if the implementation's differ."""
     general = property_of(operation, "diagnosis", "", _every_result)
     touched: set[int] = set()
     differing: set[int] = set()
     for case in replace(general, examples=GENERAL_CASES).cases():
         functions = (implementation, wrong, operation.reference)
-        one, other, right = (general.check.found(f, case) for f in functions)
+        one, other, right = (general.check.results(f, case) for f in functions)
         touched |= _differing(other, right)
         differing |= _differing(other, one)
     return -1 if touched & differing else len(touched)

@@ -1,8 +1,7 @@
-"""What the properties of an operation are stated with, as a table: `OPERATIONS`."""
+"""`OPERATIONS`, a table: the arguments of every operation, its definition and its tolerances."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -13,27 +12,30 @@ from numpy_cae.verify.operations.case import ORDINARY, VALUES, Case, Sizes, draw
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation as its properties see it; without `reference`, by differences of its value."""
+    """What the properties need to know of an operation.
+
+    Gradients are compared with those of `reference`; without one, with differences of the value.
+    """
 
     name: str
     sizes: Sizes  # the sizes and classes to draw from, the simplest first
     arguments: Callable[[Case], dict[str, object]]  # by name, in the order of the call
     differentiated: tuple[str, ...]
-    definition: Callable | None = None  # its value, where there is no reference
+    definition: Callable | None = None  # arguments -> value, if there is no reference
     linear_in: tuple[str, ...] = ()
-    reference: Callable | None = None  # its value and pullback
-    saturates: bool = False  # a derivative may be far smaller than what it is computed from
-    floor: float | None = None  # if entries are compared one by one, what rounding may be
+    reference: Callable | None = None  # arguments -> (value, pullback)
+    saturates: bool = False  # derivatives may be far smaller than the terms they come from
+    floor: float | None = None  # the rounding allowed per entry, if entries are compared singly
     without_ties: Sizes = field(default_factory=dict)  # classes of values without a kink
-    longer: Sizes = field(default_factory=lambda: LONG)  # tried besides with special inputs
-    alike: Callable = lambda arguments, gradient: gradient  # the same for all right gradients
+    longer: Sizes = field(default_factory=lambda: LONG)  # additional sizes for `special inputs`
+    alike: Callable = lambda arguments, gradient: gradient  # equal for all right gradients
 
     def value(self, *arguments: object) -> np.ndarray | float:
         """The right value."""
         return self.reference(*arguments)[0] if self.reference else self.definition(*arguments)
 
     def floor_of(self, dy: np.ndarray | float) -> float | None:
-        """The floor of a gradient, which is proportional to the upstream one."""
+        """The floor for a gradient, proportional to the upstream gradient."""
         return self.floor and self.floor * max(1.0, float(np.max(np.abs(dy))))
 
 
@@ -86,13 +88,16 @@ LONG = {
     "dimensions": (3, 64, 300, 18),
     "axes": (3,),
 }
-"""Sizes that are tried besides, in the one property of special inputs; the last come together."""
+"""Additional sizes for the `special inputs` property.
+
+The last size of every axis is also tried in one common case.
+"""
 SHORTER = {"longer": LONG | {"frames": (128, 1100, 35)}}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 0.9
 ARCTANH_REACH = 1.31
 CHAOTIC = 34
-"""Frames or units above which a GRU with large weights makes of rounding something visible."""
+"""With more frames or units than CHAOTIC, a GRU with large weights amplifies rounding errors."""
 
 
 def _shaped(**shapes: str) -> Callable[[Case], dict[str, object]]:
@@ -144,7 +149,7 @@ def _linear(case: Case) -> dict[str, object]:
 
 
 def _gru(case: Case) -> dict[str, object]:
-    """Those of `gru`, or of `gru_step` where the case has no frames."""
+    """The arguments of `gru`, or of `gru_step` if the case has no frames."""
     rng, batch, hidden, channels = case.rng(), case["batch"], case["hidden"], case["channels"]
     gates, frames = 3 * hidden, case.get("frames", 0)
     x, state = ((batch, frames, channels), "h0") if frames else ((batch, channels), "h")
@@ -186,7 +191,7 @@ def _sliced_wasserstein(case: Case) -> dict[str, object]:
 
 
 def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) -> np.ndarray:
-    """Any order of equal points is right, so each gets the mean gradient of its equals."""
+    """The gradient, averaged over equal points: any order of equal points is right."""
     z = arguments["z"] + 0.0
     if np.shape(gradient) != z.shape:
         return gradient
@@ -240,5 +245,3 @@ OPERATIONS: dict[str, Operation] = {
     )
     for name, sizes, arguments, differentiated, linear_in, others in _TABLE
 }
-definitions = SimpleNamespace(**{name: operation.value for name, operation in OPERATIONS.items()})
-"""The right value of each operation."""

@@ -1,7 +1,7 @@
 """A property: a sentence about an operation, and the check that tests an implementation for it.
 
-Each compares what an implementation returns with what it should return. The properties that every
-operation shares are in `shared_properties`, those of a single one in `single_properties`.
+A check compares what an implementation returns with what it should return. The properties of all
+operations are in `shared_properties`, the properties of single ones in `single_properties`.
 """
 
 import re
@@ -16,19 +16,19 @@ from numpy_cae.verify.operations.operation import Operation
 
 EXACT = 1e-10
 EXAMPLES = 24
-"""The number of cases drawn, unless a property states another."""
+"""The number of cases of a property that does not set `examples`."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": np.array(1.7)}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
-"""The classes of upstream gradients, each with one for a value that is a number."""
+"""Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
 Findings = Iterator[tuple]
-"""Of each thing compared: what it is, as found, as expected, and the tolerance if not EXACT."""
+"""(name, result, expected[, tolerance]) of each comparison; EXACT without a tolerance."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The check of an operation's property: every finding is as expected."""
+    """The check of an operation's property: every result is as expected."""
 
     operation: Operation
     findings: Callable[[Operation, Callable, Case], Findings]
@@ -37,13 +37,13 @@ class Comparison:
         for finding in self.findings(self.operation, implementation, case):
             require_equal(*finding)
 
-    def found(self, implementation: Callable, case: Case) -> list:
-        """What an implementation does, without comparison; an error's words are the last."""
+    def results(self, implementation: Callable, case: Case) -> list:
+        """All results of an implementation; if it raises, the words of the error come last."""
         seen: list = []
         try:
             with np.errstate(all="ignore"):
-                for _, found, *_ in self.findings(self.operation, implementation, case):
-                    seen.append(np.copy(found))
+                for _, result, *_ in self.findings(self.operation, implementation, case):
+                    seen.append(np.copy(result))
         except (Exception, SystemExit) as error:
             words = re.findall(r"[A-Za-z]\w+", str(error))
             seen.append(np.array([type(error).__name__, *words]))
@@ -54,8 +54,7 @@ class Comparison:
 class Property:
     """A sentence about a function, and the check that raises where the sentence is false.
 
-    The arguments of the function and the name of its operation are those of an exercise; `sizes`
-    may replace some of the exercise's own.
+    `operation` names the operation or exercise, `arguments` makes the arguments of a case.
     """
 
     name: str
@@ -67,11 +66,11 @@ class Property:
     operation: str = ""
     arguments: Callable[[Case], dict[str, object]] = field(default=lambda case: {}, repr=False)
     hint: str = ""
-    combined: tuple[str, ...] = ()  # sizes and classes of which every combination is drawn
-    together: bool = False  # whether the last of each size comes with those of the others too
+    combined: tuple[str, ...] = ()  # every combination of these sizes and classes is drawn
+    together: bool = False  # whether one case has the last option of every size
 
     def cases(self) -> list[Case]:
-        """Random cases, the same ones every time, those of the smallest arrays first."""
+        """Random cases, the same in every run, smallest arrays first."""
         name = f"{self.operation}: {self.name}"
         return random_cases(name, self.sizes, self.examples, self.combined, self.together)
 
@@ -115,49 +114,50 @@ def property_of(
 
 def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
     """A case of an operation's properties; a ValueError if a size is missing or unknown."""
-    known: dict[str, list] = {}
+    allowed: dict[str, list] = {}
     for stated in properties:
         for name, options in stated.sizes.items():
-            known.setdefault(name, []).extend(options)
-    needed = {name for name, options in known.items() if ORDINARY not in options}
-    if not needed <= set(sizes) <= set(known):
-        there, got = ", ".join(known), ", ".join(sizes)
-        raise ValueError(f"{properties[0].operation} has the sizes {there}, got {got}")
+            allowed.setdefault(name, []).extend(options)
+    needed = {name for name, options in allowed.items() if ORDINARY not in options}
+    if not needed <= set(sizes) <= set(allowed):
+        names, got = ", ".join(allowed), ", ".join(sizes)
+        raise ValueError(f"{properties[0].operation} has the sizes {names}, got {got}")
     for name, size in sizes.items():
-        if isinstance(size, str) and size not in known[name]:
-            options = ", ".join(dict.fromkeys(map(str, known[name])))
+        if isinstance(size, str) and size not in allowed[name]:
+            options = ", ".join(dict.fromkeys(map(str, allowed[name])))
             raise ValueError(f"{name} is {size!r}, expected one of {options}")
     return Case(tuple(sizes.items()), seed)
 
 
 def require_equal(
-    what: str, found, expected, tolerance: float = EXACT, floor: float | None = None
+    what: str, result, expected, tolerance: float = EXACT, floor: float | None = None
 ) -> None:
     """Raise unless two arrays agree in shape and, to rounding, in every entry.
 
-    The tolerance is relative to the largest entry; with a floor to each, and no less than that.
+    The tolerance is relative to the largest entry. With a floor, the tolerance is relative to
+    each entry, plus the floor.
     """
-    found, expected = np.asarray(found), np.asarray(expected)
-    if found.shape != expected.shape:
-        raise AssertionError(f"{what} has shape {found.shape}, expected {expected.shape}")
+    result, expected = np.asarray(result), np.asarray(expected)
+    if result.shape != expected.shape:
+        raise AssertionError(f"{what} has shape {result.shape}, expected {expected.shape}")
     size = np.abs(expected)
     if floor is None:
         allowed = tolerance * max(1.0, float(np.max(size, initial=0.0)))
     else:
         allowed = tolerance * size + floor
-    wrong = ~(np.abs(found - expected) <= allowed)
+    wrong = ~(np.abs(result - expected) <= allowed)
     if wrong.any():
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
         place = f" at index {index}" if index else ""
         raise AssertionError(
-            f"{what} is {found[index] + 0:.10g}{place}, expected {expected[index] + 0:.10g}"
+            f"{what} is {result[index] + 0:.10g}{place}, expected {expected[index] + 0:.10g}"
         )
 
 
-def agrees(found, expected) -> bool:
+def agrees(result, expected) -> bool:
     """Whether `require_equal` holds."""
     try:
-        require_equal("", found, expected)
+        require_equal("", result, expected)
     except AssertionError:
         return False
     return True
@@ -177,7 +177,7 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
 
 
 def results(operation: Operation, implementation: Callable, arguments: list, dy) -> dict:
-    """The value and the gradients of one call, by what they are."""
+    """The value and the gradients of one call, by name."""
     value, pullback = implementation(*arguments)
     return _by_name(operation, value, pullback(dy))
 
@@ -197,7 +197,7 @@ def _by_name(operation: Operation, value, pulled) -> dict:
 
 
 def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
-    """An upstream gradient for a value, of the case's class; an ordinary one is never all ones."""
+    """An upstream gradient for a value, of the case's class; never all ones if ordinary."""
     rng, kind, shape = np.random.default_rng([case.seed, 1]), case.get("upstream"), np.shape(value)
     if not shape:
         return NUMBERS.get(kind, np.float64(rng.uniform(1.5, 2.5)))
@@ -216,32 +216,32 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
 
 
 def copied(dy: np.ndarray | float) -> np.ndarray | float:
-    """An upstream gradient that the pullback may spoil."""
+    """An upstream gradient that the pullback may overwrite."""
     return dy.copy() if isinstance(dy, np.ndarray) and dy.flags.writeable else dy
 
 
 def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) -> list:
     """The arguments in the order of the call, their arrays copied, in a memory layout.
 
-    What is one array remains one.
+    An array that occurs twice remains one array.
     """
     made = {id(a): layout(a) for a in arguments.values() if isinstance(a, np.ndarray)}
     return [made.get(id(a), a) for a in arguments.values()]
 
 
 def rounding(case: Case, arguments: Mapping[str, object]) -> float:
-    """EXACT; with a huge state more, which multiplies the rounding of a saturated gate, 1 - z."""
+    """The tolerance: EXACT, or more with a huge state, which multiplies the rounding of 1 - z."""
     huge = case.get("state") == "huge"
     return EXACT * max(np.max(np.abs(array)) for array in arguments.values()) if huge else EXACT
 
 
 def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Compare all results with the definition's, and the arguments with what they were."""
+    """Compare all results with the definition's, and the arguments with their copies."""
     arguments = operation.arguments(case)
     given, (dy, right) = copies(arguments), right_results(operation, case)
     allowed = rounding(case, arguments)
-    for what, found in results(operation, implementation, given, copied(dy)).items():
-        both = (operation.alike(arguments, result) for result in (found, right[what]))
+    for what, result in results(operation, implementation, given, copied(dy)).items():
+        both = (operation.alike(arguments, one) for one in (result, right[what]))
         yield what, *both, allowed, operation.floor_of(dy)
     for name, after in zip(arguments, given, strict=True):
         yield f"{name}, which must not be altered,", 1 * after, 1 * arguments[name], 0

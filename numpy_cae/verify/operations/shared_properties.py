@@ -1,6 +1,6 @@
 """The properties that every operation shares: its value, each gradient, dtype, purity, strides.
 
-What is not tested, because the contract leaves it open, stands in docs/verify.md.
+docs/verify.md lists what is not tested because the contract leaves it open.
 """
 
 from collections.abc import Callable, Iterator
@@ -34,11 +34,11 @@ FLOAT32_ULPS = 64
 GRADIENT_POINTS = VALUE_POINTS = 2
 LAYOUT = {"layout": tuple(LAYOUTS)}
 ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
-"""Classes whose results no entry's rounding hides, such as that of an FFT beside a zero."""
+"""Classes whose entries are of similar size, so that rounding of large ones hides no small one."""
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
-    """The properties that every operation has, those of its arguments one by one."""
+    """The properties that every operation has; some are stated for each argument."""
     yield property_of(operation, "value", VALUE, _value, {}, points=VALUE_POINTS)
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
@@ -79,16 +79,16 @@ def _value(operation: Operation, implementation: Callable, case: Case) -> Findin
 
 def _gradient_for(argument: str) -> Callable:
     def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
-        """Compare with the definition's; if the value is another, with that value's differences."""
+        """Compare with the definition's gradient, or with differences if the value is wrong."""
         arguments, names = operation.arguments(case), operation.differentiated
         value, pullback = call_of_array(implementation, copies(arguments))
         what, right = f"the gradient for {argument}", {}
         if operation.reference:
             dy, right = right_results(operation, case)
         if right and agrees(value, right["the value"]):
-            found = differentiated(operation, pullback(copied(dy)))[argument]
-            alike = (operation.alike(arguments, gradient) for gradient in (found, right[what]))
-            yield what, *alike, rounding(case, arguments), operation.floor_of(dy)
+            gradient = differentiated(operation, pullback(copied(dy)))[argument]
+            both = (operation.alike(arguments, one) for one in (gradient, right[what]))
+            yield what, *both, rounding(case, arguments), operation.floor_of(dy)
         elif case.get("values") == case.get("state") == ORDINARY:
 
             def f(*inputs):
@@ -122,7 +122,7 @@ def _adjoint_in(argument: str) -> Callable:
 
 
 def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Three upstream gradients, given in the same array; the value is no longer there."""
+    """Give three upstream gradients in the same array, after the value was deleted."""
     value, pullback = implementation(*copies(operation.arguments(case)))
     one = drawn_upstream(case, value)
     del value
@@ -139,8 +139,8 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """float32 is compared with float64; rounding the arguments tells how far it may be off."""
-    if case.get("state") == "huge":  # a gate that turns by rounding turns all that follows
+    """Compare float32 with float64; arguments changed by rounding give the error allowed."""
+    if case.get("state") == "huge":  # rounding may turn a gate, and then all frames that follow
         return
     rng, layout = np.random.default_rng(0), LAYOUTS[case.get("layout")]
     arguments = operation.arguments(case)
@@ -164,13 +164,14 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
     laid_out = layout(dy) if np.ndim(dy) else dy
-    for what, found in results(operation, implementation, copies(given, layout), laid_out).items():
-        _require_dtype(what, found, np.float32)
+    of_float32 = results(operation, implementation, copies(given, layout), laid_out)
+    for what, result in of_float32.items():
+        _require_dtype(what, result, np.float32)
         expected = operation.alike(arguments, exact[what])
         if np.all(np.isfinite(expected)):
             by = max(float(np.max(np.abs(m[what] - exact[what]), initial=0.0)) for m in moved)
             allowed = FLOAT32_ULPS * (FLOAT32 * max(floor, _largest(expected)) + by)
-            off = operation.alike(arguments, np.float64(found)) - expected
+            off = operation.alike(arguments, np.float64(result)) - expected
             yield f"of float32, the error of {what}", off, np.zeros_like(off), allowed
 
 
@@ -182,15 +183,15 @@ def _in_float32(argument: object) -> object:
 
 
 def _largest(*arrays) -> float:
-    """The product of the largest size of the first and of the others, each at least 1."""
+    """max |first entry| times max |entry of the others|, both at least 1."""
     sizes = [max(1.0, float(np.max(np.abs(array), initial=0.0))) for array in arrays]
     return sizes[0] * max(sizes[1:], default=1.0)
 
 
 def _require_dtype(what: str, result, dtype: type) -> None:
-    found = np.asarray(result).dtype
-    if found != dtype and type(result) is not float:  # a Python number has no dtype to lose
-        raise AssertionError(f"given {np.dtype(dtype)}, {what} is {found}")
+    actual = np.asarray(result).dtype
+    if actual != dtype and type(result) is not float:  # a Python number has no dtype to lose
+        raise AssertionError(f"given {np.dtype(dtype)}, {what} is {actual}")
 
 
 def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -214,7 +215,7 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
 
 
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Two calls with pullbacks in turn, results overwritten, then arguments changed in place."""
+    """Alternate between two calls, overwrite results, then change the arguments in place."""
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
     given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
@@ -249,8 +250,8 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
                 given[number] = new
         again = results(operation, implementation, given, copied(other_dy))
         expected = [other_value, *other.values()]
-        for (what, found), right in zip(again.items(), expected, strict=True):
-            yield _again(f"of the same arrays with other numbers, {what}", found, right)
+        for (what, result), right in zip(again.items(), expected, strict=True):
+            yield _again(f"of the same arrays with other numbers, {what}", result, right)
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -259,24 +260,23 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
     for number, name in enumerate(arguments):
         if case.get("of") not in (ORDINARY, name):
             given[number] = arguments[name]
-    arguments = dict(zip(arguments, given, strict=True))  # to broadcast makes entries equal
+    arguments = dict(zip(arguments, given, strict=True))  # broadcasting makes entries equal
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
     laid_out = layout(dy) if np.ndim(dy) else dy
     plain = laid_out.copy() if np.ndim(dy) else dy
     expected = results(operation, implementation, copies(arguments), plain)
     expected = {what: np.copy(result) for what, result in expected.items()}
-    found = results(operation, implementation, given, laid_out)
-    for what, before in expected.items():
-        alike = (operation.alike(arguments, a) for a in (found[what], before))
-        yield _again(f"of arrays {case.get('layout')}, {what}", *alike)
+    for what, result in results(operation, implementation, given, laid_out).items():
+        both = (operation.alike(arguments, one) for one in (result, expected[what]))
+        yield _again(f"of arrays {case.get('layout')}, {what}", *both)
 
 
-def _again(what: str, found, expected) -> tuple:
-    """A result and the same result before; where that is not finite, only its shape counts."""
-    found, finite = np.asarray(found), np.isfinite(expected)
-    if found.shape == np.shape(expected):
-        return what, np.where(finite, found, 0), np.where(finite, expected, 0)
-    return what, found, expected
+def _again(what: str, result, expected) -> tuple:
+    """A comparison with an earlier result; entries that were not finite are left out."""
+    result, finite = np.asarray(result), np.isfinite(expected)
+    if result.shape == np.shape(expected):
+        return what, np.where(finite, result, 0), np.where(finite, expected, 0)
+    return what, result, expected
 
 
 VALUE = "the value is that of the definition, loop by loop"
@@ -294,4 +294,4 @@ SHARED = (
     ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
     ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
 )
-"""Name, statement, findings, classes, and of what every combination is drawn."""
+"""(name, statement, findings, classes, the sizes of which every combination is drawn)."""

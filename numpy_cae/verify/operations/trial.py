@@ -21,32 +21,32 @@ WORTH_A_RESULT = 12
 LONGEST_TEXT = 2000
 QUIET = dict.fromkeys(("divide", "over", "under", "invalid"), "ignore")
 WATCHED = 4
-"""Of so many cases, one is watched for changes of what the whole program shares: this is slow."""
+"""One case in WATCHED is checked for changes of global state, which is slow."""
 
 
 @dataclass
 class Recorder:
-    """An implementation that remembers the last call of it and of a pullback."""
+    """An implementation that records its last call, and the last call of a pullback."""
 
     implementation: Callable
     arguments: list | None = None
     upstream: tuple = ()
-    found: list = field(default_factory=list)  # the value, then the gradients
+    results: list = field(default_factory=list)  # the value, then the gradients
 
     def __call__(self, *arguments):
         given = deepcopy(list(arguments))
-        self.arguments, self.upstream, self.found = given, (), []
+        self.arguments, self.upstream, self.results = given, (), []
         returned = self.implementation(*arguments)
         if not is_pair(returned):
             return returned
         value, pullback = np.copy(returned[0]), returned[1]
-        self.found = [value]
+        self.results = [value]
 
         def recorded_pullback(*upstream):
-            self.arguments, self.upstream, self.found = given, deepcopy(upstream), [value]
+            self.arguments, self.upstream, self.results = given, deepcopy(upstream), [value]
             pulled = pullback(*upstream)
             gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
-            self.found = [value, *deepcopy(gradients)]
+            self.results = [value, *deepcopy(gradients)]
             return pulled
 
         return returned[0], recorded_pullback
@@ -54,7 +54,7 @@ class Recorder:
 
 @dataclass(frozen=True)
 class Example:
-    """The arguments of a case; of an operation also what the definition makes of them."""
+    """The arguments of a case and, for an operation, the right results."""
 
     arguments: dict[str, object]
     upstream: np.ndarray | float | None = None
@@ -103,9 +103,9 @@ def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
 
 
 def try_property(tried: Property, implementation: Callable, shrink: bool = True) -> Outcome:
-    """Test an implementation for a property on drawn cases, the same ones every time.
+    """Test an implementation for a property on random cases, the same in every run.
 
-    The counterexample is the smallest one, or the first if not `shrink`.
+    The counterexample is the smallest case that fails, or without `shrink` the first one.
     """
     case = failing_case(tried, implementation)
     if case is None:
@@ -126,13 +126,14 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
         code = getattr(inspect.unwrap(implementation), "__code__", None)
         problem = described(error, getattr(code, "co_filename", ""))
     example = "\n".join([str(case), *_described(tried, case, last)])
-    is_known = isinstance(error, AssertionError | ValueError)  # no planted bug raises another
-    mistake = likely_mistake(tried, implementation) if is_known else ""
+    mistake = ""
+    if isinstance(error, AssertionError | ValueError):  # planted bugs raise no other errors
+        mistake = likely_mistake(tried, implementation)
     return Outcome(tried, False, problem, example, mistake)
 
 
 def failing_case(tried: Property, implementation: Callable) -> Case | None:
-    """The first of the drawn cases in which a property does not hold, if there is one."""
+    """The first case in which a property does not hold, or None."""
     cases = tried.cases()
     return next((c for c in cases if _failure(tried, implementation, c) is not None), None)
 
@@ -171,7 +172,7 @@ def check_property(stated: Property, function: Callable) -> None:
 
 
 def _failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
-    """What a check raises in a case, if anything."""
+    """The error that a check raises in a case, or None."""
     try:
         with np.errstate(**QUIET):
             if tried.name == "purity" and case.seed % WATCHED == 0:
@@ -186,7 +187,7 @@ def _failure(tried: Property, implementation: Callable, case: Case) -> Exception
 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
-    """The arguments and results of the last call; if they are long, a call to get them."""
+    """The arguments and results of the last call; if they are long, the call of `example`."""
     given, operation = tried.arguments(case), tried.definition
     is_call = last.arguments is not None and len(last.arguments) == len(given)
     if is_call:
@@ -202,13 +203,13 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
         return
     try:
         value, pullback = operation.reference(*deepcopy(last.arguments))
-        fits = last.upstream and np.shape(last.found[0]) == np.shape(value)
+        fits = last.upstream and np.shape(last.results[0]) == np.shape(value)
         pulled = pullback(*deepcopy(last.upstream)) if fits else ()
     except ValueError:  # it was called with its own result, which has a wrong shape
         return
     expected = [value, *(pulled if isinstance(pulled, tuple) else (pulled,))]
     names = ["value", *(f"gradient for {name}" for name in operation.differentiated)]
-    for name, one, other in zip(names, last.found, expected, strict=False):
+    for name, one, other in zip(names, last.results, expected, strict=False):
         if max(np.size(one), np.size(other)) <= WORTH_A_RESULT and np.asarray(one).dtype != object:
             if not agrees(operation.alike(given, one), operation.alike(given, other)):
                 yield f"{name}: {written(one)}"
@@ -218,7 +219,7 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
 
 
 def described(error: BaseException, file: str = "") -> str:
-    """An exception's type, message and line in a file, whatever its class does."""
+    """Type, message and line of an exception, even if its __str__ raises."""
     try:
         text = f"{type(error).__name__}: {error}"[: LONGEST_TEXT // 2]
     except Exception:
@@ -231,9 +232,9 @@ def described(error: BaseException, file: str = "") -> str:
 
 
 def call_keeping_state(function: Callable, *arguments: object) -> None:
-    """Call a function; raise an AssertionError if it changes what the whole program shares.
+    """Call a function; raise an AssertionError if it changes global state.
 
-    It is called in an unusual state: to set once more what is set already would go unnoticed.
+    Before the call the state is made unusual, so that setting the usual state again is noticed.
     """
     shared = np.random.get_bit_generator()
     numbers, standard = shared.state, random.getstate()

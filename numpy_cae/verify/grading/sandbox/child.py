@@ -55,22 +55,20 @@ def reply_to(request: dict) -> dict:
 
     def names() -> dict:
         functions, problems = submission.run(given, {})
-        return {"found": [n for n in wanted.values() if n in functions], "problems": problems}
+        return {"defined": [n for n in wanted.values() if n in functions], "problems": problems}
 
     def tested(name: str, function: str) -> dict:
         functions, _ = submission.run(given, instead)
-        made = report(catalogue[name], functions[function], request["any_convention"], function)
-        return made.as_reply()
+        any_convention = request["any_convention"]
+        return report(catalogue[name], functions[function], any_convention, function).as_json()
 
     loaded = apart(names, 1)
-    there = [name for name, function in wanted.items() if function in loaded.get("found", ())]
+    present = [name for name, function in wanted.items() if function in loaded.get("defined", ())]
     results, instead = {}, {}
     for name, function in wanted.items():
-        outcomes: list = []
-        if name in there:
-            results[name] = apart(partial(tested, name, function), len(there) - len(results))
-            outcomes = results[name].get("outcomes", [])
-        if name in request["replaced"] and not (outcomes and all(held for held, *_ in outcomes)):
+        if name in present:
+            results[name] = apart(partial(tested, name, function), len(present) - len(results))
+        if name in request["replaced"] and not results.get(name, {}).get("held"):
             instead[function] = catalogue[name].solution
     return {"failed": "", "problems": [], **loaded, "results": results}
 
