@@ -1,12 +1,11 @@
 """Files of named arrays (.npz): models and checkpoints are written, read and checked here.
 
 Nothing in such a file is pickled, and the sizes that it declares are compared with the size of the
-file before memory is allocated.
+file before memory is allocated for them.
 """
 
 import io
 import json
-import math
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -91,44 +90,23 @@ def _one_line(error: Exception) -> str:
 
 
 def _read_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Every array of the file.
-
-    `np.load` allocates as much memory as the header of an array states. Here that size is first
-    compared with the bytes that are there, and the sum of those with the size of the file.
-    """
+    """Every array of the file, if the sum of their sizes fits the size of the file."""
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise ValueError("it is not a regular file")
-    arrays: dict[str, np.ndarray] = {}
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(info.file_size for info in archive.infolist())
-        limit = FREE_BYTES + MAX_EXPANSION * path.stat().st_size
-        if unpacked > limit:
-            raise ValueError(
-                f"it unpacks to {unpacked / 1e6:.0f} MB, expected at most {limit / 1e6:.0f} MB"
-            )
-        for info in archive.infolist():
-            file = io.BytesIO(archive.read(info))
-            np.lib.format.read_magic(file)
-            shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-            if math.prod(shape) * dtype.itemsize != info.file_size - file.tell():
-                raise ValueError("the size of an array differs from its header")
-            file.seek(0)
-            name = info.filename.removesuffix(".npy")
-            arrays[name] = np.lib.format.read_array(file, allow_pickle=False)
-    return arrays
-
-
-def string(arrays: Mapping[str, np.ndarray], name: str) -> str:
-    """The text of that name; ValueError if the array holds none."""
-    array = arrays[name]
-    if array.shape != () or array.dtype.kind != "U":
-        raise ValueError(f"{name} is not a text")
-    return str(array)
+    limit = FREE_BYTES + MAX_EXPANSION * path.stat().st_size
+    if unpacked > limit:
+        raise ValueError(
+            f"it unpacks to {unpacked / 1e6:.0f} MB, expected at most {limit / 1e6:.0f} MB"
+        )
+    with np.load(path, allow_pickle=False) as file:
+        return dict(file)
 
 
 def json_object(arrays: Mapping[str, np.ndarray], name: str) -> dict:
     """The JSON object in the text array of that name; ValueError if the text is none."""
-    value = json.loads(string(arrays, name))
+    value = json.loads(str(arrays[name]))
     if not isinstance(value, dict):
         raise ValueError(f"{name} is not a JSON object")
     return value

@@ -20,9 +20,9 @@ def register() -> None:
 
 def motion_html(motion) -> str:
     """The viewer with one motion."""
-    from numpy_cae.public import player
+    from numpy_cae.public import show
 
-    return player(motion)._repr_html_()
+    return show(motion)._repr_html_()
 
 
 def repaired_html(repaired) -> str:

@@ -23,7 +23,6 @@ from numpy_cae.viz import (
     PLAIN,
     PROJECTED,
     TRUTH,
-    Actor,
     in_notebook,
     motion_actor,
     save_viewer,
@@ -118,19 +117,19 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
     Player or None
         The viewer, in a notebook; else None.
     """
+    rate = min([RATE, *(motion.rate for motion in motions)])
+    colours = (CORRUPTED, PROJECTED, TRUTH, PLAIN) if len(motions) > 1 else (PROJECTED,)
+    actors = [
+        motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
+        for number, motion in enumerate(motions)
+    ]
     if path is None and notebook.shell():
-        return player(*motions)
+        return in_notebook(actors, rate)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
-    actors, rate = _actors_and_rate(motions)
     save_viewer(actors, page, rate)
     if path is None:
         webbrowser.open(page.as_uri())
     return None
-
-
-def player(*motions: Motion) -> Player:
-    """The viewer of `show`, which a notebook displays."""
-    return in_notebook(*_actors_and_rate(motions))
 
 
 def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionManifold:
@@ -166,13 +165,3 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
             raise body.problem
         takes.append(body.positions)
     return learn_manifold(takes, RECIPES[recipe], seed, report=ProgressPrinter())
-
-
-def _actors_and_rate(motions: Sequence[Motion]) -> tuple[list[Actor], float]:
-    """The motions as the viewer takes them: at one rate, numbered, in the colours of figure 1."""
-    rate = min([RATE, *(motion.rate for motion in motions)])
-    colours = (CORRUPTED, PROJECTED, TRUTH, PLAIN) if len(motions) > 1 else (PROJECTED,)
-    return [
-        motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
-        for number, motion in enumerate(motions)
-    ], rate

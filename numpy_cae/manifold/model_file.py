@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import integer, json_object, load_arrays, numbers, save_arrays, string
+from numpy_cae.array_file import integer, json_object, load_arrays, numbers, save_arrays
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -186,11 +186,9 @@ def _arrays_of_sequences(manifold: SequenceManifold) -> dict[str, np.ndarray]:
 
 
 def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
-    table = TABLES.get(string(arrays, "table"))
+    table = TABLES.get(str(arrays["table"]))
     if table is None or not np.array_equal(arrays["columns"], table.columns):
         raise ValueError("its table of columns is not one of this version")
-    if arrays["state_w"].ndim != 2:
-        raise ValueError("state_w is not a matrix")
     latent, hidden = arrays["state_w"].shape
     columns = len(table.columns)
     if hidden**2 > sum(array.size for array in arrays.values()):

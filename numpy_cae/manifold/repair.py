@@ -8,7 +8,6 @@ of the file once, (frames, …).
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from numpy_cae.manifold.detect import find_damage, residual
 from numpy_cae.manifold.fill import bridged_features, checked_mask, fill, spline
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, runs
 from numpy_cae.motion.motion import Motion, blocks, rotations_at
@@ -191,15 +189,13 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     all joints: frames 1 to 9, 11 to 19: moved 3.9 cm, at most 24.3
     """
     missing = checked_mask(missing, len(motion))
-    holes = Holes(manifold.body(_interpolated(motion, np.asarray(missing.all(axis=1)))), missing)
+    whole_poses = np.repeat(missing.all(axis=1, keepdims=True), motion.rotations.shape[1], axis=1)
+    holes = Holes(manifold.body(_interpolated(motion, whole_poses)), missing)
     return holes.filled(fill(manifold, holes.features, holes.mask), motion)
 
 
-@dataclass(frozen=True)
 class Holes:
     """A motion in which some joints are damaged or missing in some frames.
-
-    Each quantity is computed once, when it is first used.
 
     Parameters
     ----------
@@ -207,24 +203,19 @@ class Holes:
         Of the motion.
     in_file : (frames, 20) array of bool
         What is damaged or missing, in the frames of the file.
+
+    Attributes
+    ----------
+    mask : (F, 20) array of bool
+        What is damaged or missing at thirty frames a second.
+    features, root : (F, 63) array of float64, RootTransform
+        With splines over the holes.
     """
 
-    body: Body
-    in_file: np.ndarray
-
-    @cached_property
-    def mask(self) -> np.ndarray:
-        """What is damaged or missing at thirty frames a second, (F, 20) of bool."""
-        return at_thirty(self.body.motion, self.in_file)
-
-    @property
-    def features(self) -> np.ndarray:
-        """The features with splines over the holes, (F, 63)."""
-        return self._features_and_root[0]
-
-    @cached_property
-    def _features_and_root(self) -> tuple[np.ndarray, RootTransform]:
-        return bridged_features(self.body, self.mask)
+    def __init__(self, body: Body, in_file: np.ndarray):
+        self.body, self.in_file = body, in_file
+        self.mask = at_thirty(body.motion, in_file)
+        self.features, self.root = bridged_features(body, self.mask)
 
     def typical_residual(self, manifold: MotionManifold) -> float:
         """The median distance of a joint outside the holes from its projection, metres."""
@@ -251,7 +242,7 @@ class Holes:
         original = body.motion if original is None else original
         if not holes.any():
             return Repaired(original, holes, np.zeros(holes.shape))
-        target = body.positions_of(features, self._features_and_root[1])
+        target = body.positions_of(features, self.root)
         target = np.where(self.mask[..., None], target, body.positions)
         before, positions = body.positions_in_file, body.in_file_frames(target)
         for joint in np.flatnonzero(holes.any(axis=0)):
@@ -287,24 +278,19 @@ def _finite(motion: Motion) -> tuple[Motion, np.ndarray]:
         return motion, wrong
     rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
-    for joint in np.flatnonzero(wrong.any(axis=0) & ~wrong.all(axis=0)):
-        gaps, given = np.flatnonzero(wrong[:, joint]), np.flatnonzero(~wrong[:, joint])
-        rotations[gaps, joint] = rotations_at(given, rotations[given, joint, None], gaps)[:, 0]
-    translations = spline(translations, wrong)
+    finite = replace(motion, rotations=rotations, translations=translations)
+    finite = _interpolated(finite, wrong)
     for child, parent in enumerate(motion.skeleton.parents):
         if parent >= 0:
             wrong[:, child] |= wrong[:, parent]
-    return replace(motion, rotations=rotations, translations=translations), wrong
+    return finite, wrong
 
 
 def _interpolated(motion: Motion, gaps: np.ndarray) -> Motion:
-    """The motion with rotations interpolated by slerp in the frames of a mask (frames,), and
-    translations by `spline`."""
-    given = np.flatnonzero(~gaps)
-    if not gaps.any() or not len(given):
-        return motion
+    """The motion with the rotations of a mask (frames, J) interpolated by slerp, and its
+    translations by `spline`. A joint with gaps in all frames is left unchanged."""
     rotations = motion.rotations.copy()
-    rotations[gaps] = rotations_at(given, rotations[given], np.flatnonzero(gaps))
-    of_joints = np.repeat(gaps[:, None], rotations.shape[1], axis=1)
-    translations = spline(motion.translations, of_joints)
-    return replace(motion, rotations=rotations, translations=translations)
+    for joint in np.flatnonzero(gaps.any(axis=0) & ~gaps.all(axis=0)):
+        frames, given = np.flatnonzero(gaps[:, joint]), np.flatnonzero(~gaps[:, joint])
+        rotations[frames, joint] = rotations_at(given, rotations[given, joint, None], frames)[:, 0]
+    return replace(motion, rotations=rotations, translations=spline(motion.translations, gaps))

@@ -18,6 +18,7 @@ from numpy_cae.manifold.detect import (
 from numpy_cae.motion import JOINTS, POSITIONS, body_positions
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
+ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +31,13 @@ def walk():
     return make_take("walk", 77, seconds=5.0, rate=60.0).motion
 
 
-def turned(motion, joint, frames, degrees):
-    """The motion with one joint of the rig turned in some frames."""
-    rotations, index = motion.rotations.copy(), motion.skeleton.index(joint)
-    turn = Rotation.from_rotvec([0.0, 0.0, np.radians(degrees)])
-    rotations[frames, index] = (Rotation.from_quat(rotations[frames, index]) * turn).as_quat()
+def turned(motion, degrees, axis, frames=slice(None)):
+    """The motion with joints of the rig, by name, turned about their own axis in some frames."""
+    rotations = motion.rotations.copy()
+    for joint, angle in degrees.items():
+        index = motion.skeleton.index(joint)
+        turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1)), degrees=True)
+        rotations[frames, index] = (Rotation.from_quat(rotations[frames, index]) * turn).as_quat()
     return replace(motion, rotations=rotations)
 
 
@@ -56,40 +59,32 @@ def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     assert repaired.moved[~repaired.touched].max(initial=0.0) < 1e-6
 
 
-def test_a_twisted_leg_is_found_and_straightened_and_the_rest_stays(manifold, walk):
-    frames = slice(120, 200)
-    damaged = turned(walk, "lfemur", frames, 50.0)
+@pytest.mark.parametrize(
+    ("joint", "degrees", "frames", "expected", "share"),
+    [("lfemur", 50.0, slice(120, 200), LEG, 0.3), ("lhumerus", 60.0, slice(101, 102), ARM, 0.15)],
+)
+def test_a_turned_limb_is_found_and_repaired(
+    manifold, walk, joint, degrees, frames, expected, share
+):
+    damaged = turned(walk, {joint: degrees}, "z", frames)
     repaired = repair(damaged, manifold)
-    assert repaired.touched[frames][:, LEG].mean() > 0.9
-    before, after = (error(each, walk, frames, LEG) for each in (damaged, repaired.motion))
-    assert after < 0.3 * before
-    assert_other_frames_are_kept(repaired, walk)
+    assert repaired.touched[frames][:, expected].mean() > 0.9
+    before, after = (error(each, walk, frames, expected) for each in (damaged, repaired.motion))
+    assert after < share * before
+    assert_other_frames_are_kept(repaired, damaged)
     half = repair(damaged, manifold, damaged=repaired.touched, strength=0.5).motion
-    assert after < error(half, walk, frames, LEG) < before
-
-
-def test_a_spike_of_one_frame_is_found(manifold, walk):
-    damaged = turned(walk, "rhumerus", slice(101, 102), 60.0)
-    repaired = repair(damaged, manifold)
-    arm = [JOINTS.index("right_elbow"), JOINTS.index("right_wrist")]
-    assert repaired.touched[101, arm].all()
-    at = slice(101, 102)
-    assert error(repaired.motion, walk, at, arm) < 0.15 * error(damaged, walk, at, arm)
+    assert after < error(half, walk, frames, expected) < before
 
 
 def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
     """Someone kneels down, stays and stands up again: no model of walks knows it."""
     motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
     degrees = 100 * np.interp(np.arange(len(motion)), [60, 80, 150, 170], [0, 1, 1, 0])
-    knelt = motion.rotations.copy()
-    for joint, sign in (("lfemur", -0.5), ("ltibia", 1.0)):
-        place = motion.skeleton.index(joint)
-        bend = Rotation.from_euler("x", sign * degrees[:, None], degrees=True)
-        knelt[:, place] = (Rotation.from_quat(knelt[:, place]) * bend).as_quat()
-    assert not repair(replace(motion, rotations=knelt), manifold).touched.any()
+    kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
+    assert not repair(kneels, manifold).touched.any()
 
 
-def test_an_unknown_motion_is_unchanged_unless_forced(manifold, walk):
+def test_an_unknown_motion_is_unchanged_unless_forced(manifold):
     lying = make_take("idle", 1, seconds=3.0, rate=30.0).motion
     rng = np.random.default_rng(0)
     rotations = Rotation.random(lying.rotations[..., 0].size, rng).as_quat()
@@ -98,7 +93,7 @@ def test_an_unknown_motion_is_unchanged_unless_forced(manifold, walk):
     assert not repaired.known
     assert repaired.motion is chaos
     assert not repaired.touched.any()
-    assert repair(chaos, manifold, force=True).motion is not None
+    assert repair(chaos, manifold, force=True).known
 
 
 def test_a_frozen_arm_is_found_and_limbs_at_rest_are_not(manifold, walk):
@@ -106,14 +101,13 @@ def test_a_frozen_arm_is_found_and_limbs_at_rest_are_not(manifold, walk):
     for joint in ("lhumerus", "lradius"):
         index = walk.skeleton.index(joint)
         rotations[frames, index] = rotations[frames.start, index]
-    frozen = replace(walk, rotations=rotations)
-    arm = [JOINTS.index("left_elbow"), JOINTS.index("left_wrist")]
-    for motion, frozen_at_all in ((frozen, True), (walk, False)):
+    stopped = replace(walk, rotations=rotations)
+    for motion, stops in ((stopped, True), (walk, False)):
         body = manifold.body(motion)
         local = body.features[:, POSITIONS].reshape(-1, 20, 3)
-        found = find_frozen(body, body.positions, local)
-        assert found[61:104, arm[1]].all() == found.any() == frozen_at_all
-    assert repair(frozen, manifold).touched[124:206, arm[1]].all()
+        frozen = find_frozen(body, body.positions, local)
+        assert frozen[61:104, ARM[1]].all() == frozen.any() == stops
+    assert repair(stopped, manifold).touched[124:206, ARM[1]].all()
 
 
 def test_values_that_are_not_finite_are_filled_in(manifold, walk):
@@ -121,15 +115,15 @@ def test_values_that_are_not_finite_are_filled_in(manifold, walk):
     rotations[50:60, elbow] = np.nan
     repaired = repair(replace(walk, rotations=rotations), manifold)
     assert np.all(np.isfinite(repaired.motion.rotations))
-    wrist = JOINTS.index("left_wrist")
-    assert repaired.touched[50:60, wrist].all()
-    assert error(repaired.motion, walk, slice(50, 60), [wrist]) < 0.02
+    assert repaired.touched[50:60, ARM[1]].all()
+    assert error(repaired.motion, walk, slice(50, 60), ARM[1:]) < 0.02
     assert_other_frames_are_kept(repaired, walk)
 
 
 def test_direct_tests():
     t = np.arange(60)[:, None, None]
-    points = 0.02 * t * np.ones((1, 20, 3)) + np.arange(20)[None, :, None]
+    walking = 0.02 * t * np.ones((1, 20, 3))
+    points = walking + np.arange(20)[None, :, None]
     assert not between_jumps(*find_jumps(points), 3).any()
     points[30:32, 7] += 0.5
     expected = np.zeros((60, 20), bool)
@@ -137,8 +131,7 @@ def test_direct_tests():
     np.testing.assert_array_equal(between_jumps(*find_jumps(points), 3), expected)
     assert not between_jumps(*find_jumps(points), 1).any()
     np.testing.assert_array_equal(find_stretched(points), expected)
-    walking = 0.02 * t * np.ones((1, 20, 3))
-    held = walking[np.where((t.ravel() > 20) & (t.ravel() < 30), 20, t.ravel())]
-    np.testing.assert_array_equal(np.flatnonzero(find_repeated(held)), np.arange(21, 30))
+    repeats = walking[np.where((t.ravel() > 20) & (t.ravel() < 30), 20, t.ravel())]
+    np.testing.assert_array_equal(np.flatnonzero(find_repeated(repeats)), np.arange(21, 30))
     stands = np.concatenate([walking, walking[-1:].repeat(20, axis=0)])
     assert not find_repeated(stands).any()
