@@ -78,8 +78,8 @@ def project_constrained(
         bones_loss, d = _weighted([(BONES_WEIGHT, bones)])
         return loss + bones_loss, d + exact_back(d_exact)
 
-    found = optimise_latent(manifold, units, len(features), objective, BETA, steps)
-    exact, _ = exact_lengths(manifold.decode(found, len(features)), manifold.lengths)
+    optimised = optimise_latent(manifold, units, len(features), objective, BETA, steps)
+    exact, _ = exact_lengths(manifold.decode(optimised, len(features)), manifold.lengths)
     return exact
 
 

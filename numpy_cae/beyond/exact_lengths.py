@@ -1,21 +1,22 @@
 """Bones set exactly to given lengths, each in its own direction."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from numpy_cae.motion.features import POSITIONS
 from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.ops.shapes import Pullback
 
 _SHORTEST = 1e-9
+"""Lengths (m) below this count as this, so that no bone is divided by zero."""
 
 
-def exact_lengths(
-    features: np.ndarray, lengths: np.ndarray
-) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """From the hips outwards, with b_j = q_j - q_parent:   e_j = e_parent + l_j b_j / |b_j|
+def exact_lengths(features: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, Pullback]:
+    """Set the length of every bone, from the hips outwards, and return the pullback of that.
 
-    Backwards from the ends of the limbs inwards, D_j the sum of de over j and all that hangs on it:
+        b_j = q_j - q_parent,   e_j = e_parent + l_j b_j / |b_j|
+
+    The pullback goes from the ends of the limbs inwards. D_j is the sum of de over j and all joints
+    below it in the skeleton:
 
         db_j = l_j / |b_j| · (D_j - u (u · D_j)),   u = b_j / |b_j|
         dq_j += db_j,   dq_parent -= db_j,   dq_hips += D_hips
@@ -46,18 +47,18 @@ def exact_lengths(
     exact[:, POSITIONS] = e.reshape(len(q), -1)
 
     def pullback(d_exact: np.ndarray) -> np.ndarray:
-        hanging = d_exact[:, POSITIONS].reshape(q.shape).copy()
+        d_below = d_exact[:, POSITIONS].reshape(q.shape).copy()
         dq = np.zeros_like(q)
         for joint in reversed(range(len(JOINTS))):
             parent = PARENTS[joint]
             if parent < 0:
-                dq[:, joint] += hanging[:, joint]
+                dq[:, joint] += d_below[:, joint]
                 continue
-            d, u = hanging[:, joint], unit[:, joint]
+            d, u = d_below[:, joint], unit[:, joint]
             d_bone = ratio[:, joint] * (d - u * np.sum(u * d, axis=-1, keepdims=True))
             dq[:, joint] += d_bone
             dq[:, parent] -= d_bone
-            hanging[:, parent] += d
+            d_below[:, parent] += d
         d_features = d_exact.copy()
         d_features[:, POSITIONS] = dq.reshape(len(q), -1)
         return d_features

@@ -3,8 +3,8 @@
     min_Y   L(Φ†(Y)) + β mean((Y - Y_0)²),   Y within the bound of arctanh
 
 L is a loss of the motion's features with its gradient (`numpy_cae.beyond.constraints`); the
-gradient for Y comes through the decoder. The second term keeps Y near codes of real motion, since
-the decoder accepts any Y. The method is L-BFGS-B (`scipy.optimize`).
+gradient with respect to Y is computed by the pullback of the decoder. The second term keeps Y near
+the codes of real motion, since the decoder accepts any Y. The method is L-BFGS-B (`scipy.optimize`).
 """
 
 from collections.abc import Callable
@@ -60,7 +60,7 @@ def optimise_latent(
         loss += beta * np.mean(difference**2)
         return loss, dy.ravel().astype(np.float64)
 
-    found = minimize(
+    result = minimize(
         total,
         start.ravel().astype(np.float64),
         jac=True,
@@ -68,4 +68,4 @@ def optimise_latent(
         bounds=[(-bound, bound)] * start.size,
         options={"maxiter": steps, "maxfun": 2 * steps},
     )
-    return found.x.reshape(start.shape).astype(start.dtype)
+    return result.x.reshape(start.shape).astype(start.dtype)

@@ -1,6 +1,6 @@
 """Mirrored copies of takes, and the chains of joints that training damages.
 
-Neither is in the paper, whose database is larger.
+Neither is in the paper, which learns from a larger database.
 """
 
 import numpy as np
@@ -21,8 +21,11 @@ def mirrored(positions: np.ndarray) -> np.ndarray:
 
 
 def damaged_chains() -> tuple[tuple[int, ...], ...]:
-    """The chains of `training.corruption.damage_stretches` in the features: every joint with its
-    parent as base, and, each as often as all joints of it, the limbs."""
+    """The chains of joints for `training.corruption.damage_stretches`, as indices of the features.
+
+    Every joint is a chain with its parent as base. The limbs are chains as well, and are repeated so
+    that a joint is drawn as often in a whole limb as alone.
+    """
     chains: list[tuple[int, ...]] = [(PARENTS[joint], joint) for joint in range(1, len(JOINTS))]
     for side in _SIDES:
         for base, *limb in _LIMBS:

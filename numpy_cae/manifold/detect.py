@@ -126,11 +126,11 @@ def _far_from_manifold(
 ) -> np.ndarray:
     """The joints (F, 20) that are far from the manifold and not in the mask `damaged` yet."""
     difference = residual(manifold, features, damaged)
-    # Rigs place joints differently: what is the same in the whole clip is no damage.
+    # Rigs place joints differently: a constant distance in the whole clip is no damage.
     distance = np.linalg.norm(difference - typical(difference, damaged), axis=-1)
     level = distance / np.maximum(FAR, RATIO * typical(distance, damaged))
     far = runs_with(level > 0.5, level > 1)
-    # Without a jump it is a pose that the model does not know: someone kneels or lies.
+    # Without a jump, the pose is one that the model does not know: someone kneels or lies.
     far = runs_with(far, with_margin(jumps, MARGIN))
     far |= runs_with(displaced, level > SUSPICION)
     return far & ~damaged

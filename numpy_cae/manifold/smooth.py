@@ -1,13 +1,14 @@
 """Removal of jitter from a motion: a zero-lag Butterworth filter whose cut-off is chosen from the
 residual.
 
-The filtered curve is ŷ = H y of y = x + white noise of variance σ². What it is expected to miss of
-the true curve x follows from the residual alone (Stein's unbiased risk estimate, 1981):
+The measured curve is y = x + white noise of variance σ², and the filtered curve is ŷ = H y. The
+expected error of ŷ against the true curve x follows from the residual y - ŷ (Stein's unbiased risk
+estimate, 1981):
 
     E mean (ŷ - x)² = E mean (y - ŷ)² - σ² + 2 σ² h_0,    h: the impulse response of the filter
 
-σ² is estimated from the residual of a cut-off above which people hardly move. Of a range of
-cut-offs, the one with the least estimate is used; without noise that is the highest.
+σ² is estimated from the residual of the cut-off `NOISE_FROM`, above which people hardly move. The
+cut-off with the least estimated error is used. Without noise, this is the highest one.
 """
 
 from collections.abc import Callable
@@ -18,11 +19,12 @@ import numpy as np
 from numpy_cae.motion.motion import Motion
 
 CUT_OFFS = np.arange(1.0, 14.1, 0.5)
-"""Hz that are tried, up to just below half of 30 frames a second."""
+"""CUT_OFFS: the cut-off frequencies (Hz) that are tried; the highest is just below half of 30 frames
+a second."""
 NOISE_FROM = 9.0
-"""Hz above which everything is taken for noise."""
+"""NOISE_FROM: the residual of this cut-off (Hz) is taken for noise."""
 LEAST_FRAMES = 30
-"""A shorter motion is not filtered."""
+"""LEAST_FRAMES: a motion of fewer frames is not filtered."""
 
 
 def smooth_motion(motion: Motion) -> Motion:
@@ -53,17 +55,17 @@ def smooth_curves(values: np.ndarray, rate: float) -> np.ndarray:
     moving = np.flatnonzero(np.ptp(smooth, axis=0).max(axis=-1) > 1e-9)
     impulse = np.zeros(1001)
     impulse[500] = 1.0
-    found, missed, at_zero, kept = [], [], [], []
+    curves, missed, at_zero, removed = [], [], [], []
     for cut_off in cut_offs:
         lowpass = butter(2, cut_off, fs=rate, output="sos")
-        found.append(sosfiltfilt(lowpass, smooth[:, moving], axis=0))
-        missed.append(np.mean((found[-1] - smooth[:, moving]) ** 2, axis=(0, 2)))
+        curves.append(sosfiltfilt(lowpass, smooth[:, moving], axis=0))
+        missed.append(np.mean((curves[-1] - smooth[:, moving]) ** 2, axis=(0, 2)))
         response = sosfiltfilt(lowpass, impulse)
         at_zero.append(response[500])
-        kept.append(np.sum((impulse - response) ** 2))  # of white noise in the residual
+        removed.append(np.sum((impulse - response) ** 2))  # share of white noise
     first = min(int(np.searchsorted(cut_offs, NOISE_FROM)), len(cut_offs) - 1)
-    noise = missed[first] / kept[first]
+    noise = missed[first] / removed[first]
     risk = np.array(missed) + 2 * noise * np.array(at_zero)[:, None]
-    best = np.stack(found)[np.argmin(risk, axis=0), :, np.arange(len(moving))]
+    best = np.stack(curves)[np.argmin(risk, axis=0), :, np.arange(len(moving))]
     smooth[:, moving] = best.transpose(1, 0, 2)
     return smooth

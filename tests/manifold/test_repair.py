@@ -11,8 +11,9 @@ from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold, project_motion, repair
 from numpy_cae.manifold.project_motion import keep_trajectory
 from numpy_cae.manifold.smooth import smooth_curves
-from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_positions, bone_lengths
+from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_of, body_positions, bone_lengths
 from numpy_cae.motion.features import trajectory_of
+from numpy_cae.motion.retarget.body import Body
 
 
 class Identity(MotionManifold):
@@ -22,14 +23,46 @@ class Identity(MotionManifold):
         return np.array(features)
 
 
+def walk(seed, rate=120.0, seconds=2.0):
+    return make_take("walk", seed, seconds=seconds, rate=rate).motion
+
+
+def shaken(motion, size, frames=slice(None)):
+    """The motion with noise in its rotations, some of which have the other sign."""
+    rotations = motion.rotations.copy()
+    rotations[frames] += np.random.default_rng(0).normal(0, size, rotations[frames].shape)
+    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
+    rotations[::5] *= -1
+    return replace(motion, rotations=rotations)
+
+
 def jitter(motion):
     return np.abs(np.diff(body_positions(motion), 2, axis=0)).mean()
 
 
+@pytest.mark.parametrize("rate", [20.0, 59.94, 120.0])
+@pytest.mark.parametrize("frames", [1, 5, 31, 60])
+def test_a_motion_returns_from_its_features(rate, frames):
+    motion = walk(2, rate, seconds=3.0)
+    body = Body(motion, bone_lengths(body_of(motion)) * 1.1)
+    made = body.to_rig(body.features[:frames])
+    assert (made.skeleton, made.rate) == (motion.skeleton, rate)
+    assert len(made) == pytest.approx(frames * rate / 30, abs=1)
+    np.testing.assert_allclose(body_of(made), body.positions[: len(body_of(made))], atol=0.02)
+
+
+def test_the_body_of_a_motion_has_the_features_of_the_manifold(untrained_manifold):
+    motion = walk(1)
+    body = untrained_manifold.body(motion)
+    features, root = untrained_manifold.features(body_of(motion))
+    np.testing.assert_array_equal(body.features, features)
+    assert body.root == root
+    np.testing.assert_allclose(body.positions_of(features), body.positions, atol=1e-9)
+
+
 @pytest.mark.parametrize(("rate", "frames"), [(30.0, 1), (120.0, 2), (25.0, 37), (59.94, 37)])
 def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
-    motion = make_take("walk", 1, seconds=3.0, rate=rate).motion.at(slice(frames))
-    motion = replace(motion, unit=0.0254)
+    motion = replace(walk(1, rate).at(slice(frames)), unit=0.0254)
     fixed = project_motion(motion, untrained_manifold)
     assert fixed.skeleton is motion.skeleton
     assert (fixed.rate, fixed.unit, len(fixed)) == (motion.rate, 0.0254, frames)
@@ -42,7 +75,7 @@ def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
 @pytest.mark.parametrize("rate", [30.0, 120.0])
 def test_a_motion_on_the_manifold_comes_back(untrained_manifold, rate):
     """Only what lies between poses at 30 a second is lost."""
-    motion = make_take("walk", 2, seconds=2.0, rate=rate).motion
+    motion = walk(2, rate)
     fixed = project_motion(motion, Identity(**vars(untrained_manifold)))
     gap = np.linalg.norm(body_positions(fixed) - body_positions(motion), axis=-1)
     assert gap[:: round(rate / 30)].max() < 1e-6
@@ -51,18 +84,14 @@ def test_a_motion_on_the_manifold_comes_back(untrained_manifold, rate):
 
 def test_noise_between_the_poses_does_not_come_through(untrained_manifold):
     """Three of four frames at 120 a second are noisy; none of these is a pose at 30."""
-    calm = make_take("walk", 2, seconds=2.0, rate=120.0).motion
-    noise = np.random.default_rng(0).normal(0, 0.05, calm.rotations.shape)
-    noise[::4] = 0
-    rotations = calm.rotations + noise
-    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
-    shaken = replace(calm, rotations=rotations)
-    assert jitter(shaken) > 20 * jitter(calm)
-    assert jitter(project_motion(shaken, untrained_manifold)) < 0.1 * jitter(shaken)
+    calm = walk(2)
+    noisy = shaken(calm, 0.05, np.arange(len(calm)) % 4 > 0)
+    assert jitter(noisy) > 20 * jitter(calm)
+    assert jitter(project_motion(noisy, untrained_manifold)) < 0.1 * jitter(noisy)
 
 
 def test_fingers_are_carried_along_and_a_wrong_pose_moves(untrained_manifold):
-    motion = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    motion = walk(1)
     fixed = project_motion(motion, untrained_manifold)
     for finger in ("lfingers", "rthumb", "lhand"):
         place = motion.skeleton.index(finger)
@@ -74,18 +103,16 @@ def test_fingers_are_carried_along_and_a_wrong_pose_moves(untrained_manifold):
 
 @pytest.fixture(scope="module")
 def walked(untrained_manifold):
-    body = untrained_manifold.body(make_take("walk", 1, seconds=6.0).motion)
+    body = untrained_manifold.body(walk(1, seconds=6.0))
     return body.features, body.root
 
 
 def test_the_root_stays_on_the_trajectory_of_the_file(walked):
     """Sums of projected velocities drift; the trajectory of the file does not."""
     features, start = walked
-    rng = np.random.default_rng(0)
-    drifting = features.copy()
-    drifting[:, VELOCITY] += 0.005
-    drifting[:, TURN] += 0.003
-    drifting[:, POSITIONS] += rng.normal(0, 0.01, (len(features), 60))
+    drifting = features + np.random.default_rng(0).normal(0, 0.01, features.shape)
+    drifting[:, VELOCITY] = features[:, VELOCITY] + 0.005
+    drifting[:, TURN] = features[:, TURN] + 0.003
     kept, place = keep_trajectory(features, drifting, start, 30.0)
     np.testing.assert_array_equal(kept[:, POSITIONS], drifting[:, POSITIONS])
     (floor, theta), (there, facing) = trajectory_of(features, start), trajectory_of(kept, place)
@@ -97,36 +124,31 @@ def test_the_root_stays_on_the_trajectory_of_the_file(walked):
 
 def test_slow_motion_of_the_root_is_the_files_and_fast_motion_the_projections(walked):
     features, start = walked
-    shaken = features.copy()
-    shaken[:, TURN] += 0.05 * (-1.0) ** np.arange(len(features))[:, None]
-    kept, _ = keep_trajectory(shaken, features, start, 30.0)
-
-    def quick(x):
-        return np.abs(np.diff(trajectory_of(x, start)[1] - trajectory_of(features, start)[1]))
-
-    assert quick(shaken).min() > 0.04
-    assert quick(kept).max() < 0.004
+    quick = features.copy()
+    quick[:, TURN] += 0.05 * (-1.0) ** np.arange(len(features))[:, None]
+    kept, _ = keep_trajectory(quick, features, start, 30.0)
+    headings = [trajectory_of(x, start)[1] for x in (features, quick, kept)]
+    assert np.abs(np.diff(headings[1] - headings[0])).min() > 0.04
+    assert np.abs(np.diff(headings[2] - headings[0])).max() < 0.004
     same, place = keep_trajectory(features, features, start, 30.0)
     np.testing.assert_allclose(same[:-1], features[:-1], atol=1e-9)
     assert place.heading == pytest.approx(start.heading)
 
 
 def test_smoothing_removes_jitter_better_than_savitzky_golay_and_keeps_clean_motion():
-    clean = body_positions(make_take("walk", 3, seconds=6.0, rate=30.0).motion)
-    shaken = clean + np.random.default_rng(0).normal(0, 0.008, clean.shape)
+    clean = body_positions(walk(3, 30.0, seconds=6.0))
+    noisy = clean + np.random.default_rng(0).normal(0, 0.008, clean.shape)
 
     def error(x):
         return np.linalg.norm(x - clean, axis=-1).mean()
 
-    assert error(smooth_curves(shaken, 30.0)) < 0.9 * error(savgol_filter(shaken, 7, 2, axis=0))
+    assert error(smooth_curves(noisy, 30.0)) < 0.9 * error(savgol_filter(noisy, 7, 2, axis=0))
     assert error(smooth_curves(clean, 30.0)) < 0.002
 
 
 def test_a_smoothed_motion_has_its_rig_and_less_jitter(untrained_manifold):
-    calm = make_take("walk", 2, seconds=2.0, rate=60.0).motion
-    rotations = calm.rotations + np.random.default_rng(0).normal(0, 0.01, calm.rotations.shape)
-    shaken = replace(calm, rotations=-rotations / np.linalg.norm(rotations, axis=-1)[..., None])
-    fixed = repair(shaken, untrained_manifold, smooth=True, force=True)
-    assert fixed.motion.skeleton is shaken.skeleton
+    noisy = shaken(walk(2, 60.0), 0.01)
+    fixed = repair(noisy, untrained_manifold, smooth=True, force=True)
+    assert fixed.motion.skeleton is noisy.skeleton
     np.testing.assert_array_equal(fixed.touched, fixed.moved > 0)
-    assert jitter(fixed.motion) < 0.2 * jitter(shaken)
+    assert jitter(fixed.motion) < 0.2 * jitter(noisy)

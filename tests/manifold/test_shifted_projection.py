@@ -1,4 +1,4 @@
-"""Blind projection: the estimated share of lost values, and the mean over the pooling grid."""
+"""Projection with the mask unknown: the share of lost values, and the mean over the grid."""
 
 from dataclasses import replace
 
@@ -21,9 +21,9 @@ def network():
 
 @pytest.mark.parametrize("p", [0.1, 0.5, 0.9])
 def test_the_share_of_zeros_is_p(p):
-    found = zeroed_fraction(zero_values(X, p, np.random.default_rng(2)))
-    assert found.shape == (3, 1, 1)
-    np.testing.assert_allclose(found, p, atol=0.04)
+    share = zeroed_fraction(zero_values(X, p, np.random.default_rng(2)))
+    assert share.shape == (3, 1, 1)
+    np.testing.assert_allclose(share, p, atol=0.04)
 
 
 def test_features_that_are_always_zero_are_not_counted():

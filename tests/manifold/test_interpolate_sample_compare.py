@@ -1,0 +1,146 @@
+"""What hidden units are used for: interpolation, samples of a prior, and equation 4."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from data_synth import make_take
+from numpy_cae.manifold import (
+    G,
+    NeighbourPrior,
+    distance_matrix,
+    hidden_units,
+    interpolate,
+    sample,
+    signature,
+)
+from numpy_cae.manifold.interpolate import TRANSITION, shares
+from numpy_cae.manifold.sample import NEIGHBOURS, encode_windows
+
+UNITS = st.integers(1, 6).flatmap(
+    lambda frames: arrays(np.float64, (frames, 3), elements=st.floats(-1, 1))
+)
+
+
+@pytest.fixture(scope="module")
+def features(walk_manifold):
+    actions = ("walk", "press_ups", "run", "walk", "press_ups", "run")
+    motions = [make_take(action, seed, 4.0, 30.0).motion for seed, action in enumerate(actions)]
+    return [walk_manifold.body(motion).features for motion in motions]
+
+
+@pytest.mark.parametrize("frames", [1, 13, 70])
+def test_encode_and_decode_are_the_two_halves_of_project(walk_manifold, features, frames):
+    clip = features[0][:frames]
+    y = walk_manifold.encode(clip)
+    assert np.abs(y).max() <= 1
+    np.testing.assert_array_equal(walk_manifold.decode(y, frames), walk_manifold.project(clip))
+
+
+@pytest.mark.parametrize(
+    ("share", "second", "expected"), [(0.0, 1, 0), (1.0, 1, 1), (0.3, 0, 0), (0.7, 3, None)]
+)
+def test_the_ends_are_the_projections_and_the_longer_motion_is_truncated(
+    walk_manifold, features, share, second, expected
+):
+    one, other = features[0][:50], features[second][:50]
+    between = interpolate(walk_manifold, one, other, share)
+    if expected is not None:
+        expected = walk_manifold.project(features[expected][:50])
+        np.testing.assert_allclose(between, expected, atol=1e-5)
+    for pair in ((one, features[second]), (features[0], other)):
+        np.testing.assert_array_equal(interpolate(walk_manifold, *pair, share), between)
+
+
+def test_a_transition_begins_as_the_first_and_ends_as_the_second(walk_manifold, features):
+    one, other = features[0][:110], features[1][:110]
+    between = interpolate(walk_manifold, one, other, TRANSITION)
+    first, last = walk_manifold.project(one), walk_manifold.project(other)
+
+    def distance(a, b, frames):
+        return np.sqrt(np.mean((a - b)[frames] ** 2))
+
+    begin, end = slice(0, 12), slice(-12, None)
+    assert distance(between, first, begin) < 0.3 * distance(first, last, begin)
+    assert distance(between, last, end) < 0.3 * distance(first, last, end)
+    np.testing.assert_allclose(shares(TRANSITION, 5)[:, 0], [0, 0.25, 0.5, 0.75, 1])
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.1, np.nan, "half"])
+def test_an_invalid_share_is_refused(walk_manifold, features, share):
+    with pytest.raises(ValueError, match="expected 0 to 1"):
+        interpolate(walk_manifold, features[0], features[1], share)
+
+
+def test_the_fitted_prior_stays_between_windows(walk_manifold, features):
+    encoded = encode_windows(walk_manifold, features)
+    assert encoded.shape[1:] == (8, 24)
+    assert NEIGHBOURS < len(encoded)
+    y = NeighbourPrior(encoded).draw(8, np.random.default_rng(1))
+    assert y.shape == (8, 24)
+    assert np.all(y <= encoded.max(axis=0) + 1e-6)
+    assert np.all(y >= encoded.min(axis=0) - 1e-6)
+    few = NeighbourPrior(encoded[:1])
+    np.testing.assert_allclose(few.draw(8, np.random.default_rng(0)), encoded[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("frames", [1, 20, 32, 100])
+def test_samples_have_the_requested_length_and_repeat_by_seed(walk_manifold, features, frames):
+    for prior in (None, NeighbourPrior(encode_windows(walk_manifold, features))):
+        one, again, other = (
+            sample(walk_manifold, frames, np.random.default_rng(seed), prior) for seed in (3, 3, 4)
+        )
+        assert one.shape == (frames, 63)
+        np.testing.assert_array_equal(one, again)
+        assert not np.array_equal(one, other)
+
+
+def test_equation_4_by_hand():
+    one = np.array([[0.5, -1.0], [1.0, 0.0]])
+    two = np.array([[0.0, 0.0], [0.25, 0.5], [0.5, 1.0]])
+    # max: (1, 0) and (0.5, 1); min: (0.5, -1) and (0, 0).
+    assert G(one, two) == pytest.approx((0.25 + 1.0) + (0.25 + 1.0))
+    np.testing.assert_array_equal(signature(one), [1.0, 0.0, 0.5, -1.0])
+
+
+@given(st.lists(UNITS, min_size=2, max_size=4), st.lists(UNITS, min_size=1, max_size=3))
+def test_the_matrix_is_equation_4_of_each_pair(some, others):
+    matrix = distance_matrix([signature(u) for u in some], [signature(u) for u in others])
+    np.testing.assert_allclose(matrix, [[G(a, b) for b in others] for a in some], atol=1e-12)
+    square = distance_matrix([signature(u) for u in some])
+    np.testing.assert_allclose(square, [[G(a, b) for b in some] for a in some], atol=1e-12)
+
+
+@pytest.mark.parametrize("frames", [1, 3, 4, 5, 120])
+def test_the_hidden_units_of_a_still_clip_do_not_depend_on_its_length(
+    walk_manifold, features, frames
+):
+    still = np.repeat(features[0][:1], frames, axis=0)
+    units = hidden_units(walk_manifold, still)
+    assert units.shape == (-(-frames // 4), 24)
+    first = hidden_units(walk_manifold, still[:1])
+    np.testing.assert_allclose(units, np.repeat(first, len(units), axis=0), atol=1e-5)
+
+
+def test_inside_a_long_clip_the_hidden_units_are_those_of_the_network(walk_manifold, features):
+    units = hidden_units(walk_manifold, features[0])
+    bare = walk_manifold.network.encode(walk_manifold.normalise(features[0])[None])[0]
+    assert len(units) == 30 and np.all(np.abs(units) <= 1)
+    np.testing.assert_allclose(units[7:-7], bare[7:-7], atol=1e-5)
+    assert np.abs(units[0] - bare[0]).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        (lambda manifold, clip: interpolate(manifold, clip[:0], clip, 0.5), "no frames"),
+        (lambda manifold, clip: hidden_units(manifold, clip[:0]), "no frames"),
+        (lambda manifold, clip: encode_windows(manifold, [clip[:20]]), "window of 32 frames"),
+        (lambda manifold, clip: sample(manifold, 0, None), "expected 1 or more"),
+    ],
+)
+def test_too_few_frames_are_refused(walk_manifold, features, use, message):
+    with pytest.raises(ValueError, match=message):
+        use(walk_manifold, features[0])
