@@ -3,8 +3,8 @@
     min_Y   L(Φ†(Y)) + β mean((Y - Y_0)²),   Y within the bound of arctanh
 
 L is a loss of the motion's features with its gradient (`numpy_cae.beyond.constraints`); the
-gradient with respect to Y is computed by the pullback of the decoder. The second term keeps Y near
-the codes of real motion, since the decoder accepts any Y. The method is L-BFGS-B (`scipy.optimize`).
+gradient with respect to Y is computed by the pullback of the decoder. The decoder accepts any Y;
+the second term keeps Y near the codes of real motion. The method is L-BFGS-B (`scipy.optimize`).
 """
 
 from collections.abc import Callable

@@ -23,8 +23,8 @@ def mirrored(positions: np.ndarray) -> np.ndarray:
 def damaged_chains() -> tuple[tuple[int, ...], ...]:
     """The chains of joints for `training.corruption.damage_stretches`, as indices of the features.
 
-    Every joint is a chain with its parent as base. The limbs are chains as well, and are repeated so
-    that a joint is drawn as often in a whole limb as alone.
+    Every joint is a chain with its parent as base. Each limb gives four more chains: two with the
+    chest or the hips as base, and two with its first joint as base.
     """
     chains: list[tuple[int, ...]] = [(PARENTS[joint], joint) for joint in range(1, len(JOINTS))]
     for side in _SIDES:

@@ -19,8 +19,8 @@ import numpy as np
 from numpy_cae.motion.motion import Motion
 
 CUT_OFFS = np.arange(1.0, 14.1, 0.5)
-"""CUT_OFFS: the cut-off frequencies (Hz) that are tried; the highest is just below half of 30 frames
-a second."""
+"""CUT_OFFS: the cut-off frequencies (Hz) that are tried; the highest is just below half
+of 30 frames a second."""
 NOISE_FROM = 9.0
 """NOISE_FROM: the residual of this cut-off (Hz) is taken for noise."""
 LEAST_FRAMES = 30
