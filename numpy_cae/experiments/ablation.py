@@ -25,7 +25,8 @@ from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import FEATURES, cut_windows
 from numpy_cae.training import DivergedError, Schedule, Stage, train_autoencoder, zero_values
 from numpy_cae.training.schedule import EVEN
-from numpy_cae.viz import PROJECTED, dots_figure
+from numpy_cae.viz import PROJECTED
+from numpy_cae.viz.curves import dots_figure
 
 TAPS = 15
 FILTERS = (32, 64, 128)

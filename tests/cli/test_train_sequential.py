@@ -1,6 +1,5 @@
 """`numpy-cae train --model sequential` and `numpy-cae study`."""
 
-import json
 import re
 
 import numpy as np
@@ -37,13 +36,10 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     for name, fewer in {**sizes, "regulariser.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
-    options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20, "--json"]
+    options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20]
     run("study", "--data", walks, "-o", out, *options)
-    tables = json.loads(capsys.readouterr().out)
     said = (out / "study.txt").read_text(encoding="utf-8")
-    assert all(table["title"] in said and table["tables"] for table in tables)
-    claims = [claim for table in tables for claim in table["claims"]]
-    assert len(re.findall("^(not )?confirmed: ", said, re.MULTILINE)) == len(claims)
-    assert all(claim["sentence"] in said and claim["figures"] in said for claim in claims)
+    assert capsys.readouterr().out == said
+    assert len(re.findall("^(not )?confirmed: .* Measured: ", said, re.MULTILINE)) > 3
     written = {path.name for path in out.iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.html", "walking.npz"} <= written

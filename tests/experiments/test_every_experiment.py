@@ -1,10 +1,7 @@
-"""Every experiment runs and returns a result of which text, JSON and pictures can be made."""
-
-import json
+"""Every experiment runs and returns a result of which text and pictures can be made."""
 
 import pytest
 
-from numpy_cae.cli.shared.output import plain
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS
 
@@ -20,10 +17,6 @@ def test_the_result_is_well_formed(result_of, name):
     for claim in result.claims:
         assert claim.sentence.endswith(".") and claim.figures.endswith(".")
         assert "nan" not in claim.figures
-    data = json.loads(json.dumps(plain(result.data()), allow_nan=False))
-    assert [claim["confirmed"] for claim in data["claims"]] == [
-        bool(c.confirmed) for c in result.claims
-    ]
     picture = result.png()
     assert picture.startswith(b"\x89PNG") and len(picture) > 5000
     text, html = plain_text([result], {}), page({name: result}, {})

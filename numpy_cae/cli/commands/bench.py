@@ -10,7 +10,7 @@ import os
 
 from numpy_cae.bench import table
 from numpy_cae.cli.shared import arguments
-from numpy_cae.cli.shared.output import note, print_json
+from numpy_cae.cli.shared.output import note
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,16 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--rounds", **arguments.COUNT, default=21, help=rounds)
     sequential = "time training steps of the sequential autoencoder of three sizes instead"
     add("--sequential", **arguments.FLAG, help=sequential)
-    arguments.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print each row as soon as it is measured, or with --json all rows at the end."""
+    """Print each row as soon as it is measured."""
     _warn_if_busy()
     rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
-    if args.json:
-        print_json(list(rows))
-        return 0
     print(table.header(), flush=True)
     for row in rows:
         print(row.text(), flush=True)

@@ -13,7 +13,6 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import print_json
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files
@@ -27,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one_motion.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix")
-    arguments.add_shared(parser, "json")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -40,9 +38,6 @@ def run(args: argparse.Namespace) -> int:
         _write_csv(names, distances, args.output)
     if args.picture:
         save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
-    if args.json:
-        print_json({"distance": "G", "motions": names, "matrix": distances, "nearest": nearest})
-        return 0
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
         print(f"{name}: nearest is {other}, G = {distance:.3f}")
     for path, content in ((args.output, "G"), (args.picture, "√G")):
@@ -54,15 +49,13 @@ def run(args: argparse.Namespace) -> int:
 def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list[str], np.ndarray]:
     """The names of the motions that can be used, and G between every two."""
     name_of = _names(args.motions)
-    if len(name_of) < 2:
-        raise ValueError(f"{args.motions[0]}: one motion alone, name another to compare it with")
     names, signatures = [], []
     for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
         names.append(name_of[body.path])
         features = manifold.features(body.positions)[0]
         signatures.append(signature(hidden_units(manifold, features)))
     if len(names) < 2:
-        raise ValueError(f"{names[0]}: one motion is left, name another to compare it with")
+        raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")
     return names, distance_matrix(signatures)
 
 

@@ -1,7 +1,6 @@
 """Fill in the joints and frames of a motion that are missing, and leave the rest of the file
 unchanged. The values that the file has in their place are ignored. In a folder every file is
-filled, and a table is printed; the exit status is 1 if some files could not be used, 2 if none
-could.
+filled; the exit status is 1 if some files could not be used, 2 if none could.
 
 examples:
   numpy-cae fill take.bvh -o filled.bvh --joint left_wrist --frames 30 75
@@ -25,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Load, fill and write each motion."""
     if damage_options.is_chosen(args) == bool(args.keyframes):
-        raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
+        raise ValueError("say what is missing: --joint, --limb, --frames or --keyframes")
     manifold = one_motion.load_model(args)
     changed = change_files.ChangedFiles(args)
     for source, target in changed.files():
@@ -35,5 +34,5 @@ def run(args: argparse.Namespace) -> int:
             if missing is None:
                 missing = keyframe_mask(len(motion), args.keyframes)
             filled = fill_motion(motion, manifold, missing)
-            changed.write(motion, filled, source, target)
+            changed.write(motion, filled, target)
     return changed.status()

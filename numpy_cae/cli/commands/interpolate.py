@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import note, working
+from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
@@ -37,23 +37,17 @@ def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
     require_writer(args.output)
     manifold, reading = one_motion.load_model(args), arguments.reading(args)
-    with working(f"{args.first} and {args.second}"):
-        motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
-        first, second = map(manifold.body, motions)
-        between = interpolate(manifold, first.features, second.features, args.share)
-        made = first.to_rig(between)
-    frames = len(between)
+    motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
+    first, second = map(manifold.body, motions)
+    between = interpolate(manifold, first.features, second.features, args.share)
+    made, frames = first.to_rig(between), len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
     one_motion.write(made, args.output)
     if args.html:
-        positions = {
-            args.first.stem: (first.positions, TRUTH),
-            "between": (body_of(made), PROJECTED),
-            args.second.stem: (second.positions, TRUTH),
-        }
         actors = [
-            one_motion.body_actor(body[:frames], label, colour)
-            for label, (body, colour) in positions.items()
+            one_motion.body_actor(first.positions[:frames], args.first.stem, TRUTH),
+            one_motion.body_actor(body_of(made)[:frames], "between", PROJECTED),
+            one_motion.body_actor(second.positions[:frames], args.second.stem, TRUTH),
         ]
         one_motion.write_page(args.output, "both motions and the one between", actors)
     return 0

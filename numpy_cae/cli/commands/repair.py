@@ -1,7 +1,7 @@
 """Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. A
 motion that is unlike the motions that the model learned is left unchanged. The command prints the
-repaired joints, their frames, and how far they moved. In a folder every file is repaired, and a
-table is printed; the exit status is 1 if some files could not be used, 2 if none could.
+repaired joints, their frames, and how far they moved. In a folder every file is repaired; the exit
+status is 1 if some files could not be used, 2 if none could.
 
 examples:
   numpy-cae repair take.bvh -o fixed.bvh --html
@@ -14,7 +14,6 @@ import argparse
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
-from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import MotionManifold, Repaired, project_motion, repair
 from numpy_cae.manifold.repair import distances
 from numpy_cae.motion import Motion
@@ -37,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
     manifold = one_motion.load_model(args)
     if args.project and (damage_options.is_chosen(args) or args.smooth or args.strength < 1):
-        what = "--joint, --mask, --smooth and --strength"
+        what = "--joint, --smooth and --strength"
         raise ValueError(f"--project changes the whole motion: use it without {what}")
     changed = change_files.ChangedFiles(args)
     for source, target in changed.files():
@@ -49,9 +48,7 @@ def run(args: argparse.Namespace) -> int:
                 damaged = damage_options.chosen_mask(args, motion)
                 options = args.strength, args.smooth, args.force
                 repaired = repair(motion, manifold, damaged, *options)
-                if changed.single and damaged is None and not args.smooth:
-                    _advise(repaired)
-            changed.write(motion, repaired, source, target)
+            changed.write(motion, repaired, target)
     return changed.status()
 
 
@@ -60,11 +57,3 @@ def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:
     projected = project_motion(motion, manifold)
     moved = distances(motion, projected)
     return Repaired(projected, np.ones(moved.shape, bool), moved)
-
-
-def _advise(repaired: Repaired) -> None:
-    """Point out --project if damage was found nearly everywhere."""
-    joints, frames = (repaired.touched.any(axis=axis).mean() for axis in (0, 1))
-    if min(joints, frames) > 0.5:
-        problem = "damage was found in more than half of the joints and of the frames"
-        note(f"{problem}: if it is everywhere, --project projects the whole motion")

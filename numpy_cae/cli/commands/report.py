@@ -13,17 +13,15 @@ examples:
 
 import argparse
 import time
-from collections.abc import Sequence
 from glob import escape
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import note, print_json, working, write_texts
-from numpy_cae.cli.shared.takes import SYNTHETIC_MINUTES, TEST_EVERY, training_and_test_takes
+from numpy_cae.cli.shared.output import note, write_texts
 from numpy_cae.experiments import ablation
-from numpy_cae.experiments.material import Material, is_test, read_material
+from numpy_cae.experiments.material import Material, is_test, read_material, synthetic_material
 from numpy_cae.experiments.page import page, plain_text
 from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
 from numpy_cae.experiments.result import Result
@@ -37,6 +35,8 @@ ABLATION = (
     "and trained for less, so that each can be trained from several seeds.",
 )
 """Title and introduction of the page."""
+SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
+"""Without --data: minutes of synthetic takes, of which every fourth is for testing."""
 Measured = tuple[dict[str, Result], dict[str, str]]
 """Results by name, and what must be known to judge or to reproduce them."""
 
@@ -57,17 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     only, every = f"run only these, of {', '.join(names)} (the default)", (*names, *PUBLISHED)
     only += f" and {', '.join(PUBLISHED)}"
     add("--only", nargs="+", choices=every, default=names, metavar="NAME", help=only)
-    arguments.add_shared(parser, "seed json mapping unit up floor")
+    arguments.add_shared(parser, "seed mapping unit up floor")
     add = parser.add_argument_group("ablation").add_argument
     compare = "train and compare networks of other depth, unpooling, training, … instead "
     compare += f"(default: on {SYNTHETIC_MINUTES:g} minutes of synthetic motions)"
     add("--ablation", **arguments.FLAG, help=compare)
     seeds = f"number of seeds that each row is trained from (default: {ablation.SEEDS})"
     add("--seeds", **arguments.COUNT, default=ablation.SEEDS, help=seeds)
-    pair = {"type": arguments.whole_number, "nargs": 2, "metavar": ("LAYER", "FINE")}
-    default = (ablation.LAYER_EPOCHS, ablation.FINE_EPOCHS)
-    epochs = "epochs of each layer and of fine tuning (default: {} {})".format(*default)
-    add("--epochs", **pair, default=default, help=epochs)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -80,16 +76,9 @@ def run(args: argparse.Namespace) -> int:
     html = page(results, provenance, *(ABLATION if args.ablation else ()))
     text = plain_text(results.values(), provenance)
     write_texts(args.output, {f"{name}.html": html, f"{name}.txt": text})
-    counts = {
-        "confirmed": sum(result.confirmed for result in results.values()),
-        "claims": sum(len(result.claims) for result in results.values()),
-    }
-    if args.json:
-        experiments = [{"name": name} | result.data() for name, result in results.items()]
-        print_json(counts | {"provenance": provenance, "experiments": experiments})
-    else:
-        path = args.output / f"{name}.html"
-        print(f"{path}: {counts['confirmed']} of {counts['claims']} claims confirmed")
+    confirmed = sum(result.confirmed for result in results.values())
+    claims = sum(len(result.claims) for result in results.values())
+    print(f"{args.output / name}.html: {confirmed} of {claims} claims confirmed")
     return 0
 
 
@@ -106,19 +95,24 @@ def _experiments(args: argparse.Namespace) -> Measured:
     inputs |= {name: (args.data,) for name in PUBLISHED if name in args.only}
     args.output.mkdir(parents=True, exist_ok=True)
     results: dict[str, Result] = {}
-    for name in inputs:
-        with working(name):
-            result = results[name] = run_experiment(name, *inputs[name], seed=args.seed)
+    for number, name in enumerate(inputs, start=1):
+        note(f"[{number}/{len(inputs)}] {name} …")
+        result = results[name] = run_experiment(name, *inputs[name], seed=args.seed)
         counted = f"{result.confirmed} of {len(result.claims)} claims confirmed"
-        note(f"[{len(results)}/{len(inputs)}] {name}: {counted if result.claims else result.note}")
+        note(f"{name}: {counted if result.claims else result.note}")
     return results, provenance | {"made by": f"NumPy {np.__version__}, seed {args.seed}"}
 
 
 def _ablation(args: argparse.Namespace) -> Measured:
     """Train and compare the networks of the ablation."""
-    material = training_and_test_takes(args)
+    if args.data and not args.test:
+        raise ValueError("--data needs the takes to hold out: --test PATTERN")
+    if args.data:
+        material = read_material(args.data, args.test, *arguments.reading(args))
+    else:
+        material = synthetic_material(SYNTHETIC_MINUTES, TEST_EVERY)
     args.output.mkdir(parents=True, exist_ok=True)
-    started, rows = time.monotonic(), ablation.all_rows(*args.epochs)
+    started, rows = time.monotonic(), ablation.all_rows()
     evaluation = ablation.Evaluation(material)
 
     def progress(line: str) -> None:
@@ -126,13 +120,11 @@ def _ablation(args: argparse.Namespace) -> Measured:
 
     ablation.measure_rows(evaluation, rows, args.seeds, progress)
     folders = ", ".join(folder.name for folder in args.data or [Path("data_synth")])
-    layer, fine_tuning = rows[0].schedule.layer, rows[0].schedule.fine_tuning
     provenance = {
         "data": f"{folders}: {len(material.training)} takes to learn from "
         f"({len(evaluation.windows)} windows), {len(material.testing)} to test",
         "test takes": " ".join(args.test) or f"every {TEST_EVERY}th",
         "made by": f"NumPy {np.__version__}, seeds 0 to {args.seeds - 1}",
-        **_network(ablation.FILTERS, ablation.TAPS, vars(layer), vars(fine_tuning)),
     }
     return {"ablation": ablation.ablation_result(rows, evaluation.sample)}, provenance
 
@@ -142,8 +134,7 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
     manifold = one_motion.load_model(args)
     patterns = _test_patterns(manifold, args)
     listed = " ".join(patterns[:5]) + (f" and {len(patterns) - 5} more" if patterns[5:] else "")
-    with working(f"reading {data}"):
-        material = read_material(args.data, patterns, *arguments.reading(args))
+    material = read_material(args.data, patterns, *arguments.reading(args))
     if not (material.testing and material.training):
         which = "learn from" if material.testing else "test"
         advice = "if the model has seen none of these files, add --unseen"
@@ -151,21 +142,17 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
         raise ValueError(f"{problem}; {advice}")
     counts = f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
     note(counts)
-    settings, layers = manifold.settings.get, manifold.network.layers
+    settings = manifold.settings.get
+    folders = [folder["name"] for folder in settings("folders") or ()]
     provenance = {
         "model": f"{args.model.name if args.model else 'starter model'}, learned from "
         f"{settings('takes')} takes, {settings('windows')} windows of {settings('window')} frames, "
         f"seed {settings('seed')}",
-        "learned from": ", ".join(
-            f"{folder['name']} ({folder['files']} files, {folder['test']} of them kept for testing)"
-            for folder in settings("folders") or ()
-        ),
+        "learned from": ", ".join(folders),
         "data": f"{data}: {counts}",
         "test takes": f"{listed}, by take, never trained on or fitted to",
+        "training": str(settings("schedule", "")),
     }
-    schedule = settings("schedule", {"layer": {}, "fine_tuning": {}})
-    filters, taps = [layer.b.size for layer in layers], len(layers[0].w)
-    provenance |= _network(filters, taps, **schedule)
     return manifold, material, {name: text for name, text in provenance.items() if text}
 
 
@@ -186,17 +173,3 @@ def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[s
     if not (recorded or args.test):
         raise ValueError(f"{args.model} names no test takes: give --test, such as '*_005.bvh'")
     return recorded or args.test
-
-
-def _network(filters: Sequence[int], taps: int, layer: dict, fine_tuning: dict) -> dict[str, str]:
-    """A network and its training in words."""
-
-    def listed(settings: dict) -> str:
-        values = {name: value for name, value in settings.items() if value is not None}
-        return ", ".join(f"{name} {value}" for name, value in values.items())
-
-    return {
-        "network": f"{' + '.join(map(str, filters))} filters of {taps} frames",
-        "layers": listed(layer),
-        "fine tuning": listed(fine_tuning),
-    }

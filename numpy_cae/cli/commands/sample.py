@@ -6,12 +6,10 @@ example: numpy-cae sample --data motions/ -o new.bvh --number 3 --like take.bvh 
 """
 
 import argparse
-from collections.abc import Callable
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import with_progress
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
@@ -52,10 +50,12 @@ def run(args: argparse.Namespace) -> int:
     manifold = one_motion.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):
-        draw = _of_sequences(args, manifold, rng)
+        if args.data or args.like or args.seconds:
+            problem = "a sequential model takes no --data, --like and --seconds"
+            raise ValueError(f"{args.model}: {problem}")
+        motions = [manifold.sample(1, rng)[0] for _ in range(args.number)]
     else:
-        draw = _of_windows(args, manifold, rng)
-    motions = [draw() for _ in with_progress(range(args.number), args.number, "motions drawn")]
+        motions = _draw(args, manifold, rng)
     for number, motion in enumerate(motions, start=1):
         stem = args.output.stem if args.number == 1 else f"{args.output.stem}_{number}"
         one_motion.write(motion, args.output.with_stem(stem))
@@ -68,37 +68,24 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _of_sequences(
-    args: argparse.Namespace, manifold: SequenceManifold, rng: np.random.Generator
-) -> Callable[[], Motion]:
-    """A function that draws a motion from a sequential model."""
-    if args.data or args.like or args.seconds:
-        problem = "a sequential model takes no --data, --like and --seconds"
-        raise ValueError(f"{args.model}: {problem}")
-    return lambda: manifold.sample(1, rng)[0]
-
-
-def _of_windows(
+def _draw(
     args: argparse.Namespace, manifold: MotionManifold, rng: np.random.Generator
-) -> Callable[[], Motion]:
-    """A function that draws a motion from a convolutional model, in the rig of --like if given."""
+) -> list[Motion]:
+    """Draw motions from a convolutional model, in the rig of --like if given."""
     reading = arguments.reading(args)
-    frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
     prior = None
     if args.prior == "fitted":
         if not args.data:
             raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
         files = [path for folder in args.data for path in find_motion_files(folder)]
         bodies = usable_bodies(files, *reading)
-        features = [manifold.features(body.positions)[0] for body in bodies]
-        prior = NeighbourPrior(encode_windows(manifold, features))
-    if args.like:
-        like = load_body(args.like, *reading)[1]
+        encoded = [manifold.features(body.positions)[0] for body in bodies]
+        prior = NeighbourPrior(encode_windows(manifold, encoded))
+    frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
+    like = load_body(args.like, *reading)[1] if args.like else None
+    drawn = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
+    if like:
         body = manifold.body(hold_first_pose(like, frames))
-        return lambda: body.to_rig(sample(manifold, frames, rng, prior), RootTransform())
-
-    def draw() -> Motion:
-        positions = features_to_positions(sample(manifold, frames, rng, prior))
-        return fit_motion(positions, manifold.lengths, manifold.rate)
-
-    return draw
+        return [body.to_rig(features, RootTransform()) for features in drawn]
+    positions = map(features_to_positions, drawn)
+    return [fit_motion(each, manifold.lengths, manifold.rate) for each in positions]

@@ -7,7 +7,6 @@ examples:
 """
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
@@ -36,47 +35,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
-    from numpy_cae.viz import save_figure, strip_figure
+    from numpy_cae.motion import load_motion
+    from numpy_cae.viz import save_figure, save_viewer, strip_figure
 
-    actors, rates = zip(*[_read(path, args) for path in args.files], strict=True)
+    motions = [load_motion(path, **vars(arguments.reading(args)[1])) for path in args.files]
+    rate = min([30.0, *(motion.rate for motion in motions)])
+    actors = []
+    for source, motion in zip(args.files, motions, strict=True):
+        joints = len(motion.skeleton.names) - motion.skeleton.added
+        print(
+            f"{source}: {len(motion)} frames at {motion.rate:.5g} a second "
+            f"({motion.seconds:.1f} s), {joints} joints, {motion.unit_note}"
+        )
+        actors.append(motion_actor(motion, source.name, rate=rate))
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:
-        return _write_page(args, actors, rates)
-    for source, actor, rate in zip(args.files, actors, rates, strict=True):
+        coloured = [
+            replace(_compared(actor, actors[0]), colour=colour)
+            for actor, colour in zip(actors, cycle(COLOURS))
+        ]
+        path = args.output / ("_".join(file.stem for file in args.files) + ".html")
+        save_viewer(coloured, path, rate)
+        print(f"{path}: open it in a browser")
+        return 0
+    for source, actor in zip(args.files, actors, strict=True):
         path = args.output / f"{source.stem}.png"
         save_figure(strip_figure([actor], rate), path)
         print(f"{path}: a strip of poses")
-    return 0
-
-
-def _read(path: Path, args: argparse.Namespace) -> tuple[Actor, float]:
-    """A file's motion, labelled with its name, and the rate at which it is drawn."""
-    from numpy_cae.motion import load_motion
-
-    motion = load_motion(path, **vars(arguments.reading(args)[1]))
-    joints = len(motion.skeleton.names) - motion.skeleton.added
-    print(
-        f"{path}: {len(motion)} frames at {motion.rate:.5g} a second "
-        f"({motion.seconds:.1f} s), {joints} joints, {motion.unit_note}"
-    )
-    return motion_actor(motion, path.name), min(30.0, motion.rate)
-
-
-def _write_page(args: argparse.Namespace, actors: Sequence[Actor], rates: Sequence[float]) -> int:
-    from numpy_cae.viz import save_viewer
-
-    if len(set(rates)) > 1:
-        listed = ", ".join(
-            f"{path.name} {rate:g}" for path, rate in zip(args.files, rates, strict=True)
-        )
-        raise ValueError(f"motions of different rates cannot be compared frame by frame: {listed}")
-    coloured = [
-        replace(_compared(actor, actors[0]), colour=colour)
-        for actor, colour in zip(actors, cycle(COLOURS))
-    ]
-    path = args.output / ("_".join(file.stem for file in args.files) + ".html")
-    save_viewer(coloured, path, rates[0])
-    print(f"{path}: open it in a browser")
     return 0
 
 

@@ -10,7 +10,7 @@ examples:
 import argparse
 
 from numpy_cae.cli.shared import arguments, train_options
-from numpy_cae.cli.shared.output import print_json, write_texts
+from numpy_cae.cli.shared.output import write_texts
 from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions)
     minutes = "minutes of each synthetic action to train on, and to test on (default: 180)"
     add("--minutes", type=arguments.positive, default=180.0, help=minutes)
-    arguments.add_shared(parser, "seed quiet json mapping unit up floor")
+    arguments.add_shared(parser, "seed quiet mapping unit up floor")
     train_options.add_sequence_options(parser)
 
 
@@ -60,10 +60,7 @@ def run(args: argparse.Namespace) -> int:
             )
     for name, manifold in manifolds.items():
         save_manifold(manifold, args.output / f"{name}.npz")
-    if args.json:
-        print_json([result.data() for result in tables])
-    else:
-        print(text, end="")
+    print(text, end="")
     return 0
 
 

@@ -25,6 +25,7 @@ something fails, 2 if there was nothing to grade.
 """
 
 import argparse
+import json
 import os
 import re
 from concurrent.futures import ThreadPoolExecutor
@@ -56,12 +57,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--csv", type=Path, metavar="FILE", help=marks)
     feedback = "write the reports of each student to a Markdown file in this folder"
     add("--feedback", **arguments.FOLDER, help=feedback)
-    arguments.add_shared(parser, "json")
+    add("--json", **arguments.FLAG, help="print JSON instead of text")
 
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.cli.shared.output import print_json, with_progress
+    from numpy_cae.cli.shared.output import with_progress
     from numpy_cae.course import catalogue, marks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
@@ -88,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     if args.feedback:
         marks.write_feedback(args.feedback, of_students)
     if args.json:
-        print_json([report.as_json() for report in graded])
+        print(json.dumps([report.as_json() for report in graded], indent=1, ensure_ascii=False))
     elif args.csv or args.feedback:
         for student, report in of_students:
             print(f"{student}: {report.path.name}: {report.points} of {report.possible} points")

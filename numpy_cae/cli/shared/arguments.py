@@ -53,7 +53,6 @@ _MAPPING = (
 SHARED: dict[str, dict[str, Any]] = {
     "seed": {"type": whole_number, "default": 0, "help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
-    "json": FLAG | {"help": "print JSON instead of text"},
     "html": FLAG | {"help": "also write a page beside the output that plays the motions"},
     "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
     "unit": {"type": positive, "metavar": "METRES"}

@@ -10,10 +10,11 @@ from textwrap import indent
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import note, with_progress, working
+from numpy_cae.cli.shared.output import with_progress
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import (
+    RATE,
     Motion,
     UnknownRigError,
     body_of,
@@ -22,10 +23,7 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.formats.write import WRITERS, require_writer
 from numpy_cae.motion.read.load import KEPT, FileMotion
-from numpy_cae.text_table import text_table
 from numpy_cae.viz import CORRUPTED, PROJECTED
-
-HEADER = ("file", "joints", "changed, %", "mean, cm", "at most, cm", "result")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,11 +49,11 @@ class ChangedFiles:
         for source, target in changed.files():
             with changed.reported(source):
                 motion = changed.load(source)
-                changed.write(motion, repair(motion, manifold), source, target)
+                changed.write(motion, repair(motion, manifold), target)
         return changed.status()
 
-    One file is reported in lines, and an error in it ends the command. Several files are reported
-    in a table, with a list of those that could not be used.
+    An error in a single file ends the command. Of several files, those that could not be used are
+    listed at the end.
     """
 
     def __init__(self, args: argparse.Namespace):
@@ -63,7 +61,6 @@ class ChangedFiles:
         self.mapping, self.coordinates = arguments.reading(args)
         self.single = len(args.files) == 1 and not args.files[0].is_dir()
         self.targets = self._targets()
-        self.rows: list[list[str]] = []
         self.unusable: list[str] = []
 
     def files(self) -> Iterator[tuple[Path, Path | None]]:
@@ -74,48 +71,37 @@ class ChangedFiles:
     def reported(self, source: Path) -> Iterator[None]:
         """Of several files, list one that cannot be used instead of ending with its error."""
         try:
-            if self.single:
-                with working(str(source)):
-                    yield
-            else:
-                yield
-        except UnknownRigError as error:
-            self._refuse(UnknownRigError(f"{source}: {error}"))
+            yield
         except (NumpyCaeError, ValueError, OSError) as error:
-            self._refuse(error)
+            where = f"{source}: " if isinstance(error, UnknownRigError) else ""
+            if self.single:
+                raise ValueError(f"{where}{error}") from None
+            self.unusable.append(f"{where}{error}")
 
     def load(self, source: Path) -> Motion:
         """The motion in a file."""
         motion = load_motion(source, mapping=self.mapping, **vars(self.coordinates))
-        if self.single:
-            note(f"{source}: {len(motion)} frames, {motion.unit_note}")
+        print(f"{source}: {len(motion)} frames, {motion.unit_note}")
         return motion
 
-    def write(self, motion: Motion, repaired: Repaired, source: Path, target: Path | None) -> None:
-        """Write the changed motion, unless in a dry run, and report what was changed."""
+    def write(self, motion: Motion, repaired: Repaired, target: Path | None) -> None:
+        """Write the changed motion, unless in a dry run, and print what was changed."""
         if target is not None:
-            self._write(motion, repaired, target)
-        if self.single:
-            print(indent(str(repaired), "  "))
-        else:
-            folder = self.args.files[0]
-            name = str(source.relative_to(folder)) if folder.is_dir() else source.name
-            self.rows.append(row(name, repaired))
+            if not self.single:
+                target.parent.mkdir(parents=True, exist_ok=True)
+            assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
+            repaired.motion.save(target, motion)
+            one_motion.print_written(repaired.motion, target)
+            if self.args.html:
+                self._write_page(motion, repaired, target)
+        print(indent(str(repaired), "  "))
 
     def status(self) -> int:
-        """Print the table of several files; 0 if all could be used, 1 if some, 2 if none."""
-        if self.single:
-            return 0
-        print(text_table(HEADER, self.rows))
+        """List the files that could not be used; 0 if all could, 1 if some, 2 if none."""
         if self.unusable:
             print(f"\n{len(self.unusable)} of {len(self.targets)} files could not be used:")
             print("\n".join(self.unusable))
-        return 0 if not self.unusable else 1 if self.rows else 2
-
-    def _refuse(self, error: Exception) -> None:
-        if self.single:
-            raise error from None
-        self.unusable.append(str(error))
+        return 0 if not self.unusable else 1 + (len(self.unusable) == len(self.targets))
 
     def _targets(self) -> dict[Path, Path | None]:
         args = self.args
@@ -146,19 +132,9 @@ class ChangedFiles:
                 raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
         return targets
 
-    def _write(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        if not self.single:
-            target.parent.mkdir(parents=True, exist_ok=True)
-        assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
-        repaired.motion.save(target, motion)
-        if self.single:
-            one_motion.print_written(repaired.motion, target)
-        if self.args.html:
-            self._write_page(motion, repaired, target)
-
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
         before, after = body_of(motion), body_of(repaired.motion)
-        frames = np.round(repaired.motion.source_frames(one_motion.RATE)).astype(int)
+        frames = np.round(repaired.motion.source_frames(RATE)).astype(int)
         touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
         moved = np.linalg.norm(after - before, axis=-1)
         actors = [
@@ -166,16 +142,3 @@ class ChangedFiles:
             replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
         ]
         one_motion.write_page(target, "before and after", actors, overlaid=True)
-
-
-def row(name: str, repaired: Repaired) -> list[str]:
-    """The cells of a table with `HEADER`; centimetres are those of the changed joints."""
-    touched = repaired.touched
-    if not repaired.known:
-        return [name, "", "", "", "", "unknown motion, unchanged"]
-    if not touched.any():
-        return [name, "0", "0.0", "", "", "nothing to repair"]
-    moved = 100 * repaired.moved[touched]
-    share = f"{100 * touched.mean():.1f}"
-    joints = str(touched.any(axis=0).sum())
-    return [name, joints, share, f"{moved.mean():.1f}", f"{moved.max():.1f}", "repaired"]

@@ -8,11 +8,8 @@ import numpy as np
 from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import JOINTS, PARENTS, Motion, write_motion
+from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion, write_motion
 from numpy_cae.viz import Actor, save_viewer
-
-RATE = 30.0
-"""Frames a second of the motions in a page."""
 
 
 def add_model_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,18 +1,11 @@
-"""Output of the commands: JSON on standard output, messages on standard error, text files."""
+"""Output of the commands: messages on standard error, text files."""
 
-import json
-import math
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TypeVar
-
-import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 
@@ -38,53 +31,6 @@ def with_progress(items: Iterable[Item], count: int, done: str) -> Iterator[Item
         yield item
 
 
-@contextmanager
-def working(on: str) -> Iterator[None]:
-    """Print how long the block has been running: after 2 s, then at intervals that double."""
-    begun, ended = time.monotonic(), threading.Event()
-
-    def report() -> None:
-        wait = 2.0
-        while not ended.wait(wait):
-            note(f"{on}: {time.monotonic() - begun:.0f} s")
-            wait = min(2 * wait, 60.0)
-
-    thread = threading.Thread(target=report, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
-
-
-def print_json(value: object) -> None:
-    """Print a result as JSON."""
-    print(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False))
-
-
-def plain(value: object) -> object:
-    """Convert a result to the types of JSON; numbers that are not finite become null.
-
-    Raises TypeError for a type that has no form in JSON.
-    """
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, Path):
-        return str(value)
-    raise TypeError(f"{type(value).__name__} has no form in JSON")
-
-
 def write_texts(folder: Path, texts: dict[str, str]) -> None:
     """Write text files by name into a folder."""
     for name, text in texts.items():
@@ -94,13 +40,10 @@ def write_texts(folder: Path, texts: dict[str, str]) -> None:
 
 def require_place(path: Path) -> None:
     """Raise ValueError unless the file can be created; call this before hours of work."""
-    folder = path.resolve().parent
     if path.is_dir():
         raise ValueError(f"{path}: cannot be written: there is a folder of this name")
-    if not folder.is_dir():
-        raise ValueError(f"{path}: cannot be written: there is no folder {folder}")
     try:
-        with tempfile.TemporaryFile(dir=folder):
+        with tempfile.TemporaryFile(dir=path.resolve().parent):
             pass
     except OSError as error:
         raise ValueError(f"{path}: cannot be written: {error.strerror}") from None

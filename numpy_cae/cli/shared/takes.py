@@ -1,29 +1,15 @@
-"""Takes to train and to test on, from motion files or from data_synth."""
+"""Takes to train and to test on, from motion files."""
 
-import argparse
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.experiments.material import Material, is_test, read_material, synthetic_material
+from numpy_cae.experiments.material import is_test
 from numpy_cae.motion import Coordinates, Mappings
 from numpy_cae.motion.read.many import ReadResult, read_bodies
-
-SYNTHETIC_MINUTES, TEST_EVERY = 20.0, 4
-"""Without --data: minutes of synthetic takes, of which every fourth is for testing."""
-
-
-def training_and_test_takes(args: argparse.Namespace) -> Material:
-    """The takes of --data, of which those of --test are for testing; else synthetic takes."""
-    if args.data and not args.test:
-        raise ValueError("--data needs the takes to hold out: --test PATTERN")
-    if args.data:
-        return read_material(args.data, args.test, *arguments.reading(args))
-    return synthetic_material(SYNTHETIC_MINUTES, TEST_EVERY)
 
 
 def read_takes(
@@ -31,14 +17,14 @@ def read_takes(
     mapping: Mappings = None,
     coordinates: Coordinates | None = None,
     test: Sequence[str] = (),
-    strict: bool = False,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, for training
     and for testing.
 
     Files whose name matches a pattern in `test` are for testing. A file that cannot be used is an
-    error of `read_bodies` if `strict` or if it is the only one, otherwise it is reported and
-    skipped. Raises ValueError if the patterns leave nothing to test or to train on.
+    error of `read_bodies` if it is the only one, otherwise it is reported and skipped.
+
+    Raises ValueError if the patterns leave nothing to test or to train on.
     """
     for pattern in test:
         if not any(is_test(path, [pattern]) for path in paths):
@@ -47,7 +33,7 @@ def read_takes(
     testing: list[np.ndarray] = []
     notes: Counter[str] = Counter()
     changed = 0
-    for body in usable_bodies(paths, mapping, coordinates, strict):
+    for body in usable_bodies(paths, mapping, coordinates):
         (testing if is_test(body.path, test) else training).append(body.positions)
         notes[body.note.split(" (")[0]] += 1
         changed += "; " in body.note

@@ -36,13 +36,11 @@ RECIPES = TRAINING_RECIPES | {"starter": Schedule(layer=Stage(epochs=0), fine_tu
 
 HELP = {
     "epochs": "number of epochs, of each layer where layers are trained",
-    "rate": "learning rate: of the first epoch, or the peak of a one-cycle schedule",
+    "rate": "learning rate: of the first epoch, or the peak with the recipes fast and best",
     "batch": "number of windows or clips in one step",
     "decay": "factor applied to the learning rate after each epoch",
     "momentum": "momentum of gradient descent, from 0 to below 1",
     "norm": "bound on the norm of the gradient",
-    "optimiser": "optimiser, sgd or adam",
-    "rate-schedule": "course of the learning rate, decay or one-cycle",
     "alpha": "weight of the sparsity term of equation 3",
     "zeroed": "share of input values set to zero; two: range to draw it from",
     "rescaled": "divide the corrupted input by 1 - the share of values set to zero",
@@ -60,7 +58,7 @@ HELP = {
     "latent": "number of latent variables",
     "frames": "number of frames in a clip, at 25 a second",
 }
-COMMON = ("epochs", "rate", "batch", "decay", "momentum", "norm", "optimiser", "rate-schedule")
+COMMON = ("epochs", "rate", "batch", "decay", "momentum", "norm")
 CONVOLUTIONAL = ("alpha", "zeroed", "rescaled")
 SEQUENTIAL = ("steps", "weight", "directions", "posture")
 NETWORKS = {
@@ -81,7 +79,6 @@ _TYPES = {
 }
 """Types of values. An option without a type here takes a positive whole number if its default is a
 whole number, otherwise a rate."""
-_CHOICES = {"optimiser": ("sgd", "adam"), "rate-schedule": ("decay", "one-cycle")}
 
 
 def add_training_options(parser: argparse.ArgumentParser) -> None:
@@ -91,17 +88,17 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
     for name in COMMON:
         if name == "decay":
             group = parser.add_argument_group("advanced")
-        usual = _default(paper.layer, name)
-        shown = f"recipe paper: {usual}, sequential model {_default(sequence, name)}"
+        usual = getattr(paper.layer, name)
+        shown = f"recipe paper: {usual}, sequential model {getattr(sequence, name)}"
         _add(group, name, usual, f"{HELP[name]} ({shown})")
     group = parser.add_argument_group("advanced, convolutional model")
     for name, value in _network("convolutional").items():
         _add(group, name, value, f"{HELP[name]} (default: {value})")
     for name in CONVOLUTIONAL:
-        value = _default(paper.layer, name)
+        value = getattr(paper.layer, name)
         _add(group, name, value, f"{HELP[name]} (recipe paper: {value})")
     for name in (*COMMON, *CONVOLUTIONAL):
-        value = _default(paper.fine_tuning, name)
+        value = getattr(paper.fine_tuning, name)
         text = f"--{name} for fine tuning (recipe paper: {value})"
         _add(group, name, value, text, "fine-")
     _add_sequential(parser.add_argument_group("advanced, sequential model"), SEQUENTIAL)
@@ -113,7 +110,7 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_sequential(group: argparse._ArgumentGroup, names: tuple[str, ...]) -> None:
-    values = {name: _default(SequenceSchedule(), name) for name in names}
+    values = {name: getattr(SequenceSchedule(), name) for name in names}
     for name, value in (_network("sequential") | values).items():
         _add(group, name, value, f"{HELP[name]} (default: {value})")
 
@@ -123,18 +120,12 @@ def _add(group: Any, name: str, default: Any, text: str, prefix: str = "") -> No
     settings: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
     if isinstance(default, bool):
         settings["action"] = argparse.BooleanOptionalAction
-    elif name in _CHOICES:
-        settings["choices"] = _CHOICES[name]
     else:
         usual = arguments.positive_number if isinstance(default, int) else arguments.rate
         settings |= {"type": _TYPES.get(name, usual), "metavar": "N"}
     if name in ("zeroed", "filters"):
         settings["nargs"] = "+"
     group.add_argument(f"--{prefix}{name}", **settings)
-
-
-def _default(stage: Stage | SequenceSchedule, option: str) -> Any:
-    return getattr(stage, option.replace("-", "_"))
 
 
 def _network(model: str) -> dict[str, Any]:
