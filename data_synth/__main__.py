@@ -1,6 +1,6 @@
 """`python -m data_synth OUT`: a folder of synthetic motion files and their labels.
 
-Errors of the user print one line on standard error; the exit status is 2.
+An error that the user can correct prints one line on standard error; the exit status is then 2.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """From a `Pose` to the rotation of every joint.
 
 From the pelvis to the leaves, each joint's rotation is R = G_parent⁻¹ · G.
-Legs, and arms that hold on to something, bend by two-bone inverse kinematics.
+Legs, and arms with a goal for the hand, bend by two-bone inverse kinematics.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ def bent(forwards: np.ndarray, left: np.ndarray, twist: np.ndarray) -> Rotation:
 
 
 def assemble(body: Body, pose: Pose, rate: float) -> Motion:
-    """The motion of this body in these poses.
+    """The motion of a body in a sequence of poses.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def assemble(body: Body, pose: Pose, rate: float) -> Motion:
 
 
 def _unbroken(rotations: np.ndarray) -> np.ndarray:
-    """The same rotations with the sign of each quaternion chosen nearest to the frame before."""
+    """The same rotations; the sign of each quaternion is that nearest to the frame before."""
     agree = np.sum(rotations[1:] * rotations[:-1], axis=-1)
     flips = np.cumprod(np.where(agree < 0, -1.0, 1.0), axis=0)
     rotations[1:] *= flips[..., None]
@@ -90,7 +90,7 @@ def _bend_leg(body: Body, pose: Pose, leg: Leg, side: int, local: dict) -> None:
     hip = pose.place + pose.pelvis.apply(body.hip(side))
     across = unit(pose.pelvis.apply([1.0, 0.0, 0.0]) + leg.foot.apply([1.0, 0.0, 0.0]))
     along = unit(leg.ankle - hip)
-    # Turning the hinge about the leg's own line swings the knee out and in.
+    # Turning the hinge about the line from hip to ankle swings the knee out and in.
     hinge = Rotation.from_rotvec(-along * (SIGN[side] * leg.splay)[:, None]).apply(across)
     hinge = unit(hinge - np.sum(hinge * along, axis=-1, keepdims=True) * along)
     knee, ankle = reach(hip, leg.ankle, body.thigh, body.shank, hinge)
@@ -111,7 +111,7 @@ def _bend_arm(
     # The arm of the T-pose is let down by 90°, then lifted outwards, then swung forwards.
     angles = [-arm.flexion, sign * (arm.abduction - np.pi / 2), arm.turn]
     shoulder = about("XZX", np.stack(angles, axis=-1))
-    # Shoulder angles are against the trunk: the collar bone lifts the shoulder, not the arm.
+    # Shoulder angles are relative to the trunk: the collar bone lifts the shoulder, not the arm.
     shoulder = collar.inv() * shoulder
     elbow = about("y", -sign * arm.elbow)
     hand = about("z", -sign * arm.wrist)
@@ -146,7 +146,7 @@ def _reach_with_arm(
 
 
 def frames_from_x(x: np.ndarray, y: np.ndarray) -> Rotation:
-    """The rotations whose axis X points along x exactly, and Y as nearly along y as can be."""
+    """The rotations whose axis X points along x exactly, and Y as nearly along y as possible."""
     x = unit(x)
     y = unit(y - np.sum(x * y, axis=-1, keepdims=True) * x)
     return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1))

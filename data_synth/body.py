@@ -1,4 +1,4 @@
-"""A person's body: the bones of the CMU database under their own names, in random proportions.
+"""A person's body: bones with the names of the CMU database, in random proportions.
 
 The fractions of stature are those of Drillis & Contini (1966) as drawn in Winter, *Biomechanics
 and Motor Control of Human Movement* (4th ed., 2009), figure 4.1. The tree of bones is that of the
@@ -18,8 +18,8 @@ LEFT, RIGHT = 0, 1
 # +1 where a left limb points along +X in the rest pose, -1 for its mirror image.
 SIGN = (1.0, -1.0)
 
-# joint, parent, and the way from the parent's joint to this one, as fractions of stature, for the
-# left side and the middle. A joint stands where its bone begins, as in the CMU database in BVH.
+# joint, parent, and the vector from the parent's joint to this one, as fractions of stature, for
+# the left side and the middle. A joint is where its bone begins, as in the CMU database in BVH.
 _MIDDLE = [
     ("lowerback", "root", (0.0, 0.0, 0.0)),
     ("upperback", "lowerback", (0.0, 0.070, -0.003)),
@@ -114,7 +114,7 @@ class Body:
 
     @property
     def ankle_height(self) -> float:
-        """Of the ankle above the floor while the foot stands flat, in metres."""
+        """Height of the ankle above the floor while the foot stands flat, in metres."""
         return _ANKLE_HEIGHT * self.stature
 
     @property
@@ -140,7 +140,7 @@ class Body:
 
     @property
     def hip_width(self) -> float:
-        """Between the two hip joints, in metres."""
+        """The distance between the two hip joints, in metres."""
         return 2 * abs(float(self.offset("lfemur")[0]))
 
     @property
@@ -185,7 +185,7 @@ def make_body(stature: float = 1.75, spread: dict[str, float] | None = None) -> 
     stature : float
         In metres.
     spread : dict, optional
-        Factors on the average lengths: ``t`` trunk, ``l`` legs, ``a`` arms, ``f`` feet,
+        Factors of the average lengths: ``t`` trunk, ``l`` legs, ``a`` arms, ``f`` feet,
         ``shoulders`` and ``hips`` (their widths).
 
     Raises

@@ -52,9 +52,9 @@ def drift(
 
 
 def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
-    """A smooth curve that is nowhere below `need`.
+    """A smooth curve that is never below `need`.
 
-    The running maximum over a window, averaged over the same window, is never below the need.
+    It is the running maximum over a window, averaged over the same window.
     """
     width = 2 * int(samples / 2) + 3
     window = np.hanning(width + 2)[1:-1]
@@ -63,9 +63,9 @@ def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
 
 
 def yielding(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
-    """The values, limited smoothly to low..high.
+    """Limit the values smoothly to the range from `low` to `high`.
 
-    From `share` of the range before each end on: e + s tanh((x - e) / s).
+    Values nearer to an end than `share` of the range are replaced by e + s tanh((x - e) / s).
     """
     slack = share * (high - low)
     over = np.maximum(values - (high - slack), 0.0)

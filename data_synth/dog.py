@@ -55,7 +55,7 @@ def hold_lead(
 
 
 def _tugs(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """0, and up to 1 whenever the dog pulls, every three seconds or so."""
+    """The strength of the pull, 0 to 1; the dog pulls about every three seconds."""
     tug, clock = np.zeros(len(t)), t[0] + rng.uniform(0.3, 2.0)
     while clock < t[-1]:
         hold = rng.uniform(0.05, 0.7)

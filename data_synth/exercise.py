@@ -79,9 +79,9 @@ def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
 def bounce(t: np.ndarray, flights: list[tuple[float, float]], gather: float = 0.34) -> np.ndarray:
     """The height of a body during several jumps, (F,) in metres, 0 at take-off.
 
-    In the air it is a thrown body, g u (T - u) / 2 above the floor; on the floor it gives way and
-    pushes off again along another parabola, of the same speed v = g T / 2 at both ends, or from
-    and to rest along a cubic.
+    In the air the body is in free flight, g u (T - u) / 2 above the floor. On the floor it sinks
+    and pushes off again along another parabola, with the same speed v = g T / 2 at both ends. The
+    first push starts at rest and the last landing ends at rest, each along a cubic.
 
     Parameters
     ----------

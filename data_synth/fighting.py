@@ -38,7 +38,7 @@ def guard(stage: Stage, lead: int) -> None:
         stage.add(f"{name}.pronation", 15.0)
         stage.add(f"{name}.curl", 44.0)
         stage.add(f"{name}.raised", 3.0)
-    # A light bounce on the feet, never quite even.
+    # A light and slightly irregular bounce on the feet.
     beat = rng.uniform(1.3, 1.9)
     stage.add("up", 0.007 * np.sin(2 * np.pi * beat * stage.t + rng.uniform(0, 6)))
     stage.add("ahead", 0.010 * np.sin(np.pi * beat * stage.t + rng.uniform(0, 6)))
@@ -102,7 +102,7 @@ def _front_kick(stage: Stage, side: int, start: float, tempo: float) -> float:
     up = start + 0.6 * shift
     top = up + lift + snap
     high = rng.uniform(0.85, 1.1)
-    # Over the standing foot, which is not where the middle of both feet is.
+    # The body is above the standing foot, not above the middle of both feet.
     stood = stage.feet[1 - side].last()
     stage.gesture(
         {"aside": 0.85 * stood[0], "ahead": 0.85 * stood[1], "list": -sign * 4.0},

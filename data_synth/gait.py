@@ -36,7 +36,7 @@ class Gait:
         Strides done at each of `route.times`, whole numbers at left heel strikes. The walker
         stands where it begins and where it ends.
     rng : numpy.random.Generator
-        For what differs from step to step.
+        Draws what differs from step to step.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Gait:
         return place, Rotation.from_euler("YXZ", np.stack([yaw, tilt, drop], axis=-1))
 
     def _lowering(self):
-        """How far the pelvis sinks for the legs to reach both standing feet, smoothed."""
+        """How far the pelvis sinks so that the legs reach both standing feet, smoothed."""
         rate = 100.0
         t = np.arange(self.route.times[0], self.route.times[-1] + 1 / rate, 1 / rate)
         place, pelvis = self.pelvis(t)

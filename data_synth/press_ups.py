@@ -23,7 +23,7 @@ _STRAIGHT = 0.995
 
 
 def press_ups(stage: Stage, seconds: float, tempo: float) -> None:
-    """Down and up again, some deeper than others, with short rests."""
+    """Several press-ups of different depth with short rests."""
     rng, t = stage.rng, stage.t
     low = np.zeros(len(t))
     clock = rng.uniform(0.2, 0.8)
@@ -41,7 +41,7 @@ class Plank:
     Parameters
     ----------
     stage : Stage
-        Whose small unrest is kept.
+        Gives the small movements of a body at rest.
     low : (F,) array
         0 with straight arms, 1 with the chest near the floor.
     """

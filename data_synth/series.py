@@ -43,7 +43,7 @@ class Plan:
 
     @property
     def name(self) -> str:
-        """The name of its file, as in the CMU database: person and trial, ``02_01``."""
+        """The name of the file, person and trial as in the CMU database, such as ``02_01``."""
         trial = (self.number - 1) % TAKES_A_PERSON + 1
         return f"{self.person:02d}_{trial:02d}"
 

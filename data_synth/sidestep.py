@@ -46,7 +46,7 @@ def _one(stage: Stage, start: float, toward: float, length: float, beat: float, 
     stage.add("up", -0.018 * away)
     stage.add("side", toward * 2.5 * away)
     stage.add("list", -toward * 2.0 * away)
-    # Arms open with the legs and close with them, a little late.
+    # The arms open and close with the legs, a little later.
     for name in SIDES:
         stage.add(f"{name}.abduction", 9 * bump(t, start + 0.16, 0.8 * beat, 0.05, 0.9 * beat))
     return start + 2 * beat

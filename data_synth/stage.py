@@ -34,7 +34,7 @@ class Stage:
         Seconds.
     rng : numpy.random.Generator
     lively : float
-        How large the sway and the unrest are; 1 as measured in quiet standing.
+        The size of the sway and of other small movements; 1 is as measured in quiet standing.
     """
 
     def __init__(self, body: Body, t: np.ndarray, rng: np.random.Generator, lively: float = 1.0):
@@ -147,7 +147,7 @@ class Stage:
         return ankle + [self.start[0], 0.0, self.start[1]], foot, toes, flying
 
     def _lowering(self, place, pelvis, planted, away) -> np.ndarray:
-        """How far the pelvis must sink for the legs to reach standing feet, smoothed."""
+        """How far the pelvis must sink so that the legs reach standing feet, smoothed."""
         need = np.zeros(len(place))
         for side in (0, 1):
             hip = place + pelvis.apply(self.body.hip(side))
@@ -174,7 +174,7 @@ class Stage:
             facing = pelvis.as_euler("YXZ")[:, 0]
             lifted = place + pelvis.apply(self.body.hip(side)) + rotate_about_y(way, facing)
             ankle = ankle + free[:, None] * (lifted - ankle)
-            # Up before forwards, so that the toes clear the floor.
+            # The foot rises before it moves forwards, so that the toes clear the floor.
             ankle[:, 1] += 0.16 * self.body.leg * free * (1 - free)
             turn = foot.as_euler("YXZ")
             turn[:, 1] += free * (-(shank + bent) - turn[:, 1])
@@ -185,7 +185,7 @@ class Stage:
         return Leg(ankle, foot, toes, self._radians(f"{name}.splay"))
 
     def arm(self, side: int) -> Arm:
-        """One arm, with its goal where it has one."""
+        """The angles of one arm, and its goal if it has one."""
         name = SIDES[side]
         fields = ("flexion", "abduction", "turn", "elbow", "pronation", "wrist", "raised",
                   "forwards", "curl")  # fmt: skip
@@ -194,5 +194,5 @@ class Stage:
 
 
 def bump(t: np.ndarray, start: float, rise: float, hold: float, fall: float) -> np.ndarray:
-    """0, then 1 from start + rise for `hold` seconds, then 0 again, without a corner."""
+    """A smooth curve that is 0, then 1 from start + rise on for `hold` seconds, then 0 again."""
     return ease((t - start) / rise) - ease((t - start - rise - hold) / fall)

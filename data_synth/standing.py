@@ -24,8 +24,10 @@ def idle(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 def shift_weight(stage: Stage, amount: float, start: float, over: float) -> None:
-    """Towards the left leg (1) or the right (-1): the pelvis goes aside, drops on the other side
-    and turns, the spine bends back, the chest and the head follow later."""
+    """Shift the weight to the left leg (1) or to the right (-1).
+
+    The pelvis moves to this side, drops on the other side and turns; the spine bends back, and the
+    chest and the head follow later."""
     stage.move("aside", 0.045 * amount, start, over)
     stage.move("list", 3.5 * amount, start + 0.05, over)
     stage.move("turn", -4.0 * amount, start + 0.05, over)
@@ -48,7 +50,7 @@ def glance(stage: Stage, start: float, tempo: float) -> None:
 
 
 def fidget(stage: Stage, start: float, tempo: float) -> float:
-    """A hand comes up in front of the body, as to look at a watch; when it is down again."""
+    """Raise a hand in front of the body, as to look at a watch; return when it is down again."""
     rng = stage.rng
     side = str(rng.choice(["l", "r"]))
     rise, hold = rng.uniform(0.5, 0.8) / tempo, rng.uniform(0.5, 1.4)

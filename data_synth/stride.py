@@ -13,7 +13,7 @@ from data_synth.body import Body
 from data_synth.curves import ease
 from numpy_cae.motion.heading import rotate_about_y
 
-# Seconds before a walk that begins standing, and after one that ends so.
+# Seconds before a walk that begins with standing, and after a walk that ends with standing.
 LONG_AGO = 1e4
 
 

@@ -8,7 +8,7 @@ The hinge axis determines the plane in which the limb bends; all frames are comp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-# Beyond this share of its length a limb yields smoothly instead of snapping straight.
+# Up to this share of its length a limb reaches the target; beyond it, it straightens smoothly.
 YIELDS_AT, YIELDS_FOR = 0.990, 0.0075
 
 
@@ -20,7 +20,7 @@ def unit(vectors: np.ndarray) -> np.ndarray:
 def reach(
     start: np.ndarray, target: np.ndarray, upper: float, lower: float, hinge: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where the middle joint and the end come to lie.
+    """The positions of the middle joint and of the end.
 
     Parameters
     ----------
@@ -35,7 +35,8 @@ def reach(
     Returns
     -------
     middle, end : (F, 3) arrays
-        The end is the target where that is within 0.99 of the limb's length, else on the way.
+        The end is the target if that is within 0.99 of the limb's length, else a point on the line
+        to the target.
     """
     span = target - start
     distance = np.linalg.norm(span, axis=-1, keepdims=True)
@@ -51,7 +52,7 @@ def reach(
 
 
 def frames_from(x: np.ndarray, y: np.ndarray) -> Rotation:
-    """The rotations whose axis Y points along y exactly, and X as nearly along x as can be."""
+    """The rotations whose axis Y points along y exactly, and X as nearly along x as possible."""
     y = unit(y)
     x = unit(x - np.sum(x * y, axis=-1, keepdims=True) * y)
     return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1))

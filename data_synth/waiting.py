@@ -38,7 +38,7 @@ def _between(stage: Stage, clock: float, tempo: float) -> float:
 
 
 def stretch(stage: Stage, start: float, tempo: float) -> float:
-    """Arms up, back arched, on the toes; then sometimes to one side and the other."""
+    """Raise the arms, arch the back and stand on the toes; sometimes lean to both sides."""
     rng = stage.rng
     rise, fall = rng.uniform(0.9, 1.3) / tempo, rng.uniform(0.9, 1.4) / tempo
     bends = int(rng.integers(0, 3))
@@ -68,7 +68,7 @@ def stretch(stage: Stage, start: float, tempo: float) -> float:
 
 
 def twist_legs(stage: Stage, start: float, tempo: float) -> float:
-    """Cross one leg in front of the other, turn to and fro on them, and stand apart again."""
+    """Cross one leg in front of the other, turn to and fro, and uncross the legs."""
     rng, t = stage.rng, stage.t
     moving = int(rng.integers(2))
     name, sign = SIDES[moving], SIGN[moving]
@@ -91,7 +91,7 @@ def twist_legs(stage: Stage, start: float, tempo: float) -> float:
     stage.add("side", 0.5 * twisting * late)
     stage.add(f"{name}.flexion", 0.5 * twisting * way)
     if rng.random() < 0.6:
-        # Hands folded in front.
+        # The hands are folded in front.
         for arm in SIDES:
             stage.gesture(
                 {f"{arm}.flexion": 12.0, f"{arm}.turn": 34.0, f"{arm}.elbow": 48.0},
@@ -134,7 +134,7 @@ def rest_on_wall(stage: Stage, start: float, tempo: float) -> float:
     }
     if rng.random() < 0.6:
         other = SIDES[1 - side]
-        # The other hand on the hip.
+        # The other hand is on the hip.
         stage.gesture(
             {f"{other}.abduction": 30.0, f"{other}.turn": 32.0, f"{other}.elbow": 70.0,
              f"{other}.flexion": -14.0},

@@ -26,7 +26,7 @@ def set_out(
     headings: np.ndarray,
     bouts: list[tuple[float, float]],
 ) -> tuple[Route, np.ndarray]:
-    """A route at the manner's speed, walked in bouts from standing to standing, and its phase.
+    """A route with the manner's speed, and its phase; each bout begins and ends with standing.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def set_out(
     stature : float
         Metres.
     times, headings : (N,) arrays
-        Seconds, and where the walker faces then, radians.
+        Times in seconds, and the direction that the walker faces, in radians.
     bouts : list of (begin, end)
         Seconds, one after the other.
 
@@ -50,7 +50,7 @@ def set_out(
     # Full speed is reached within three steps (Breniere & Do, 1986, J. Biomech. 19:1035).
     gather = 3 / steps
     wander = drift(rng, 0.02, 0.1, 0.5)(times)
-    # In a bend people slow down: a tenth at 40 degrees a second.
+    # People slow down in a bend, by a tenth at 40 degrees a second.
     bend = np.abs(np.gradient(headings, times))
     go = np.zeros(len(times))
     phase = np.full(len(times), 0.5 * rng.integers(2))

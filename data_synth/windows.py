@@ -32,7 +32,7 @@ class Windows:
     takes : (N,) array of int
         The number of the take that each window was cut from.
     lengths : (20,) array
-        The bone lengths in metres that every take was brought to: their mean.
+        The bone lengths in metres of all windows: the mean of the takes.
     """
 
     features: np.ndarray
@@ -71,11 +71,11 @@ def make_windows(
 def windows_of(plans: Sequence[Plan], length: int = 160, overlap: int = 80) -> Windows:
     """The windows of planned takes, such as `plan_cmu_scale()`.
 
-    Those 9673 take 0.8 GB, and 2.1 while they are made.
+    The 9673 windows of `plan_cmu_scale()` need 0.8 GB, and 2.1 GB while they are made.
     """
     if not plans:
         raise ValueError("there are no takes to cut windows from")
-    # Of each take only what is needed stays in memory: twenty joints of thirty-one.
+    # Only twenty of the thirty-one joints of each take stay in memory.
     bodies, named = [], []
     for plan in plans:
         take = plan.make(_RATE)

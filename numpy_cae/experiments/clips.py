@@ -28,7 +28,7 @@ results."""
 
 @dataclass(frozen=True)
 class Clips:
-    """True windows, which repaired windows are compared with."""
+    """The true windows with which repaired windows are compared."""
 
     manifold: MotionManifold  # gives the mean skeleton and the scale
     x: np.ndarray  # X: normalised windows (N, T, 63); zero is the mean pose
@@ -59,8 +59,8 @@ class Clips:
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
 
     def typical(self) -> int:
-        """Number of the window whose distance from the mean pose is the median, among those with
-        the most real frames."""
+        """The number of the window whose distance from the mean pose is the median of the windows
+        with the most real frames."""
         frames = np.count_nonzero(self.real, axis=1)
         distance = np.mean(np.square(self.x), axis=(1, 2))
         long = np.flatnonzero(frames == frames.max())
@@ -71,7 +71,8 @@ class Clips:
         return self.manifold.denormalise(x[window][self.real[window]])
 
     def later(self, frames: int) -> Clips:
-        """The same truth, delayed by a number of frames; the frames before it do not count."""
+        """The same windows, delayed by a number of frames; the frames before the delayed windows do
+        not count."""
         real = np.roll(self.real, frames, axis=1) & self.real
         real[:, :frames] = False
         return replace(self, x=np.roll(self.x, frames, axis=1), real=real)
@@ -90,10 +91,10 @@ class Clips:
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
-    """World positions (F, 20, 3) of takes, cut into windows of the manifold's length.
+    """Cut world positions (F, 20, 3) of takes into windows of the manifold's length.
 
-    They overlap by half, whatever the overlap in training, so that tables of two networks are
-    measured on the same windows. ValueError if there are no takes.
+    The windows overlap by half, whatever the overlap in training, so that two networks are measured
+    on the same windows. ValueError if there are no takes.
     """
     if not takes:
         raise ValueError("there are no takes to cut into windows")
@@ -120,9 +121,10 @@ def project_repeated(
 class Split:
     """Windows to fit baselines to, to choose their settings on, and to measure on.
 
-    `fitting` and `choosing` are parts of `training`, by take; `testing` has other takes, which
-    `sample` describes in a sentence. A baseline is fitted to `fitting`, its setting (number of
-    axes, length of a filter) chosen on `choosing`; then it is fitted to `training`.
+    `fitting` and `choosing` have the windows of different takes of `training`; `testing` has the
+    windows of other takes, which `sample` describes in a sentence. A baseline is fitted to
+    `fitting`, and its setting (number of axes, length of a filter) is chosen on `choosing`. Then
+    the baseline with this setting is fitted to `training`.
     """
 
     fitting: Clips
@@ -133,11 +135,11 @@ class Split:
 
     @cached_property
     def moments(self) -> Moments:
-        """Of the training windows, for linear denoisers."""
+        """The moments of the training windows, for linear denoisers."""
         return Moments.of(self.training.x, self.training.real)
 
     def fitted(self) -> str:
-        """What the baselines were fitted to, and what the network learned from."""
+        """Sentences that say on what the baselines were fitted and the network was trained."""
         takes = 1 + int(self.training.take.max())
         learned = self.training.manifold.settings.get("takes", takes)
         return (
@@ -173,7 +175,7 @@ def _cut(manifold: MotionManifold, takes: Sequence[LabelledTake], most: int) -> 
 
 
 def split_takes(takes: Sequence[LabelledTake]) -> tuple[list[LabelledTake], list[LabelledTake]]:
-    """All takes but every fifth, and every fifth; at least one of both."""
+    """All takes but every fifth, and every fifth take; each list has at least one take."""
     if len(takes) < 2:
         raise ValueError(f"{len(takes)} takes to train on, expected 2 or more to choose settings")
     every = CHOOSING_EVERY

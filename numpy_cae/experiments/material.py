@@ -66,7 +66,7 @@ class Material:
     coordinates: Coordinates | None = None
 
     def of(self, source: str) -> Material:
-        """The takes of one source."""
+        """The takes of one source, for training and for testing."""
         halves = (self.training, self.testing)
         chosen = [[take for take in half if take.source == source] for half in halves]
         return Material(*chosen, self.mapping, self.coordinates)
@@ -77,8 +77,9 @@ class Material:
         return load_motion(take.path, mapping=self.mapping, **known)
 
     def labelled(self, what: str) -> Material:
-        """Bandai Namco's takes where any are held out, else the synthetic ones; a ValueError that
-        begins with `what` if there are none in one of the halves.
+        """Bandai Namco's takes if some of them are for testing, else the synthetic takes.
+
+        ValueError, which begins with `what`, if none are for training or none for testing.
         """
         used = self.of(_BANDAI_NAMCO)
         if not used.testing:
@@ -89,16 +90,16 @@ class Material:
 
 
 def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) -> Material:
-    """A material of world positions (F, 20, 3) alone."""
+    """A material of takes without labels, from their world positions (F, 20, 3)."""
 
     def takes(positions: Sequence[np.ndarray]) -> list[LabelledTake]:
-        return [LabelledTake(Path(f"take {n}"), each) for n, each in enumerate(positions, 1)]
+        return [LabelledTake(Path(f"take {n}"), take) for n, take in enumerate(positions, 1)]
 
     return Material(takes(training), takes(testing))
 
 
 def synthetic_material(minutes: float, test_every: int) -> Material:
-    """Synthetic takes of so many minutes in all, of which one in `test_every` is for testing."""
+    """Synthetic takes that together last `minutes`; one in `test_every` is for testing."""
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     for plan in plan_takes(minutes):
         positions = body_of(plan.make(RATE).motion)
@@ -128,10 +129,10 @@ def read_material(
     mapping: Mappings = None,
     coordinates: Coordinates | None = None,
 ) -> Material:
-    """Every motion file below the folders, labelled and split.
+    """Read and label every motion file below the folders.
 
-    Files whose name matches one of the patterns are for testing; `mapping` and `coordinates` are
-    those of `numpy_cae.motion.load_body`.
+    Files whose name matches one of the patterns are for testing, the others for training;
+    `mapping` and `coordinates` are arguments of `numpy_cae.motion.load_body`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     bodies = each_usable(folders, lambda path: load_body(path, mapping, coordinates)[0])
@@ -143,17 +144,19 @@ def read_material(
 def each_usable(
     folders: Sequence[str | Path], read: Callable[[Path], Take], strict: bool = False
 ) -> Iterator[tuple[Path, Take]]:
-    """Every motion file below the folders, read. A file that cannot be used is an error if
-    `strict`, otherwise it is left out with a warning."""
+    """Yield the path of every motion file below the folders and what `read` makes of the file.
+
+    A file that cannot be used is an error if `strict`; otherwise it is left out with a warning.
+    """
     for path in (path for folder in folders for path in find_motion_files(folder)):
         try:
-            found = read(path)
+            take = read(path)
         except (MotionFileError, UnknownRigError) as problem:
             if strict:
                 raise
             log.warning("left out: %s", problem)
             continue
-        yield path, found
+        yield path, take
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:
@@ -171,7 +174,8 @@ def labels_of(path: Path) -> tuple[str, str, str]:
 
 @lru_cache(maxsize=16)
 def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
-    """The rows of a labels.csv by file, read once; `changed` makes a changed table another one."""
+    """The rows of a labels.csv by file. The result is cached; `changed`, the time of the last
+    change, makes sure that a changed table is read again."""
     try:
         with open(table, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file, strict=True)

@@ -5,7 +5,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake
-from numpy_cae.experiments.repair import damage, damage_methods
+from numpy_cae.experiments.repair import damage
 from numpy_cae.experiments.repair.damaged_motion import DAMAGES
 from numpy_cae.motion import JOINTS, body_of, body_positions
 
@@ -40,15 +40,15 @@ def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
     material = [LabelledTake(None, body_of(take))]
     _, mask = DAMAGES["twisted leg"](take, np.random.default_rng(2))
     body = small_manifold.body(take)
-    fillings = damage_methods.spline(small_manifold), damage_methods.pca(small_manifold, material)
+    fillings = damage.spline_filling(small_manifold), damage.pca_filling(small_manifold, material)
     for filling in fillings:
-        made = damage_methods.filled(body, mask, filling)
+        made = damage.filled(body, mask, filling)
         off = np.linalg.norm(body_positions(made) - body_positions(take), axis=-1)
         np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
         assert 0 < off[mask].mean() < 0.3
     still = take.at(np.zeros(60, int))
-    for name in damage_methods.FILTERS:
-        made = damage_methods.filtered(still, name)
+    for name in damage.FILTERS:
+        made = damage.filtered(still, name)
         np.testing.assert_allclose(made.positions(), still.positions(), atol=1e-6)
 
 

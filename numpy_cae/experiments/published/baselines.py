@@ -1,4 +1,4 @@
-"""Simple methods of filling in hidden columns; `Method` of protocol.py describes their form."""
+"""Simple methods of filling in hidden columns; each is a `Method` or returns one."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,21 @@ from numpy_cae.experiments.published.protocol import Fill, Method
 from numpy_cae.motion.windows import cut_windows
 
 OFFSET, MEMORY = 0.5, 10
-"""Variance of a take's constant error relative to that of its varying error, whose correlation
-falls by e in so many rows."""
+"""OFFSET: the variance of a take's constant error, relative to that of its varying error. MEMORY:
+the number of rows in which the correlation of the varying error falls by e."""
 
 
 def corrected(method: Method) -> Method:
-    """The method plus what `add_residual` adds to it."""
+    """The method followed by `add_residual`."""
     return lambda takes, columns: add_residual(method(takes, columns), columns)
 
 
 def add_residual(fill: Fill, columns: list[int]) -> Fill:
-    """Carry the error of a fill on the take's rows before the hole into the hole.
+    """Predict the error of a fill in the hole from its error in the rows before the hole.
 
-    The error is taken as a Gaussian process over time: a constant of the take (posture), what
-    fades within `MEMORY` rows (so that the hole begins without a jump), and noise.
+    The error is modelled as a Gaussian process over time. It is the sum of a constant of the take
+    (posture), a part that fades within `MEMORY` rows (so that the hole begins without a jump), and
+    noise.
     """
 
     def filled(take: np.ndarray, first: int) -> np.ndarray:
@@ -36,15 +37,16 @@ def add_residual(fill: Fill, columns: list[int]) -> Fill:
 
 
 def nearest(spread: np.ndarray) -> Method:
-    """The row whose visible columns are nearest, each multiplied by its `spread`."""
+    """Copy the training row with the nearest visible columns, each multiplied by its `spread`."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         rows, visible = np.concatenate(takes), others(columns)
         weighted = rows[:, visible] * spread[visible]
 
         def fill(take: np.ndarray, first: int) -> np.ndarray:
-            own = take[:, visible] * spread[visible]
-            return rows[[np.square(weighted - row).sum(axis=1).argmin() for row in own]][:, columns]
+            queries = take[:, visible] * spread[visible]
+            chosen = [np.square(weighted - query).sum(axis=1).argmin() for query in queries]
+            return rows[chosen][:, columns]
 
         return fill
 
@@ -52,13 +54,16 @@ def nearest(spread: np.ndarray) -> Method:
 
 
 def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-    """The last known value, which is interpolation where no later value is known."""
+    """Repeat the last known value; no later value is known to interpolate to."""
     return lambda take, first: interpolate_linearly(take, ~np.isnan(take))[:, columns]
 
 
 def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
-    """Ridge regression on the visible columns of `taps` rows; with a width on the kernel
-    exp(-d² / (width · number of values)) of their distance d: the mean of a Gaussian process."""
+    """Ridge regression on the visible columns of `taps` rows.
+
+    With a width it is kernel ridge regression, the mean of a Gaussian process, with the kernel
+    exp(-d² / (width · number of values)) of the distance d of the visible columns.
+    """
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
@@ -78,7 +83,7 @@ def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
 
 
 def linear_denoiser(taps: int, penalty: float) -> Method:
-    """`LinearDenoiser` where the hidden columns are kept with probability 0."""
+    """A `LinearDenoiser` for hidden columns that are never kept and others that always are."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         length = max(map(len, takes))
@@ -93,7 +98,7 @@ def linear_denoiser(taps: int, penalty: float) -> Method:
 
 
 def pca(taps: int, size: int) -> Method:
-    """PCA of `taps` rows together; each row is filled in from those around it, as far as known."""
+    """PCA of `taps` rows together; a row is filled in from the known values around it."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         model = PCA.fit(np.concatenate([around(take, taps) for take in takes]))
@@ -111,7 +116,10 @@ def pca(taps: int, size: int) -> Method:
 
 
 def around(take: np.ndarray, taps: int) -> np.ndarray:
-    """The `taps` rows around each row side by side, end rows repeated: (F, C) to (F, taps · C)."""
+    """Concatenate the `taps` rows around each row, with end rows repeated.
+
+    (F, C) to (F, taps · C).
+    """
     padded = np.pad(take, ((taps // 2, taps // 2), (0, 0)), mode="edge")
     return np.concatenate([padded[k : k + len(take)] for k in range(taps)], axis=1)
 

@@ -1,7 +1,7 @@
-"""A published protocol, missing data in a walk of CMU subject 35, with both networks.
+"""Both networks on a published protocol: missing data in a walk of CMU subject 35.
 
-All methods learn from the 31 training takes alone. Their settings were chosen by leaving training
-takes out, whose errors are in the table too; the test take chose nothing.
+All methods learn from the 31 training takes alone. Their settings were chosen on training takes
+left out, whose errors are in a table of their own; no setting was chosen on the test take.
 """
 
 from __future__ import annotations
@@ -38,9 +38,10 @@ PUBLISHED = [
     ["nearest neighbour, radians", ROW, 14.0, 4.11, 30.9, 3.20],
     ["binary latent model, other columns", ROW + BEFORE, 11.7, None, 8.8, None],
 ]
-"""SC and degrees, leg and body: Lawrence 2007, the last row Taylor et al. 2006."""
+"""SC and the error in degrees for leg and body. The last row is from Taylor et al. 2006, the others
+are from Lawrence 2007."""
 BEST = {"leg": (9.7, 3.38), "body": (8.8, 2.49)}
-"""The best published values of each, by whichever methods."""
+"""The smallest published SC and error in degrees for each group, of any method."""
 HEADER = ("method", "sees", "leg SC", "leg °", "body SC", "body °")
 FORMATS = ("", "", ".1f", ".2f", ".1f", ".2f")
 LEFT_OUT = "Training takes left out, by which all settings were chosen (networks: one seed)"
@@ -48,12 +49,12 @@ GAUSSIAN = "Gaussian process"
 NETWORKS = {"convolutional autoencoder": convolutional, "sequential autoencoder": sequential}
 TOGETHER = f", mean of {SEEDS}"
 KNEE = 3
-"""Of the leg's columns."""
+"""The index of the knee among the leg's columns."""
 
 
 def simple_methods(group: str, deviation: np.ndarray) -> dict[tuple[str, str], Method]:
-    """Methods by name and what they see, with the settings that leave the smallest error on left
-    out training takes."""
+    """Methods by their name and what they see, with the settings of the smallest error on training
+    takes left out."""
     leg, ridge = group == "leg", baselines.ridge(15, 1000)
     gaussian = baselines.ridge(*START[group])
     return {
@@ -98,7 +99,7 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
 
 
 class _Group:
-    """The errors of all methods where one group of columns is hidden, and what they filled in."""
+    """The errors and the values of all methods for one group of hidden columns."""
 
     def __init__(self, protocol: Protocol, group: str, seed: int):
         self.name, self.columns = group, GROUPS[group]
@@ -119,9 +120,9 @@ class _Group:
         for name in self.simple:
             self._add(protocol, name, [fills.pop(0)])
         for name in NETWORKS:
-            own, fills = fills[:SEEDS], fills[SEEDS:]
-            self._add(protocol, name, own)
-            self._add(protocol, name + TOGETHER, [ensemble(own)])
+            trained, fills = fills[:SEEDS], fills[SEEDS:]
+            self._add(protocol, name, trained)
+            self._add(protocol, name + TOGETHER, [ensemble(trained)])
 
     def _add(self, protocol: Protocol, name: str, fills: Sequence[Fill]) -> None:
         values = [protocol.test_values(fill, self.columns) for fill in fills]
@@ -147,7 +148,9 @@ def _claims(groups: Sequence[_Group]) -> list[Claim]:
     names = [row[0] for row in PUBLISHED if str(row[0]).startswith("nearest")]
     published = np.array([row[2:] for row in PUBLISHED if row[0] in names], dtype=float)
     read = np.array([np.concatenate([g.test[name][0] for g in groups]) for name in names])
-    sentence = "The protocol is read as published: both rows of the nearest neighbour come out."
+    sentence = (
+        "Both rows of the nearest neighbour have the published errors, so the protocol is the same."
+    )
     off = np.abs(read - published).max(axis=0)
     same = bool((off < [0.1, 0.01, 0.1, 0.01]).all())
     claims = [

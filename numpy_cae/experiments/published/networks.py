@@ -1,9 +1,10 @@
 """Both papers' networks on the protocol's 59 columns, trained by denoising (holden2015, section 6).
 
-The corruption has the protocol's shape: a limb's columns are replaced over many rows, not by zero
-but by the prediction of a Gaussian process from the other columns, learned from other takes. So
-filling in starts with that prediction, and the network corrects it. Its output is averaged over all
-shifts of the pooling grid (convolutional) or all clips that contain a row (sequential).
+The corruption has the protocol's shape: a limb's columns are replaced over many rows. The
+replacement is not zero, but the prediction of a Gaussian process from the other columns, learned
+from other takes. So filling in starts with that prediction, and the network corrects it. The output
+of the convolutional network is averaged over all shifts of the pooling grid, that of the sequential
+network over all clips that contain a row.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,11 +23,11 @@ from numpy_cae.training.schedule import rate_at
 from numpy_cae.training.step import denoising_step, make_optimiser
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
-"""Settings of `ridge`, chosen by leaving takes out, as is everything below."""
+"""Settings of `ridge`. They and all constants below were chosen on training takes left out."""
 VISIBLE, HIDDEN = 0.05, 0.4
 """Factors of the standardised columns, so that the loss is mostly that of the hidden ones."""
 NOISE = 0.3
-"""Standard deviation of what is added to the standardised input."""
+"""Standard deviation of the noise that is added to the standardised input."""
 BATCH = 16
 FILTERS, TAPS, WINDOW, STEPS = (128,), 15, 32, 500
 STAGE = Stage(
@@ -37,18 +38,18 @@ WEIGHT, DIRECTIONS = 0.001, 32
 """λ of the sliced Wasserstein distance, and its directions."""
 
 Draw = Callable[[np.random.Generator, int], tuple[np.ndarray, np.ndarray]]
-"""A batch of true windows of so many rows, and of the same corrupted."""
+"""Random numbers and a number of rows to a batch of true windows and the corrupted windows."""
 Project = Callable[[np.ndarray], np.ndarray]
-"""A take (F, 59), multiplied by its factors, to the network's output."""
+"""A take (F, 59), multiplied by the factors of its columns, to the network's output."""
 Train = Callable[[Draw, int], Project]
 """Batches and a seed to a trained network."""
 
 
 def networks_of(trainings: Sequence[tuple[Train, int]]) -> Learn:
-    """The network of each training, `convolutional` or `sequential`, and seed.
+    """A `Learn` that trains one network for each pair of a training and a seed.
 
-    When filling in, the columns count as hidden in all rows, so that the rows before the hole show
-    the network's own error for `add_residual`.
+    A training is `convolutional` or `sequential`. When filling in, the columns are hidden in all
+    rows, so that `add_residual` can measure the network's error in the rows before the hole.
     """
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> list[Fill]:
@@ -83,8 +84,8 @@ def ensemble(fills: Sequence[Fill]) -> Fill:
 
 
 def start(columns: list[int]) -> Method:
-    """The method that predicts the start for these columns."""
-    group = next(name for name, own in GROUPS.items() if own == columns)
+    """The method that predicts these columns before the network corrects the prediction."""
+    group = next(name for name, hidden in GROUPS.items() if hidden == columns)
     return ridge(*START[group])
 
 
@@ -143,7 +144,7 @@ def sequential(draw: Draw, seed: int) -> Project:
 
 
 def _started(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray]:
-    """The takes with the columns as predicted by a regression on other takes."""
+    """The takes with the columns replaced by predictions of a regression on other takes."""
     started = [take.copy() for take in takes]
     for fold in range(FOLDS):
         others = [take for n, take in enumerate(takes) if n % FOLDS != fold]
@@ -156,8 +157,10 @@ def _started(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray
 def _windows(
     takes: list[np.ndarray], started: list[np.ndarray], length: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Windows of random takes, and the same with the start in all rows or, in half of them, from a
-    random row on."""
+    """Windows of random takes, and the same windows corrupted.
+
+    Half of the windows have predicted columns in all rows, the other half from a random row on.
+    """
     counts = np.array([len(take) - length + 1 for take in takes])
     x = np.empty((BATCH, length, takes[0].shape[1]), np.float32)
     corrupted = np.empty_like(x)
@@ -171,5 +174,5 @@ def _windows(
 
 
 def _padded(take: np.ndarray, rows: int) -> np.ndarray:
-    """The end rows repeated on both sides."""
+    """Repeat the first and the last row `rows` times."""
     return np.pad(take, ((rows, rows), (0, 0)), mode="edge").astype(np.float32)

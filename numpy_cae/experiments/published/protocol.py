@@ -33,9 +33,10 @@ Fill = Callable[[np.ndarray, int], np.ndarray]
 """A take (F, 59), standardised, with NaN where it is hidden, and the first hidden row to the values
 (F, H) of the hidden columns."""
 Method = Callable[[Sequence[np.ndarray], list[int]], Fill]
-"""Learns from takes (F, 59), standardised, to fill in the given columns."""
+"""Standardised takes (F, 59) to learn from, and the columns to hide, to the function that fills in
+these columns."""
 Learn = Callable[[Sequence[np.ndarray], list[int]], list[Fill]]
-"""Several methods at once."""
+"""The same for several methods at once."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +49,17 @@ class Protocol:
 
     @cached_property
     def mean(self) -> np.ndarray:
-        """Of all training rows."""
+        """The mean of all training rows."""
         return np.concatenate(self.takes).mean(axis=0)
 
     @cached_property
     def deviation(self) -> np.ndarray:
-        """Of all training rows, with n - 1."""
+        """The standard deviation of all training rows, with n - 1."""
         return np.concatenate(self.takes).std(axis=0, ddof=1)
 
     @cached_property
     def standardised(self) -> list[np.ndarray]:
-        """The training takes."""
+        """The training takes, standardised."""
         return [(take - self.mean) / self.deviation for take in self.takes]
 
     def errors(
@@ -97,7 +98,7 @@ class Protocol:
                 [_filled(fill, take, columns, len(take) // 2) for fill in fills]
                 for take in left_out
             ]
-        return [self.errors(own, columns) for own in zip(*parts, strict=True)]
+        return [self.errors(of_method, columns) for of_method in zip(*parts, strict=True)]
 
 
 def _filled(

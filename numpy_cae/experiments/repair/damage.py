@@ -7,19 +7,24 @@ the mean distance of a joint from its true position over the damaged joints and 
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import foot_sliding
-from numpy_cae.experiments.material import Material, evenly
-from numpy_cae.experiments.repair import damage_methods as methods
+from numpy_cae.evaluation import PCA, foot_sliding
+from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
+from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.repair.damaged_motion import DAMAGES, stretch
-from numpy_cae.experiments.result import Animation, Claim, Result, Table
-from numpy_cae.manifold import MotionManifold, project_motion, repair
-from numpy_cae.motion import PARENTS, RATE, Motion, body_of, body_positions
+from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.manifold import MotionManifold, fill, project_motion, repair
+from numpy_cae.manifold.repair import Holes
+from numpy_cae.manifold.smooth import filter_motion
+from numpy_cae.motion import POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, bars_figure
+from numpy_cae.motion.retarget.body import Body
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
 TAKES = 10
 """Of each source at most this many takes are damaged."""
@@ -29,13 +34,13 @@ HOLES = (15, 45, 60, 90)
 """Lengths of holes, in frames at 30 a second."""
 HOLE_JOINTS = {"wrist": ("left_wrist",), "leg": LIMBS["left_leg"], "arm": LIMBS["left_arm"]}
 DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
-SPLINE, PCA, PROJECTION = "spline, mask given", "PCA, mask given", "plain projection"
-JITTER, TWISTED = "jitter", "twisted leg"
+SPLINE, LINEAR, PROJECTION = "spline, mask given", "PCA, mask given", "plain projection"
+JITTER = "jitter"
 REMAINS = {
     "frozen in channels": 13 / 19,
     "frozen in the world": 13 / 19,
     "spikes": 1 / 20,
-    TWISTED: 12 / 56,
+    "twisted leg": 12 / 56,
 }
 """Repair with the mask unknown may leave at most this share of the damage."""
 CHANGE, TOUCHED = "change, cm", "touched, %"
@@ -43,13 +48,26 @@ BEFORE, AFTER = "sliding before, cm/s", "sliding after, cm/s"
 CLEAN = (CHANGE, TOUCHED, BEFORE, AFTER, "known, %")
 """What repair does to takes without damage: mean change, share of joints and frames that it
 touched, sliding of the standing foot, share of takes that are like what the model learned from."""
+PCA_TAKES, EXPLAINED = 60, 0.95
+"""PCA is fitted to every third frame of at most PCA_TAKES takes, with as many axes as explain the
+share EXPLAINED of the variance."""
 Values = dict[str, dict[str, list[float]]]
 """Row to column to one number for each take; where a method does not apply there is no column."""
+Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Repairs features (F, 63), a spline where they are missing, given a mask (F, 20)."""
+FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
+    "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _window(0.3, rate), 2, axis=0),
+    "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _window(0.7, rate), 2, axis=0),
+    "Butterworth, 6 Hz": lambda x, rate: _butterworth(x, 6.0, rate),
+    "Butterworth, 3 Hz": lambda x, rate: _butterworth(x, 3.0, rate),
+    "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
+}
+"""Name to a function of curves (F, C) and their frames a second."""
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Damage test takes of each source and repair them; `seed` draws the damage."""
-    fillings = {SPLINE: methods.spline(manifold), PCA: methods.pca(manifold, material.training)}
+    fillings = {SPLINE: spline_filling(manifold), LINEAR: pca_filling(manifold, material.training)}
     tables, claims, trials = [], [], {}
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
@@ -70,8 +88,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         tables,
         claims,
         lambda: _figure(source, first.errors),
-        Animation(first.twisted, RATE),
-        f"The network learned from {manifold.settings.get('takes')} takes, PCA from "
+        note=f"The network learned from {manifold.settings.get('takes')} takes, PCA from "
         f"{len(material.training)}.",
     )
 
@@ -79,12 +96,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 class _Trial:
     """What every method makes of the takes of one source."""
 
-    def __init__(self, manifold: MotionManifold, fillings: dict[str, methods.Filling], seed: int):
+    def __init__(self, manifold: MotionManifold, fillings: dict[str, Filling], seed: int):
         self.manifold, self.fillings, self.seed = manifold, fillings, seed
         self.errors, self.elsewhere, self.touched, self.clean, self.holes = (
             defaultdict(lambda: defaultdict(list)) for _ in range(5)
         )
-        self.twisted: list[Actor] = []
 
     def add(self, truth: Motion, kind: str, number: int) -> None:
         """Damage a take and repair it by every method."""
@@ -97,8 +113,8 @@ class _Trial:
             self.touched["of the rest"][kind].append(100 * repaired.touched[~mask].mean())
             body = self.manifold.body(damaged)
             made[GIVEN] = repair(damaged, self.manifold, mask, force=True).motion
-            made |= {name: methods.filled(body, mask, x) for name, x in self.fillings.items()}
-        made |= {name: methods.filtered(damaged, name) for name in methods.FILTERS}
+            made |= {name: filled(body, mask, x) for name, x in self.fillings.items()}
+        made |= {name: filtered(damaged, name) for name in FILTERS}
         made[PROJECTION] = project_motion(damaged, self.manifold)
         true, before = body_positions(truth), body_positions(damaged)
         for name, motion in made.items():
@@ -106,13 +122,6 @@ class _Trial:
             self.errors[name][kind].append(_distance(after, true)[mask].mean())
             if not mask.all():
                 self.elsewhere[name][kind].append(_distance(after, before)[~mask].mean())
-        if kind == TWISTED and not self.twisted:
-            motions = damaged, repaired.motion, truth
-            drawn = ("damaged", CORRUPTED), ("repaired", PROJECTED), ("truth", TRUTH)
-            self.twisted = [
-                Actor(body_of(motion), PARENTS, *shown)
-                for motion, shown in zip(motions, drawn, strict=True)
-            ]
 
     def add_clean(self, truth: Motion) -> None:
         """Repair a take without damage."""
@@ -136,11 +145,11 @@ class _Trial:
             hole = stretch(motion, frames / RATE, rng)
             for name, joints in HOLE_JOINTS.items():
                 mask = joint_mask(len(motion), joints, hole)
-                filled = {
-                    SPLINE: methods.filled(body, mask, self.fillings[SPLINE]),
+                repaired = {
+                    SPLINE: filled(body, mask, self.fillings[SPLINE]),
                     GIVEN: repair(motion, self.manifold, mask, force=True).motion,
                 }
-                for method, made in filled.items():
+                for method, made in repaired.items():
                     error = _distance(body_positions(made), true)[mask].mean()
                     self.holes[f"{name}, {frames} frames"][method].append(error)
 
@@ -177,7 +186,7 @@ class _Trial:
         change, touched, before, after = (np.mean(self.clean[UNKNOWN][c]) for c in CLEAN[:4])
         moved = max(np.mean(values) for values in self.elsewhere[UNKNOWN].values())
         damaged, smoothed = error(DAMAGED, JITTER), error(UNKNOWN, JITTER)
-        filtered = min(error(name, JITTER) for name in methods.FILTERS if name[0] == "S")
+        filtered = min(error(name, JITTER) for name in FILTERS if name[0] == "S")
         ratios, shortest = self.ratios(), f" {HOLES[0]} frames"
         most = max(ratios.values(), default=np.inf)
         long = max((r for hole, r in ratios.items() if not hole.endswith(shortest)), default=most)
@@ -238,9 +247,63 @@ def _table(caption: str, values: Values, columns: Sequence[str]) -> Table:
 
 def _figure(source: str, errors: Values):
     colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", SPLINE: PLAIN}
-    colours[next(iter(methods.FILTERS))] = "#4aa6a6"
+    colours[next(iter(FILTERS))] = "#4aa6a6"
     groups = [
         (name, [np.mean(errors[name].get(kind, 0.0)) for kind in DAMAGES], colour)
         for name, colour in colours.items()
     ]
     return bars_figure(list(DAMAGES), groups, f"error of {source} takes, cm")
+
+
+def _window(seconds: float, rate: float) -> int:
+    return 2 * round(seconds * rate / 2) + 1
+
+
+def _butterworth(x: np.ndarray, cut_off: float, rate: float) -> np.ndarray:
+    """Of second order, applied forwards and backwards, so that it does not delay."""
+    return sosfiltfilt(butter(2, cut_off, fs=rate, output="sos"), x, axis=0)
+
+
+def filtered(motion: Motion, name: str) -> Motion:
+    """The motion with its curves of translations and rotations (quaternions) filtered."""
+
+    def smooth(curves: np.ndarray) -> np.ndarray:
+        return FILTERS[name](curves.reshape(len(curves), -1), motion.rate).reshape(curves.shape)
+
+    return filter_motion(motion, smooth)
+
+
+def filled(body: Body, mask: np.ndarray, filling: Filling) -> Motion:
+    """The body's motion with the joints of a mask (frames, 20) filled in."""
+    holes = Holes(body, mask)
+    return holes.filled(filling(holes.features, holes.mask)).motion
+
+
+def spline_filling(manifold: MotionManifold) -> Filling:
+    """PCHIP of the features."""
+    return lambda features, missing: fill(manifold, features, missing, repeats=0)
+
+
+def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
+    """PCA of the 15 frames around each frame: the missing values are the most likely ones."""
+
+    def rows(features: np.ndarray) -> np.ndarray:
+        return contexts(manifold.normalise(features)[None], TAPS)[0]
+
+    some = [rows(features)[::3] for features in features_of(manifold, evenly(takes, PCA_TAKES))]
+    fitted = PCA.fit(np.concatenate(some).astype(np.float64))
+    explained = np.cumsum(fitted.variances) / fitted.variances.sum()
+    size = int(np.searchsorted(explained, EXPLAINED)) + 1
+
+    def fill_in(features: np.ndarray, missing: np.ndarray) -> np.ndarray:
+        known = np.ones(features.shape, bool)
+        known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
+        frames = np.flatnonzero(missing.any(axis=1))
+        sure = contexts(known[None], TAPS)[0][frames]
+        found = fitted.fill(rows(features)[frames], sure, size)
+        middle = np.split(found, TAPS, axis=1)[TAPS // 2]
+        result = features.copy()
+        result[frames] = manifold.denormalise(middle)
+        return np.where(known, features, result)
+
+    return fill_in

@@ -1,4 +1,7 @@
-"""Damage to a motion in the rig of its file, with the joints and frames that are damaged."""
+"""Seven kinds of damage to a motion in the rig of its file.
+
+Each function returns the damaged motion and the mask of its damaged joints and frames.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,18 +14,19 @@ from numpy_cae.motion.joints import LIMBS, joint_mask
 
 Rng = np.random.Generator
 Damaged = tuple[Motion, np.ndarray]
-"""The motion and what is damaged, (frames, 20) bool."""
+"""The damaged motion and the mask of what is damaged, (frames, 20) bool."""
 
 SECONDS = 1.5
-"""Length of a stretch of damage, where the take is long enough."""
+"""The length of a stretch of damage if the take is long enough."""
 TWIST, SPIKE = 50.0, (20.0, 60.0)
-"""Degrees."""
+"""The angle of a twisted leg and the range of angles of spikes, in degrees."""
 JITTER, ROOT_JITTER = np.radians(1.5), 0.004
-"""Standard deviations: of a rotation about each axis, and of the root's position in metres."""
+"""Standard deviations of the rotation about each axis, in radians, and of the root's position, in
+metres."""
 
 
 def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
-    """Frames of a motion, with at least one eighth of the motion on both sides."""
+    """Random successive frames of a motion, with an eighth of the motion or more on both sides."""
     margin = len(motion) // 8
     count = max(1, min(round(seconds * motion.rate), len(motion) - 2 * margin - 1))
     first = int(rng.integers(margin, len(motion) - margin - count))
@@ -30,7 +34,7 @@ def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
 
 
 def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
-    """The rotations of a shoulder and an elbow stop for a stretch."""
+    """The rotations of a shoulder and an elbow stay constant for a stretch."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
     rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     for name in ("shoulder", "elbow"):
@@ -70,7 +74,7 @@ def twisted_limb(motion: Motion, rng: Rng) -> Damaged:
 
 
 def missing_marker(motion: Motion, rng: Rng) -> Damaged:
-    """A forearm is as in the rest pose for a stretch, as where the wrist was not seen."""
+    """A forearm is in the rest pose for a stretch, as if the marker of the wrist were missing."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
     rotations = motion.rotations.copy()
     elbow = find_joints(motion.skeleton)[JOINTS.index(f"{side}_elbow")]
@@ -80,13 +84,13 @@ def missing_marker(motion: Motion, rng: Rng) -> Damaged:
 
 
 def dropped_frames(motion: Motion, rng: Rng) -> Damaged:
-    """The last pose is held for a quarter to half of a second, twice."""
+    """Two stretches of a quarter to half of a second repeat the pose before them."""
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     for _ in range(2):
         frames = stretch(motion, rng.uniform(0.25, 0.5), rng)
-        held = np.arange(len(motion))
-        held[frames] = frames.start - 1
-        motion = motion.at(held)
+        shown = np.arange(len(motion))
+        shown[frames] = frames.start - 1
+        motion = motion.at(shown)
         mask[frames] = True
     return motion, mask
 
@@ -124,7 +128,7 @@ def _turned(
     rng: Rng,
     limb: str | None = None,
 ) -> Damaged:
-    """A limb turned at its hip or shoulder, about a random axis across the bone."""
+    """Turn a limb at its hip or shoulder about a random axis perpendicular to the bone."""
     limb = limb or str(rng.choice(list(LIMBS)))
     names = LIMBS[limb]
     rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
@@ -139,16 +143,19 @@ def _turned(
 def _bend(
     shoulder: np.ndarray, elbow: np.ndarray, wrist: np.ndarray, target: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Elbow and wrist, (F, 3), of arms that reach for a point and bend as they did before."""
+    """Positions of elbow and wrist, each (F, 3), of arms that reach for a point.
+
+    The arm bends in the plane in which it bent before.
+    """
     upper = np.linalg.norm(elbow - shoulder, axis=-1, keepdims=True)
     lower = np.linalg.norm(wrist - elbow, axis=-1, keepdims=True)
-    way = target - shoulder
-    distance = np.linalg.norm(way, axis=-1, keepdims=True)
-    way = way / np.maximum(distance, 1e-9)
+    direction = target - shoulder
+    distance = np.linalg.norm(direction, axis=-1, keepdims=True)
+    direction = direction / np.maximum(distance, 1e-9)
     distance = np.clip(distance, np.abs(upper - lower) + 1e-3, upper + lower - 1e-3)
     along = (upper**2 - lower**2 + distance**2) / (2 * distance)
     across = elbow - shoulder
-    across = across - np.sum(across * way, axis=-1, keepdims=True) * way
+    across = across - np.sum(across * direction, axis=-1, keepdims=True) * direction
     across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
     height = np.sqrt(np.maximum(upper**2 - along**2, 0.0))
-    return shoulder + along * way + height * across, shoulder + distance * way
+    return shoulder + along * direction + height * across, shoulder + distance * direction

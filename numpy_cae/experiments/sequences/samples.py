@@ -1,8 +1,8 @@
-"""Samples of jang2018's manifolds: figure 3 draws them, a table measures what it only shows.
+"""Samples of jang2018's manifolds: `figure_3` draws samples, `samples` measures them in a table.
 
-The poster samples "from trained multinomial motion manifold distribution". We read this as a
-multivariate normal distribution, fitted to the latent vectors of the training clips; if the
-regulariser succeeds, it equals the prior. Samples of both are drawn and measured.
+The poster samples "from trained multinomial motion manifold distribution". We take this to be a
+multivariate normal distribution, fitted to the latent vectors of the training clips. If the
+regulariser succeeds, this distribution equals the prior. Samples of both are drawn and measured.
 
 near           mean distance to the nearest held-out clip, relative to that of training clips
 distinguished  accuracy of a 1-nearest-neighbour two-sample test against held-out clips; 50% is
@@ -34,7 +34,8 @@ COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
 WALKING = ("walking", "walking_dog", "walking_extra")
 SAMPLES = 100
 """Clips from each source that are measured."""
-MAX_STRIDE_ERROR, MAX_ACCURACY = 0.10, 0.75
+MAX_STRIDE_ERROR = 0.10
+"""Of the median stride of walking, relative to real clips."""
 HEADER = ("samples from", "near", "distinguished", "diversity", "stride / real", "1/s")
 
 
@@ -57,7 +58,7 @@ def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray
 
 
 def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Result:
-    """Draw the first of sixteen clips from one source, as strips; FITTED ones also moving."""
+    """Draw the first of sixteen clips from one source as strips; clips from FITTED also move."""
     clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)[:SHOWN]
     actors = [
         Actor(study.positions(clip), PARENTS, f"{source} {number}", COLOURS[source])
@@ -77,7 +78,7 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     rows = [row for study in studies for row in _rows(study, seed)]
     table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
     names = [study.action.name for study in studies]
-    claims = _walking_claims(table) if "walking" in names else []
+    claims = [_walking_claim(table)] if "walking" in names else []
     alike, other = [], []
     for study in studies:
         spread = table.value(f"{study.action.name}: {FITTED}", "diversity")
@@ -91,26 +92,17 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
             f"{others} for the others.",
         )
         claims.append(claim)
-    return Result("Samples of jang2018's manifolds beside real clips", [table], claims)
+    return Result("Samples of jang2018's manifolds compared with real clips", [table], claims)
 
 
-def _walking_claims(table: Table) -> list[Claim]:
-    row = f"walking: {FITTED}"
-    _, _, accuracy, _, stride, strides = (table.value(row, column) for column in HEADER)
-    return [
-        Claim(
-            "Samples of walking show a walking pattern (jang2018, Results; here: their median "
-            "stride is within 10% of real ones').",
-            abs(stride - 1) <= MAX_STRIDE_ERROR,
-            f"{strides:.2f} strides a second, {stride:.2f} of real clips'.",
-        ),
-        Claim(
-            "Samples of walking can hardly be distinguished from real clips (here: below 75%).",
-            accuracy < MAX_ACCURACY,
-            f"{accuracy:.0%} are classified apart; from the prior itself "
-            f"{table.value(f'walking: {PRIOR}', 'distinguished'):.0%}.",
-        ),
-    ]
+def _walking_claim(table: Table) -> Claim:
+    stride, strides = (table.value(f"walking: {FITTED}", column) for column in HEADER[-2:])
+    return Claim(
+        "Samples of walking show a walking pattern (jang2018, Results; here: their median stride "
+        "is within 10% of real ones').",
+        abs(stride - 1) <= MAX_STRIDE_ERROR,
+        f"{strides:.2f} strides a second, {stride:.2f} of real clips'.",
+    )
 
 
 def _rows(study: Study, seed: int) -> list[list]:
@@ -136,8 +128,8 @@ def _rows(study: Study, seed: int) -> list[list]:
 
 
 def _strides(study: Study, clips: np.ndarray) -> float:
-    """Median strides a second over the clips in which somebody walks; nan where nobody does."""
+    """Median strides a second over the clips with a stride; nan if no clip has one."""
     if study.action.name not in WALKING:
         return float("nan")
-    found = [gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips]
-    return float(np.nanmedian(found)) if np.isfinite(found).any() else float("nan")
+    strides = [gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips]
+    return float(np.nanmedian(strides)) if np.isfinite(strides).any() else float("nan")
