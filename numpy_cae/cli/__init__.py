@@ -59,9 +59,9 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
     argv = sys.argv[1:] if argv is None else list(argv)
-    command = _command(argv)
+    command = next((word for word in argv if not word.startswith("-")), None)
     try:
-        args = _parser(argv).parse_args(argv)  # imports for a second
+        args = _parser(command).parse_args(argv)  # imports for a second
         status = args.run(args)
         sys.stdout.flush()
         return status
@@ -78,19 +78,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _command(argv: Sequence[str]) -> str | None:
-    """The name of the subcommand."""
-    return next((word for word in argv if not word.startswith("-")), None)
-
-
-def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser, with the options of the subcommand that `argv` names and of no other."""
+def _parser(chosen: str | None) -> argparse.ArgumentParser:
+    """The parser, with the options of the subcommand `chosen` and of no other."""
     parser = _Parser(
         "numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
     )
     parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    chosen = _command(argv)
     if chosen is not None and chosen not in SUBCOMMANDS:
         parser.refuse(chosen, SUBCOMMANDS)
     for name, help_line in SUBCOMMANDS.items():

@@ -35,8 +35,3 @@ def bones(points: np.ndarray, parents: tuple[int, ...]) -> np.ndarray:
     ends = [joint for joint, parent in enumerate(parents) if parent > on_floor]
     starts = [parents[joint] for joint in ends]
     return np.stack([points[starts], points[ends]], axis=1)
-
-
-def floor_point(points: np.ndarray) -> np.ndarray:
-    """The point of the floor below the middle of a body, (J, 3) to (3,)."""
-    return np.median(points, axis=0) * [1.0, 0.0, 1.0]

@@ -9,7 +9,7 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.actor import Actor
-from numpy_cae.viz.camera import bones, camera_view, floor_point
+from numpy_cae.viz.camera import bones, camera_view
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,7 +69,8 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
 
 def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
     points = actor.positions[frame]
-    return bones(camera_view(points - floor_point(points), azimuth), actor.parents)
+    on_floor = np.median(points, axis=0) * [1.0, 0.0, 1.0]  # below the middle of the body
+    return bones(camera_view(points - on_floor, azimuth), actor.parents)
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:

@@ -135,15 +135,14 @@ def _tracks(actor: Actor, first: Actor, furthest: float) -> list[dict]:
     tracks = []
     if actor.damaged is not None:
         share = np.where(actor.damaged.any(axis=1), 0.25 + 0.75 * actor.damaged.mean(axis=1), 0.0)
-        tracks.append(_track(f"{actor.label}: damaged", DAMAGED_COLOUR, share))
+        tracks.append(("damaged", DAMAGED_COLOUR, share))
     if actor.moved is not None and furthest > 0:
-        label = f"{actor.label}: distance from {first.label}"
-        tracks.append(_track(label, MOVED_COLOUR, actor.moved.max(1) / furthest))
-    return tracks
-
-
-def _track(label: str, colour: str, values: np.ndarray) -> dict:
-    return {"label": label, "colour": colour, "values": [round(float(v), 2) for v in values]}
+        share = actor.moved.max(axis=1) / furthest
+        tracks.append((f"distance from {first.label}", MOVED_COLOUR, share))
+    return [
+        {"label": f"{actor.label}: {label}", "colour": colour, "values": share.round(2).tolist()}
+        for label, colour, share in tracks
+    ]
 
 
 @dataclass(frozen=True, repr=False)

@@ -62,35 +62,28 @@ def test_it_runs_as_a_module_and_prints_its_version():
 
 
 def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
-    picture = tmp_path / "figure.png"
-    file = train(walks, tmp_path / "m.npz", "--test", "*_3.bvh", "--picture", picture)
-    captured = capsys.readouterr()
-    assert "3 takes to train on (0.1 min, less than 10 is little" in captured.err
-    assert "centimetres (4)" in captured.err
-    assert "| the network " in captured.out
-    assert picture.read_bytes().startswith(b"\x89PNG")
-    settings = load_manifold(file).settings
-    assert settings["takes"] == 3
-    expected = json.loads(json.dumps(asdict(Stage(epochs=2, rate=0.05, alpha=0.0))))
-    assert settings["schedule"]["fine_tuning"] == expected
-
-
-def test_several_folders_and_patterns_are_saved_with_the_model(walks, tmp_path, capsys, train):
-    other = tmp_path / "other"
+    other, picture = tmp_path / "other", tmp_path / "figure.png"
     shutil.copytree(walks, other, ignore=shutil.ignore_patterns("walk_3.bvh"))
     options = "--fine-zeroed 0.1 0.9 --fine-rescaled --fine-batch 4 --fine-momentum 0.5".split()
-    options += ["--test", "*_3.bvh", "*_2.bvh"]
-    out = train([walks, other], tmp_path / "m.npz", *options)
-    assert "4 takes to train on" in capsys.readouterr().err
-    manifold = load_manifold(out)
+    options += ["--test", "*_3.bvh", "*_2.bvh", "--picture", picture]
+    file = train([walks, other], tmp_path / "m.npz", *options)
+    captured = capsys.readouterr()
+    assert "4 takes to train on (0.2 min, less than 10 is little" in captured.err
+    assert "centimetres (7)" in captured.err
+    assert "| the network " in captured.out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    manifold = load_manifold(file)
+    assert manifold.rescales and manifold.settings["takes"] == 4
     assert manifold.settings["test"] == ["*_3.bvh", "*_2.bvh"]
     assert manifold.settings["folders"] == [
         {"name": walks.name, "files": 4, "test": 2},
         {"name": "other", "files": 3, "test": 1},
     ]
-    assert manifold.settings["schedule"]["fine_tuning"]["zeroed"] == [0.1, 0.9]
-    assert manifold.settings["schedule"]["fine_tuning"]["momentum"] == 0.5
-    assert manifold.rescales
+    stage = Stage(
+        epochs=2, rate=0.05, alpha=0.0, momentum=0.5, batch=4, zeroed=(0.1, 0.9), rescaled=True
+    )
+    expected = json.loads(json.dumps(asdict(stage)))
+    assert manifold.settings["schedule"]["fine_tuning"] == expected
 
 
 FAST = replace(recipe("fast").fine_tuning, epochs=9, rate=0.01)
