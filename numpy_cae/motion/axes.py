@@ -56,8 +56,8 @@ def without_added(motion: Motion) -> Motion:
     skeleton = motion.skeleton
     if not skeleton.added:
         return motion
-    own = slice(len(skeleton.names) - skeleton.added)
-    names, parents, offsets = skeleton.names[own], skeleton.parents[own], skeleton.offsets[own]
+    kept = slice(len(skeleton.names) - skeleton.added)
+    names, parents, offsets = skeleton.names[kept], skeleton.parents[kept], skeleton.offsets[kept]
     shorter = replace(skeleton, names=names, parents=parents, offsets=offsets, added=0)
-    rotations, translations = motion.rotations[:, own], motion.translations[:, own]
+    rotations, translations = motion.rotations[:, kept], motion.translations[:, kept]
     return replace(motion, skeleton=shorter, rotations=rotations, translations=translations)

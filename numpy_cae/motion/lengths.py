@@ -62,8 +62,8 @@ def problem_of(positions: np.ndarray) -> str:
     )  # a few damaged frames do not change the median
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
-        found = f"the bones to both knees and ankles are {legs:.3g} m long in all"
-        return f"{found}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
+        problem = f"the bones to both knees and ankles are {legs:.3g} m long in all"
+        return f"{problem}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
     for joint, parent in list(enumerate(PARENTS))[1:]:
         if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):
             return f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
@@ -127,10 +127,10 @@ def features_on_mean_skeleton(
     lengths : (20,) array of float64
         The mean bone lengths in metres; each take has the same weight.
     """
-    own = [bone_lengths(take) for take in takes]
-    mean = np.mean(own, axis=0)
+    lengths_of_takes = [bone_lengths(take) for take in takes]
+    mean = np.mean(lengths_of_takes, axis=0)
     features = [
         positions_to_features(change_lengths(take, lengths, mean), rate)[0]
-        for take, lengths in zip(takes, own, strict=True)
+        for take, lengths in zip(takes, lengths_of_takes, strict=True)
     ]
     return features, mean

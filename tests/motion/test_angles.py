@@ -105,11 +105,6 @@ def wrapped(vectors):
     return Rotation.from_rotvec(vectors.reshape(-1, 3)).as_rotvec().reshape(vectors.shape)
 
 
-def equal_rotations(a, b):
-    gap = Rotation.from_rotvec(a.reshape(-1, 3)).inv() * Rotation.from_rotvec(b.reshape(-1, 3))
-    return gap.magnitude().max() < 1e-9
-
-
 @given(st.integers(0, 9999))
 def test_the_same_rotations_without_a_jump(seed):
     rng = np.random.default_rng(seed)
@@ -119,7 +114,7 @@ def test_the_same_rotations_without_a_jump(seed):
     axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
     smooth = angle[..., None] * axis
     found = unwrapped(wrapped(smooth))
-    assert equal_rotations(found, smooth)
+    assert np.allclose(wrapped(found), wrapped(smooth), atol=1e-9)
     steps = np.linalg.norm(np.diff(smooth, axis=0), axis=-1).max()
     assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() < 2 * steps + 1e-9
 
@@ -144,7 +139,6 @@ def test_a_clip_forgets_turns_made_before_it(seed, turns):
     axis /= np.linalg.norm(axis)
     clip = (rng.uniform(0.5, 2.5) + 0.2 * np.sin(np.linspace(0, 6, 50)))[:, None, None] * axis
     later = clip * (1 + 2 * np.pi * turns / np.linalg.norm(clip, axis=-1, keepdims=True))
-    assert equal_rotations(shortest_clips(later), clip)
     assert np.allclose(shortest_clips(later), clip, atol=1e-9)
 
 

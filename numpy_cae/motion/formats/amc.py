@@ -147,7 +147,7 @@ def _frames(
     `rate` is that of these frames. Comments, blanks and the order of the bones do not matter.
     """
     names = acclaim.skeleton.names
-    channels = {name: own.names for name, own in zip(names, acclaim.channels, strict=True)}
+    channels = {name: bone.names for name, bone in zip(names, acclaim.channels, strict=True)}
     moving = [name for name in names if channels[name]]
     rows = array("d")
     frame: dict[str, tuple[int, list[str]]] = {}

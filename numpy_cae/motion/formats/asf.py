@@ -70,8 +70,8 @@ class _Block:
         `axis`."""
         letters = "".join(order).upper()
         if sorted(letters) != ["X", "Y", "Z"]:
-            found = f"axis order {quoted(letters)}, expected X, Y and Z, such as XYZ"
-            raise self.file.error(self.words("axis", "")[0], found)
+            problem = f"axis order {quoted(letters)}, expected X, Y and Z, such as XYZ"
+            raise self.file.error(self.words("axis", "")[0], problem)
         letters = letters[::-1]  # the world's axes are the own axes in reverse
         values = np.array([[angles["XYZ".index(axis)] for axis in letters]])
         return from_angles(letters, np.radians(values) if degrees else values)[0]
@@ -175,8 +175,8 @@ def _read_sections(
     bones: list[_Block] = []
     hierarchy = []
     section, bone = _Block(file, 0, {}), None
-    for line, found in statements(file):
-        words = " ".join(found).translate(_SEPARATORS).split()
+    for line, statement in statements(file):
+        words = " ".join(statement).translate(_SEPARATORS).split()
         if not words:
             continue
         keyword, rest = words[0].lower(), words[1:]
@@ -228,12 +228,12 @@ def _depth_first(
 ) -> dict[str, int]:
     """The bones below the root in `:hierarchy`, parents before children, with the place of each
     one's parent."""
-    known = {"root", *(bone.name for bone in bones)}
-    children: dict[str, list[str]] = {name: [] for name in known}
-    free = known - {"root"}
+    names_of_bones = {"root", *(bone.name for bone in bones)}
+    children: dict[str, list[str]] = {name: [] for name in names_of_bones}
+    free = names_of_bones - {"root"}
     for line, (parent, *names) in hierarchy:
         wrong = [name for name in names if name not in free or names.count(name) > 1]
-        if wrong or parent not in known:
+        if wrong or parent not in names_of_bones:
             expected = "expected bones of :bonedata, each as a child of one other"
             raise file.error(line, f":hierarchy, {quoted([*wrong, parent][0])}: {expected}")
         free -= set(names)

@@ -83,12 +83,12 @@ def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
 
 
 def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
-    found, first = [], 0
+    channels, first = [], 0
     for joint in joints:
         names = tuple(f"{'rt'[name[1:] == 'position']}{name[0]}" for name in joint.channels or [])
-        found.append(Channels(names, first, unit))
+        channels.append(Channels(names, first, unit))
         first += len(names)
-    return found
+    return channels
 
 
 def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
@@ -154,5 +154,5 @@ def _rate(file: TextFile, line: int, time: str) -> float:
         raise file.error(line, f"Frame Time: {time}, {expected}")
     rate = 1 / seconds
     # .0083333 is how files write 1/120; 0.033367 (29.97 Hz) is a rate of its own.
-    whole = max(1, round(rate))
-    return float(whole) if abs(rate / whole - 1) < 1e-4 else rate
+    rounded = max(1, round(rate))
+    return float(rounded) if abs(rate / rounded - 1) < 1e-4 else rate

@@ -54,13 +54,13 @@ class Channels:
         order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
         if order.islower():  # fixed axes are the joint's own in reverse
             order, angles = order[::-1].upper(), angles[:, ::-1]
-        found = quaternions.from_angles(order, angles)
+        rotations = quaternions.from_angles(order, angles)
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
-            found[:, :3] = quaternions.rotate(self.axes, found[:, :3])
+            rotations[:, :3] = quaternions.rotate(self.axes, rotations[:, :3])
         if self.orientation is not None:
-            found = quaternions.product(self.orientation, found)
-        return found
+            rotations = quaternions.product(self.orientation, rotations)
+        return rotations
 
     def rotation_values(
         self,
@@ -112,11 +112,11 @@ def read_pose(
     """
     rotations = np.tile(quaternions.IDENTITY, (len(values), len(channels), 1))
     translations = np.tile(offsets, (len(values), 1, 1))
-    for joint, own in enumerate(channels):
-        for coordinate, column in zip(own.coordinates, own.columns("t"), strict=True):
-            place = own.offset[coordinate]
-            translations[:, joint, coordinate] = place + own.unit * values[:, column]
-        rotations[:, joint] = own.rotations(values[:, own.columns("r")])
+    for joint, of_joint in enumerate(channels):
+        for coordinate, column in zip(of_joint.coordinates, of_joint.columns("t"), strict=True):
+            place = of_joint.offset[coordinate]
+            translations[:, joint, coordinate] = place + of_joint.unit * values[:, column]
+        rotations[:, joint] = of_joint.rotations(values[:, of_joint.columns("r")])
     return rotations, translations
 
 
@@ -148,7 +148,7 @@ def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
     """
     if order.islower():  # fixed axes are the joint's own in reverse
         return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
-    found = np.zeros((len(rotations), len(order)))
+    nearest = np.zeros((len(rotations), len(order)))
     least = np.full(len(rotations), np.inf if order else -np.inf)
     for three in map("".join, permutations("XYZ")):
         places = [three.index(axis) for axis in order]
@@ -158,6 +158,6 @@ def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
                 return angles
             inverse = quaternions.inverse(quaternions.from_angles(order, angles))
             miss = quaternions.angle(quaternions.product(inverse, rotations))
-            found[miss < least] = angles[miss < least]
+            nearest[miss < least] = angles[miss < least]
             least = np.minimum(least, miss)
-    return found
+    return nearest

@@ -92,14 +92,14 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
         if not text.strip():
             continue
         words = [word.strip() for word in text.split(",")]
-        found = f"the line has {len(words)} value{'s' * (len(words) != 1)}"
+        problem = f"the line has {len(words)} value{'s' * (len(words) != 1)}"
         if rig is None:
             rig = next((rig for rig in EXPMAP_RIGS if rig.width == len(words)), None)
         if rig is None:
             widths = " or ".join(f"{rig.width} ({rig.name})" for rig in EXPMAP_RIGS)
-            raise file.error(line, f"{found}, expected {widths}, separated by commas")
+            raise file.error(line, f"{problem}, expected {widths}, separated by commas")
         if len(words) != rig.width:
-            raise file.error(line, f"{found}, expected {rig.width} as in the lines above")
+            raise file.error(line, f"{problem}, expected {rig.width} as in the lines above")
         rows.extend(file.numbers(line, words))
         file.require_frames(len(rows) // rig.width, len(rig.rows), rig.rate)
     if rig is None:

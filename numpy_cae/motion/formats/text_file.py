@@ -106,8 +106,8 @@ class TextFile:
         """The words as finite numbers, `count` of them; MotionFileError quotes the first that is
         none, or says how many values `name` has."""
         if count is not None and len(words) != count:
-            found = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
-            raise self.error(line, f"{found}, expected {count} number{'s' * (count > 1)}")
+            problem = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
+            raise self.error(line, f"{problem}, expected {count} number{'s' * (count > 1)}")
         values = []
         for word in words:
             value = _number(word)
@@ -132,7 +132,7 @@ class TextFile:
                 (n, text) for n, text in enumerate(texts, first) if n > after and text.strip()
             ]
             within = enumerate(filled[: max(frames - lines, 0)], lines)
-            parsed = [each for row, each in within if row % step == 0 or row == frames - 1]
+            parsed = [numbered for row, numbered in within if row % step == 0 or row == frames - 1]
             if parsed:
                 rows.frombytes(self._rows(parsed, width, expected).tobytes())
             lines += len(filled)
@@ -162,9 +162,9 @@ class TextFile:
         poses = frames * joints * max(1.0, RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
         if poses > most:
-            found = f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f}"
+            poses_of = f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f}"
             expected = f"at {RATE:g} a second or more, expected at most {most}"
-            raise self.error(None, f"{found} poses {expected} in a file of this size")
+            raise self.error(None, f"{poses_of} poses {expected} in a file of this size")
 
 
 def whole_number(text: str) -> int | None:

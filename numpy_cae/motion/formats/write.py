@@ -73,10 +73,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     moving = {joint for joint in order if joint == 0 or distance[joint] > RESOLUTION}
     lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
     lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
-    with (
-        atomic_write(path) as temporary,
-        temporary.open("w", encoding="utf-8", newline="\n") as file,
-    ):
+    with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
         for line in chain(lines, _frame_lines(motion, order, moving, unit)):
             file.write(line + "\n")
 
@@ -155,7 +152,7 @@ def write_npz(motion: Motion, path: str | Path) -> None:
     """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically."""
     positions, rate = motion.positions(), motion.rate
     names, parents = np.array(motion.skeleton.names), np.array(motion.skeleton.parents)
-    with atomic_write(path) as temporary, temporary.open("wb") as file:
+    with atomic_write(path) as temp, temp.open("wb") as file:
         np.savez_compressed(file, positions=positions, names=names, parents=parents, rate=rate)
 
 
@@ -166,10 +163,7 @@ def write_csv(motion: Motion, path: str | Path) -> None:
     table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
     names = [name.replace('"', '""') for name in motion.skeleton.names]
     header = ",".join(["time", *(f'"{name} {axis}"' for name in names for axis in "xyz")])
-    with (
-        atomic_write(path) as temporary,
-        temporary.open("w", encoding="utf-8", newline="\n") as file,
-    ):
+    with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
         np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")
 
 

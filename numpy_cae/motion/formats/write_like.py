@@ -197,11 +197,11 @@ def _put_angles(
         before = values[first - 1, columns] if first else None
         before = last[columns] if first == 0 and last is not None else before
         after = values[end, columns] if end < len(values) else None
-        own, present = rotations[first:end], values[first:end, columns]
-        angles = channels.rotation_values(own, present, before, after)
+        wanted, present = rotations[first:end], values[first:end, columns]
+        angles = channels.rotation_values(wanted, present, before, after)
         values[first:end, columns] = angles
         if len(columns) < 3 or channels.limits is not None:
-            off = angle(product(inverse(channels.rotations(angles)), own))
+            off = angle(product(inverse(channels.rotations(angles)), wanted))
             miss = max(miss, float(np.degrees(off.max())))
     return miss
 
@@ -233,7 +233,7 @@ def _bvh_format(source: Path, motion: Motion) -> _Format:
 
 def _amc_format(source: Path, motion: Motion) -> _Format:
     channels = amc_channels(source, motion.unit)
-    counts = [len(each.names) for each in channels]
+    counts = [len(of_joint.names) for of_joint in channels]
     index = {name: joint for joint, name in enumerate(motion.skeleton.names)}
 
     def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:

@@ -120,8 +120,8 @@ def detect_floor(body: np.ndarray) -> float:
     low = body[..., 1].min(axis=1) - TOE
     level = float(np.percentile(low, 5))
     at_zero = np.mean(np.abs(low) < NEAR) >= AT_ZERO
-    found = abs(level) > FLOOR and not at_zero and np.mean(low < level + NEAR) >= AT_LEVEL
-    return level if found else 0.0
+    is_elsewhere = abs(level) > FLOOR and not at_zero and np.mean(low < level + NEAR) >= AT_LEVEL
+    return level if is_elsewhere else 0.0
 
 
 def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
@@ -132,12 +132,12 @@ def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
     """
     up, floor = coordinates.up, coordinates.floor
     reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
-    found = match_rig(motion.skeleton)[1]
-    if len(found) < len(JOINTS):
+    rig_joints = match_rig(motion.skeleton)[1]
+    if len(rig_joints) < len(JOINTS):
         suggested = replace(motion.skeleton, joint_names=suggest_mapping(motion.skeleton))
-        found = match_rig(suggested)[1]
-    if len(found) == len(JOINTS) and (up is None or floor is None):
-        joints = [found[joint] for joint in JOINTS]
+        rig_joints = match_rig(suggested)[1]
+    if len(rig_joints) == len(JOINTS) and (up is None or floor is None):
+        joints = [rig_joints[joint] for joint in JOINTS]
         body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)
         rest = motion.skeleton.rest_positions()[joints]
         up = detect_up(body, rest) if up is None else up

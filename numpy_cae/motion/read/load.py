@@ -283,7 +283,7 @@ def find_motion_files(folder: str | Path) -> list[Path]:
     if not folder.is_dir():
         problem = "is a file, expected a folder" if folder.exists() else "there is no such folder"
         raise MotionFileError(folder, None, problem)
-    found = sorted(
+    paths = sorted(
         path
         for path in folder.rglob("*")
         # A name that begins with a dot is a system's note about a file, not the file.
@@ -292,6 +292,6 @@ def find_motion_files(folder: str | Path) -> list[Path]:
         and not path.name.startswith(".")
         and (path.suffix.lower() != ".txt" or is_expmap_text(path))
     )
-    if not found:
+    if not paths:
         raise MotionFileError(folder, None, f"holds no motion file; {SUPPORTED}")
-    return found
+    return paths

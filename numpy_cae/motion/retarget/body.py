@@ -83,10 +83,10 @@ def at_rate_of(
             f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
         )
     frames = np.arange(len(motion)) if frames is None else frames
-    found = np.empty((len(frames), *positions.shape[1:]))
+    resampled = np.empty((len(frames), *positions.shape[1:]))
     if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
-        found[:] = positions[0 if len(times) == 1 else frames]
-        return found
+        resampled[:] = positions[0 if len(times) == 1 else frames]
+        return resampled
     step = times[1]
     for part in blocks(np.arange(len(frames))):
         # The curve of some frames depends on three poses before them and three after them.
@@ -94,9 +94,9 @@ def at_rate_of(
         near = positions[max(first, 0) : end]
         if end > len(times):
             near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
-        own = step * (max(first, 0) + np.arange(len(near)))
-        found[part] = Akima1DInterpolator(own, near, method="makima")(frames[part])
-    return found
+        near_times = step * (max(first, 0) + np.arange(len(near)))
+        resampled[part] = Akima1DInterpolator(near_times, near, method="makima")(frames[part])
+    return resampled
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,14 @@ def _rig(trunk: str, limbs: str, sides: str, prefixes: str = "") -> Names:
     """The table of a rig."""
     trunk_names = trunk.split()
     joints = ("hips", "head") if len(trunk_names) == 2 else ("hips", "spine", "chest", "head")
-    names = {joint: each.split("|") for joint, each in zip(joints, trunk_names, strict=True)}
+    names = {joint: text.split("|") for joint, text in zip(joints, trunk_names, strict=True)}
     for side, patterns in zip(("left", "right"), sides.split(), strict=True):
-        for joint, each in zip(_LIMBS, limbs.split(), strict=True):
-            options = product(patterns.split("|"), each.split("|"))
+        for joint, text in zip(_LIMBS, limbs.split(), strict=True):
+            options = product(patterns.split("|"), text.split("|"))
             names[f"{side}_{joint}"] = [pattern.format(name) for pattern, name in options]
     return {
-        joint: tuple(prefix + name for prefix, name in product(prefixes.split("|"), each))
-        for joint, each in names.items()
+        joint: tuple(prefix + name for prefix, name in product(prefixes.split("|"), text))
+        for joint, text in names.items()
     }
 
 

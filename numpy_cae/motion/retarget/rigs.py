@@ -96,14 +96,14 @@ def match_rig(skeleton: Skeleton) -> tuple[str, dict[str, int]]:
     named, index = skeleton.joint_names, _finder(skeleton)
     present = {joint: at for joint, name in named.items() if (at := index(name)) is not None}
     plain = _plain_names(skeleton)
-    known = {
+    present_in = {
         # Of several names of a joint that the skeleton has, the first: the last to be set.
         rig: {joint: plain[n] for joint, names in table.items() for n in names[::-1] if n in plain}
         for rig, table in _PLAIN_RIGS.items()
     }
     # The fewest joints missing and, of equals, the most found.
-    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(known[rig]), -len(known[rig])))
-    found = {joint: at for joint, at in known[best].items() if joint not in named} | present
+    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(present_in[rig]), -len(present_in[rig])))
+    found = {joint: at for joint, at in present_in[best].items() if joint not in named} | present
     add_trunk(skeleton, found, set(named))
     for name in skeleton.names[len(skeleton.names) - skeleton.added :]:
         found[name.removesuffix(ADDED)] = skeleton.names.index(name)
@@ -159,11 +159,11 @@ def joint_index(name: str, skeleton: Skeleton) -> int:
     """
     if name in JOINTS:
         return JOINTS.index(name)
-    found = [skeleton.names[joint] for joint in find_joints(skeleton)]
+    names_in_rig = [skeleton.names[joint] for joint in find_joints(skeleton)]
     for form in (str, str.lower, _plain):
-        if form(name) in (forms := [form(each) for each in found]):
+        if form(name) in (forms := [form(other) for other in names_in_rig]):
             return forms.index(form(name))
-    pairs = ", ".join(f"{own} ({rigs})" for own, rigs in zip(JOINTS, found, strict=True))
+    pairs = ", ".join(f"{ours} ({rigs})" for ours, rigs in zip(JOINTS, names_in_rig, strict=True))
     if name in skeleton.names:
         raise UnknownRigError(f"joint {name!r} is not among the twenty, which are {pairs}")
     raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")

@@ -21,20 +21,20 @@ SHORT = 0.25
 
 def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
     """The rotations (F, 4) of one joint as quaternions, changed only where `damaged` (F)."""
-    found = rotations.copy()
+    changed = rotations.copy()
     for first, end in runs(damaged):
         inside = rotations[first:end]
         before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
         ends = ((inside[0], before), (inside[-1], after))
-        missing = [to_vector(product(inverse(own), out)) for own, out in ends if out is not None]
+        missing = [to_vector(product(inverse(now), out)) for now, out in ends if out is not None]
         if len(missing) == 2 and end - first <= SHORT * rate:
             share = np.arange(1, end - first + 1) / (end - first + 1)
-            found[first:end] = slerp(rotations[first - 1], rotations[end], share)
+            changed[first:end] = slerp(rotations[first - 1], rotations[end], share)
         elif missing:
             share = np.linspace(0, 1, end - first)[:, None]
             applied = from_vector((1 - share) * missing[0] + share * missing[-1])
-            found[first:end] = product(inside, applied)
-    return found
+            changed[first:end] = product(inside, applied)
+    return changed
 
 
 def _continued(last: np.ndarray) -> np.ndarray | None:

@@ -112,7 +112,7 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
     """The longest pairs of branches of one joint that are nearly of the same length, not tiny."""
     least = 0.1 * max(reach)
-    found = [
+    pairs = [
         (joint, one, other)
         for joint in range(len(reach))
         for one, other in combinations(
@@ -120,7 +120,7 @@ def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
         )
         if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other])
     ]
-    return sorted(found, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
+    return sorted(pairs, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
 
 def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:

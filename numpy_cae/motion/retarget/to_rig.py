@@ -167,11 +167,11 @@ def _rotated(
                 chain = before[:, [joint, ends[0], end]]
                 bent = _bent(after[:, joint], chain, targets[ends[0]], targets[end])
                 targets[ends[0]] = np.where(exact[:, None], bent, targets[ends[0]])
-            own = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
+            bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
             free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
             rotation = turned[:, joint]
-            corrected = _corrected(rotation, rotations_before[:, joint], own, target, free)
+            corrected = _corrected(rotation, rotations_before[:, joint], bone, target, free)
             changes = angle(product(corrected, inverse(rotation))) > _ROUNDING
             turned[changes, joint] = corrected[changes]
             local = corrected if parent < 0 else product(inverse(above), corrected)
@@ -204,22 +204,22 @@ def _bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndar
 
 
 def _corrected(
-    rotation: np.ndarray, before: np.ndarray, own: np.ndarray, target: np.ndarray, free: list[int]
+    rotation: np.ndarray, before: np.ndarray, bone: np.ndarray, target: np.ndarray, free: list[int]
 ) -> np.ndarray:
     """The global rotation of a joint that points its bones at their targets.
 
-    `rotation` is the joint's after the changes of its ancestors, `before` the unchanged one; `own`
+    `rotation` is the joint's after the changes of its ancestors, `before` the unchanged one; `bone`
     and `target` (F, N, 3) are the unchanged bones and the vectors from the joint to the targets;
     `free` is the number of joints that share the rotation of each bone.
     """
-    now = rotate(product(rotation, inverse(before))[:, None], own)
+    now = rotate(product(rotation, inverse(before))[:, None], bone)
     if len(free) == 1:
         return product(swing(now[:, 0], target[:, 0], 1 / free[0]), rotation)
     flexible = np.array(free) > 0
     weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
     fitted = product(fit_fan(now * weights, target, _TAU), rotation)
     # Where the targets are the unchanged bones, restore their rotation exactly.
-    unchanged = np.all(np.abs(target - own) < _ROUNDING, axis=(1, 2))
+    unchanged = np.all(np.abs(target - bone) < _ROUNDING, axis=(1, 2))
     fitted = np.where(unchanged[:, None], before, fitted)
     # If only bones with intermediate joints miss, those joints do it, unless there are no others.
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
