@@ -176,9 +176,15 @@ def _replaced(
     return texts, values[-1]
 
 
-def _split(text: str) -> tuple[list[str], list[int]]:
+def _split(text: str) -> tuple[list[str], Sequence[int]]:
     """A text in pieces, of which every second is a gap between words, and the places of its words
     among the pieces."""
+    body, words = text.strip(), text.split()
+    if " ".join(words) == body and "#" not in body:  # ten times as fast, and true of most lines
+        pieces = [" "] * (2 * len(words) + 1)
+        pieces[1::2] = words
+        pieces[0], _, pieces[-1] = text.partition(body)
+        return pieces, range(1, len(pieces), 2)
     pieces = _GAPS.split(text)
     return pieces, [place for place in range(0, len(pieces), 2) if pieces[place]]
 
