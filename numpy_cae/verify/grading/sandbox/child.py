@@ -16,13 +16,7 @@ from pathlib import Path
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.grading.sandbox.confinement import (
-    PR_SET_CHILD_SUBREAPER,
-    PR_SET_PDEATHSIG,
-    confine,
-    end_children,
-    set_process_option,
-)
+from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.trial import described
 
@@ -32,13 +26,13 @@ CRASHED = "its process ended: it crashed, was killed for its memory, or ended it
 
 def main() -> None:
     """Do the request on standard input; one reply goes to standard output."""
-    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    confinement.end_with_parent()
     print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
 def reply_to(request: dict) -> dict:
     """What the file lacks, and for each function a report or the reason why there is none."""
-    set_process_option(PR_SET_CHILD_SUBREAPER, 1)
+    confinement.adopt_orphans()
     submission = read_submission(Path(request["path"]))
     catalogue = import_module(request["catalogue"]).CATALOGUE
     given = {name: catalogue[name].solution for name in request["given"]}
@@ -50,7 +44,7 @@ def reply_to(request: dict) -> dict:
         if seconds <= 0:
             return {"failed": "the time limit for the whole file is used up"}
         result = do_apart(partial(_confined, work, request), seconds)
-        end_children()  # such as a process that left the group which do_apart kills
+        confinement.end_children()  # such as a process that left the group which do_apart kills
         return result
 
     def names() -> dict:
@@ -107,7 +101,7 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:
     """Do work with limits; a warning becomes a note, an exception the reason of a failure."""
-    kept = confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
+    kept = confinement.confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
         try:

@@ -29,13 +29,18 @@ DO_THE_EXERCISE = (
 ).split()
 
 
-def set_process_option(option: int, value: int) -> None:
-    """Call prctl, which only Linux has.
+def end_with_parent() -> None:
+    """Make this process end when its parent ends (Linux)."""
+    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
 
-    With PR_SET_PDEATHSIG this process ends when its parent ends; with PR_SET_CHILD_SUBREAPER it
-    becomes the parent of its descendants whose own parent has ended.
-    """
-    with suppress(OSError, AttributeError, TypeError):
+
+def adopt_orphans() -> None:
+    """Make this process the parent of its descendants whose own parent has ended (Linux)."""
+    _set_process_option(PR_SET_CHILD_SUBREAPER, 1)
+
+
+def _set_process_option(option: int, value: int) -> None:
+    with suppress(OSError, AttributeError, TypeError):  # not Linux
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
@@ -72,7 +77,7 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
         os.dup2(nothing, stream)
     sys.stdin = open(0, closefd=False)
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
-    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    end_with_parent()
     cpu = math.ceil(time.process_time() + seconds)
     limits = {"CPU": cpu, "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
     for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
