@@ -15,8 +15,8 @@ import numpy_cae
 from numpy_cae import cli
 
 HERE = Path(__file__).parent
-PACKAGES = ("ops", "models", "training", "motion", "manifold", "fast", "verify", "evaluation",
-            "viz", "beyond", "course")  # fmt: skip
+PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
+            "evaluation", "viz", "beyond", "course")  # fmt: skip
 
 project = "numpy_cae"
 author = "the numpy_cae authors"
@@ -65,7 +65,8 @@ def write_commands() -> None:
 
 
 def write_api() -> None:
-    """A page for each package: its docstring and its public names."""
+    """A page for each package: its docstring and its public names. `public` is a module, with the
+    functions of `import numpy_cae`."""
     index = ["# API\n", "Public names of each package. [source] leads to the lines.\n"]
     index += ["```{toctree}", *(f"api_{package}" for package in PACKAGES), "```\n"]
     reference = "# Reference\n\n```{toctree}\n:maxdepth: 2\n\ncommands\napi\n```\n"

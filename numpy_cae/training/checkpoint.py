@@ -9,6 +9,7 @@ import hashlib
 import json
 import time
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -51,11 +52,8 @@ class Checkpoint:
         if not self.path.exists():
             return
 
-        def load(arrays: dict[str, np.ndarray]) -> bool:
-            return json_object(arrays, "about")["run"] == run and _load(state, arrays)
-
         try:
-            same_run = load_arrays(self.path, {FORMAT: load})
+            same_run = load_arrays(self.path, {FORMAT: partial(_load, state, run)})
         except ModelFileError as error:
             advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
             raise CheckpointError(f"{error}; {advice}") from None
@@ -110,9 +108,11 @@ def _arrays_of(state: TrainingState, run: str) -> dict[str, np.ndarray]:
     return arrays | words | {"order": state.order}
 
 
-def _load(state: TrainingState, arrays: dict[str, np.ndarray]) -> bool:
-    """Set the state to what `_arrays_of` was given."""
+def _load(state: TrainingState, run: str, arrays: dict[str, np.ndarray]) -> bool:
+    """Set the state to what `_arrays_of` was given; False, and no change, if the run is another."""
     about = json_object(arrays, "about")
+    if about["run"] != run:
+        return False
     for name in POSITION:
         setattr(state, name, about[name])
     state.history = History(about["losses"], about["seconds"])

@@ -69,11 +69,11 @@ def test_a_seed_determines_the_manifold(walk_takes):
     assert np.any(weights[0] != weights[2])
 
 
-def test_unusable_takes_are_refused(walk_takes):
-    with pytest.raises(ValueError, match="no takes"):
-        learn_manifold([])
-    with pytest.raises(ValueError, match="window is 30, expected a multiple of 8"):
-        learn_manifold(walk_takes[:1], window=30, overlap=0)
-    still = np.repeat(walk_takes[0][:1], 40, axis=0)
-    with pytest.raises(ValueError, match="nothing to learn"):
-        learn_manifold([still])
+@pytest.mark.parametrize(
+    ("count", "window", "message"),
+    [(0, 160, "no takes"), (1, 30, "expected a multiple of 8"), (1, 160, "nothing to learn")],
+)
+def test_unusable_takes_are_refused(walk_takes, count, window, message):
+    still = [np.repeat(walk_takes[0][:1], 40, axis=0)] * count
+    with pytest.raises(ValueError, match=message):
+        learn_manifold(still, window=window, overlap=0)

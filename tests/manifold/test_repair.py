@@ -51,15 +51,6 @@ def test_a_motion_returns_from_its_features(rate, frames):
     np.testing.assert_allclose(body_of(made), body.positions[: len(body_of(made))], atol=0.02)
 
 
-def test_the_body_of_a_motion_has_the_features_of_the_manifold(untrained_manifold):
-    motion = walk(1)
-    body = untrained_manifold.body(motion)
-    features, root = untrained_manifold.features(body_of(motion))
-    np.testing.assert_array_equal(body.features, features)
-    assert body.root == root
-    np.testing.assert_allclose(body.positions_of(features), body.positions, atol=1e-9)
-
-
 @pytest.mark.parametrize(("rate", "frames"), [(30.0, 1), (120.0, 2), (25.0, 37), (59.94, 37)])
 def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
     motion = replace(walk(1, rate).at(slice(frames)), unit=0.0254)

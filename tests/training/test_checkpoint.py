@@ -115,15 +115,15 @@ def test_a_checkpoint_that_is_damaged(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("owner", "name", "calls", "failure"),
+    ("owner", "name", "failure"),
     [
-        (zipfile.ZipFile, "close", 4, KeyboardInterrupt()),
-        (os, "fsync", 8, KeyboardInterrupt()),  # two for each state: the file and its folder
-        (os, "fsync", 8, OSError(errno.ENOSPC, "No space left on device")),
+        (zipfile.ZipFile, "close", KeyboardInterrupt()),
+        (os, "fsync", KeyboardInterrupt()),
+        (os, "fsync", OSError(errno.ENOSPC, "No space left on device")),
     ],
 )
 def test_a_failure_while_a_state_is_written_leaves_the_old_one(
-    tmp_path, monkeypatch, owner, name, calls, failure
+    tmp_path, monkeypatch, owner, name, failure
 ):
     """Four states are saved, and what the fifth leaves open is collected silently."""
     path, made, complaints = tmp_path / "c.npz", [0], []
@@ -131,7 +131,7 @@ def test_a_failure_while_a_state_is_written_leaves_the_old_one(
 
     def failing(argument):
         made[0] += 1
-        if made[0] == calls + 1:
+        if made[0] == 5:
             raise failure
         return function(argument)
 
@@ -141,7 +141,7 @@ def test_a_failure_while_a_state_is_written_leaves_the_old_one(
         with pytest.raises((KeyboardInterrupt, CheckpointError)) as raised:
             train(path)
         gc.collect()
-    assert made[0] > calls and complaints == []
+    assert made[0] > 4 and complaints == []
     if isinstance(failure, OSError):
         said = r"No space left.*\(layer 1, 1 epochs and 0 steps done\)\. Correct"
         assert raised.type is CheckpointError and raised.match(said)
