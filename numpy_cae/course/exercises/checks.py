@@ -7,6 +7,7 @@ pairs (w, b) of each layer. Gradients have the structure of the argument that th
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
+from inspect import signature
 
 import numpy as np
 
@@ -83,6 +84,28 @@ def array(sizes: str, largest: float) -> Callable:
 def size(name: str) -> Callable:
     """An entry of `drawn`: one of the sizes."""
     return lambda case, rng: case[name]
+
+
+class Recorded:
+    """A function among the arguments of an exercise: the text is what a report prints for it.
+
+    `calls` has the arguments and, last, the result of each call, as they were at that time.
+    """
+
+    def __init__(self, text: str, function: Callable) -> None:
+        self.text, self.function, self.calls = text, function, []
+
+    def __call__(self, *arguments, **named):
+        arguments = signature(self.function).bind(*arguments, **named).args
+        result = self.function(*arguments)
+        self.calls.append(deepcopy((*arguments, result)))
+        return result
+
+    def __deepcopy__(self, memo) -> "Recorded":
+        return self  # a check reads the calls of the student's function
+
+    def __repr__(self) -> str:
+        return self.text
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,6 @@ def _random_lines(case: Case, rng: np.random.Generator) -> np.ndarray:
 
 _across_arguments = drawn(across=_random_lines)
 _position_arguments = drawn(positions=f"frames {len(JOINTS)} 3", theta=_random_headings)
-_vector_arguments = drawn(vectors="frames vectors 3", angles=array("frames", 3.0))
 
 
 def _feature_arguments(case: Case) -> dict[str, object]:
@@ -132,7 +131,7 @@ EXERCISES = (
     exercise(heading_angle, _across_arguments, FRAMES, _known_directions, _changes_of_heading),
     exercise(
         turn_about_y,
-        _vector_arguments,
+        drawn(vectors="frames vectors 3", angles=array("frames", 3.0)),
         {"frames": (1, 2, 3), "vectors": (1, 2, 3)},
         _inverse_rotation,
         value="the vectors of each frame are rotated about Y by the angle of that frame",

@@ -1,11 +1,12 @@
 """The exercises of lesson 03, convolution by hand."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import states
-from numpy_cae.course.exercises.exercise import exercise, operation_exercise
-from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.course.exercises.checks import drawn, size, states
+from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
 from numpy_cae.verify.operations.operation import OPERATIONS
 
 CONV1D = OPERATIONS["conv1d"]
@@ -24,11 +25,6 @@ def unfold(x: np.ndarray, taps: int) -> np.ndarray:
     return np.stack(windows, axis=1)
 
 
-def _unfold_arguments(case: Case) -> dict[str, object]:
-    x = spread(case.rng(), (case["batch"], case["frames"], case["channels"]))
-    return {"x": x, "taps": case["taps"]}
-
-
 @states("dtype", "float32 stays float32")
 def _keeps_float32(function, case, x, taps):
     dtype = np.asarray(function(x.astype(np.float32), taps)).dtype
@@ -36,17 +32,17 @@ def _keeps_float32(function, case, x, taps):
         raise AssertionError(f"given float32, the rows are {dtype}")
 
 
+def convolution_exercise(solution: Callable, given: str = "") -> Exercise:
+    """An exercise whose value is that of `ops.conv1d`, without a pullback."""
+    value = "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends"
+    return exercise(solution, CONV1D.arguments, CONV1D.sizes, value=value, points=3, given=given)
+
+
 EXERCISES = (
-    exercise(
-        conv1d_by_loops,
-        CONV1D.arguments,
-        CONV1D.sizes,
-        value="y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-        points=3,
-    ),
+    convolution_exercise(conv1d_by_loops),
     exercise(
         unfold,
-        _unfold_arguments,
+        drawn(x="batch frames channels", taps=size("taps")),
         {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "taps")},
         _keeps_float32,
         value="row t holds x[t - K//2], ..., x[t + K//2], frame after frame",

@@ -1,11 +1,10 @@
 """The exercises of lesson 06, learning: equation 3, corruption, a step of descent, the loop."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from numpy_cae.course.exercises import lesson_05
 from numpy_cae.course.exercises.checks import (
+    Recorded,
     drawn,
     require_parts,
     require_same,
@@ -59,24 +58,16 @@ def train_layer(windows, w, b, loss, epochs, batch, rate, decay, p, rng):
     return weights, losses
 
 
-@dataclass
-class RecordedLoss:
-    """A loss of (x, corrupted, w, b) with its gradients that remembers arguments and results."""
+def loss_of_weights(x, corrupted, w, b):
+    """A loss with its gradients, as simple as it can be for `train_layer`."""
+    mean = np.mean(x)
+    return np.sum((w - mean) ** 2) / 2 + np.sum(b**2) / 2, w - mean, 1.0 * b
 
-    calls: list = field(default_factory=list)
 
-    def __call__(self, x, corrupted, w, b):
-        mean = np.mean(x)
-        results = np.sum((w - mean) ** 2) / 2 + np.sum(b**2) / 2, w - mean, 1.0 * b
-        self.calls.append([np.array(each) for each in (x, corrupted, w, b, *results)])
-        return results
-
-    def __deepcopy__(self, memo) -> "RecordedLoss":
-        return self  # the check reads the calls of the student's function
-
-    def __repr__(self) -> str:
-        value = "(((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2"
-        return f"lambda x, corrupted, w, b: ({value}, w - x.mean(), 1.0 * b)"
+LOSS_AS_TEXT = (
+    "lambda x, corrupted, w, b: "
+    "((((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2, w - x.mean(), 1.0 * b)"
+)
 
 
 def _corruption_arguments(case: Case) -> dict[str, object]:
@@ -85,11 +76,6 @@ def _corruption_arguments(case: Case) -> dict[str, object]:
     count = int(np.prod(shape))
     even = (np.arange(count) + 0.5) / count
     return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
-
-
-_step_arguments = drawn(
-    parameter="taps channels", gradient="taps channels", rate=0.5, decay=0.9, epoch=size("epoch")
-)
 
 
 def _loss_arguments(case: Case) -> dict[str, object]:
@@ -106,14 +92,16 @@ def _training_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     windows = spread(rng, (case["windows"], 4, 5))
     weights = {"w": spread(rng, (1, 5, 2)), "b": spread(rng, (2,))}
-    sizes = {"loss": RecordedLoss(), "epochs": case["epochs"], "batch": case["batch"]}
+    loss = Recorded(LOSS_AS_TEXT, loss_of_weights)
+    sizes = {"loss": loss, "epochs": case["epochs"], "batch": case["batch"]}
     return {"windows": windows, **weights, **sizes, "rate": 0.5, "decay": 0.7, "p": P, "rng": rng}
 
 
 def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
     """What the function returns, and the calls of the loss in each epoch."""
     returned = require_parts(train_layer(*given.values()), ("weights", "losses"))
-    calls, epochs = given["loss"].calls, given["epochs"]
+    epochs = given["epochs"]
+    calls = [[*map(np.array, (*called, *found))] for *called, found in given["loss"].calls]
     steps = -(-len(given["windows"]) // given["batch"])
     if len(calls) != steps * epochs:
         expected = f"expected {steps} in each of {epochs} epochs"
@@ -191,7 +179,13 @@ EXERCISES = (
     ),
     exercise(
         sgd_step,
-        _step_arguments,
+        drawn(
+            parameter="taps channels",
+            gradient="taps channels",
+            rate=0.5,
+            decay=0.9,
+            epoch=size("epoch"),
+        ),
         {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
         value="θ - η_0 · decay^epoch · dL/dθ",
     ),

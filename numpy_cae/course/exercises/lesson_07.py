@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import drawn, size, states
+from numpy_cae.course.exercises.checks import drawn, require_parts, size, states
 from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.lesson_05 import BOUND, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
@@ -53,9 +53,6 @@ def _random_windows(case: Case, rng: np.random.Generator) -> np.ndarray:
     return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
 
 
-_size_arguments = drawn(taps=size("taps"), layers=size("layers"))
-
-
 _stage_arguments = drawn(x=_random_windows, layers=_random_layers)
 
 
@@ -78,11 +75,10 @@ def _count_of_indices(function, case, taps, layers):
 
 @states("value", "the input of layer k is x encoded by every layer below k", 2)
 def _each_stage(function, case, x, layers):
-    returned = function(x, layers)
-    if not isinstance(returned, tuple | list) or len(returned) != len(layers):
-        raise AssertionError(f"expected a list of {len(layers)} arrays, one for each layer")
-    for number, expected in enumerate(stage_inputs(x, layers), 1):
-        require_equal(f"the input of layer {number}", returned[number - 1], expected)
+    names = [f"the input of layer {number}" for number in range(1, len(layers) + 1)]
+    returned = require_parts(function(x, layers), names)
+    for what, found, expected in zip(names, returned, stage_inputs(x, layers), strict=True):
+        require_equal(what, found, expected)
 
 
 def _names_in_layers(of: str) -> tuple[str, ...]:
@@ -93,7 +89,7 @@ def _names_in_layers(of: str) -> tuple[str, ...]:
 EXERCISES = (
     exercise(
         frames_seen,
-        _size_arguments,
+        drawn(taps=size("taps"), layers=size("layers")),
         {"taps": (1, 3, 5, 15), "layers": (1, 2, 3, 4)},
         _count_of_indices,
         pure=False,

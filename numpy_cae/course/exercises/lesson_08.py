@@ -3,11 +3,9 @@
 Repair with an unknown mask, filling in, comparing, and the linear map as a baseline.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from numpy_cae.course.exercises.checks import require_same, same_as, states
+from numpy_cae.course.exercises.checks import Recorded, require_same, same_as, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.evaluation import retrieval
 from numpy_cae.manifold.compare import G
@@ -17,17 +15,9 @@ from numpy_cae.verify.operations.case import Case, spread
 WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 
 
-@dataclass(frozen=True)
-class Blur:
+def blurred(x: np.ndarray) -> np.ndarray:
     """A projection that differs from the identity: a mean of each frame and the one before it."""
-
-    share: float
-
-    def __call__(self, x: np.ndarray) -> np.ndarray:
-        return self.share * x + (1 - self.share) * np.roll(x, 1, axis=1) + 0.1
-
-    def __repr__(self) -> str:
-        return f"lambda x: {self.share} * x + {1 - self.share} * np.roll(x, 1, axis=1) + 0.1"
+    return 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1
 
 
 def rescale(x):
@@ -76,7 +66,8 @@ def _hole_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
     known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
-    return {"x": spread(rng, shape), "known": known, "project": Blur(0.75)}
+    project = Recorded("lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1", blurred)
+    return {"x": spread(rng, shape), "known": known, "project": project}
 
 
 def _hidden_arguments(case: Case) -> dict[str, object]:

@@ -1,10 +1,15 @@
 """The exercises of lesson 09, memory: a GRU, backpropagation through time, and clipping."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
-from numpy_cae.course.exercises.checks import drawn, require_parts, require_same, size, states
+from numpy_cae.course.exercises.checks import (
+    Recorded,
+    drawn,
+    require_parts,
+    require_same,
+    size,
+    states,
+)
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
 from numpy_cae.training import clip_norm
 from numpy_cae.verify.operations.case import Case, spread
@@ -12,21 +17,6 @@ from numpy_cae.verify.operations.property import require_equal
 
 OF_NORM = 0.25
 """The bound of clipping, as a part of the norm."""
-
-
-@dataclass(frozen=True)
-class LinearPullback:
-    """The pullback of a recurrence with one matrix for each frame: dh_(t-1) = dh_t · M_t."""
-
-    matrices: np.ndarray = field(repr=False)
-
-    def __call__(self, t: int, dh: np.ndarray) -> np.ndarray:
-        if not 1 <= t <= len(self.matrices):
-            raise IndexError(f"pull has the frames 1 to {len(self.matrices)}, got {t}")
-        return dh @ self.matrices[t - 1]
-
-    def __repr__(self) -> str:
-        return f"lambda t, dh: dh @ np.array({np.round(self.matrices, 4).tolist()})[t - 1]"
 
 
 def norms_through_time(pull, dh, frames):
@@ -46,12 +36,17 @@ def clip_gradients(gradients, bound):
     return clipped, norm
 
 
-def _linear_pullback(case: Case, rng: np.random.Generator) -> LinearPullback:
-    shape = (case["frames"], case["hidden"], case["hidden"])
-    return LinearPullback(spread(rng, shape, 1.5))
+def _linear_pullback(case: Case, rng: np.random.Generator) -> Recorded:
+    """The pullback of a recurrence with one matrix for each frame: dh_(t-1) = dh_t · M_t."""
+    matrices = spread(rng, (case["frames"], case["hidden"], case["hidden"]), 1.5)
 
+    def pull(t: int, dh: np.ndarray) -> np.ndarray:
+        if not 1 <= t <= len(matrices):
+            raise IndexError(f"pull has the frames 1 to {len(matrices)}, got {t}")
+        return dh @ matrices[t - 1]
 
-_pullback_arguments = drawn(pull=_linear_pullback, dh="batch hidden", frames=size("frames"))
+    text = f"lambda t, dh: dh @ np.array({np.round(matrices, 4).tolist()})[t - 1]"
+    return Recorded(text, pull)
 
 
 def _clip_arguments(case: Case) -> dict[str, object]:
@@ -96,7 +91,7 @@ def _zero_gradients(function, case, gradients, bound):
 EXERCISES = (
     exercise(
         norms_through_time,
-        _pullback_arguments,
+        drawn(pull=_linear_pullback, dh="batch hidden", frames=size("frames")),
         {"batch": (1, 2), "hidden": (1, 2, 3), "frames": (1, 2, 3, 4)},
         value="entry t is the norm of dL/dh_t, from t = 0 to the last frame",
         points=3,

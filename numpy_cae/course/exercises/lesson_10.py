@@ -93,14 +93,10 @@ def random_latent(case: Case, rng: np.random.Generator) -> np.ndarray:
     return uniform(rng, (case["batch"], case["latent"]), 1.0)
 
 
-_read_arguments = drawn(weights=_weights_of(ENCODER), x=random_clips)
-_write_arguments = drawn(weights=_weights_of(DECODER), z=random_latent, frames=size("frames"))
-
-
 EXERCISES = (
     differentiated_exercise(
         read_clips,
-        _read_arguments,
+        drawn(weights=_weights_of(ENCODER), x=random_clips),
         ("weights",),
         ("z", PULLBACK),
         WITH_LATENT,
@@ -110,15 +106,11 @@ EXERCISES = (
         given="gru linear",
     ),
     composed_exercise(
-        self_fed,
-        _self_fed_arguments,
-        "h w u b c frame_w frame_b",
-        SIZES,
-        given="gru_step linear",
+        self_fed, _self_fed_arguments, "h w u b c frame_w frame_b", SIZES, given="gru_step linear"
     ),
     differentiated_exercise(
         write_clips,
-        _write_arguments,
+        drawn(weights=_weights_of(DECODER), z=random_latent, frames=size("frames")),
         ("z", "weights"),
         ("the clips", PULLBACK),
         WITH_LATENT,

@@ -52,10 +52,7 @@ _loss_arguments = drawn(
 
 EXERCISES = (
     composed_exercise(
-        wasserstein_1d,
-        drawn(p="points", q=array("points", 1.3)),
-        "p",
-        {"points": (1, 2, 3, 4, 5)},
+        wasserstein_1d, drawn(p="points", q=array("points", 1.3)), "p", {"points": (1, 2, 3, 4, 5)}
     ),
     exercise(
         unit_rows,

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae import ops, verify
-from numpy_cae.course.exercises.checks import drawn, states
+from numpy_cae.course.exercises.checks import Recorded, drawn, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.catalogue import properties_of
@@ -44,19 +44,6 @@ SIZES = {"batch": 2, "frames": 3, "taps": 3, "axes": 2} | dict.fromkeys(
 TINY = 1e-6
 FEW_EXAMPLES = 5
 """Each example tries every bug, with all its differences."""
-
-
-@dataclass(frozen=True)
-class Cubic:
-    """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
-
-    w: np.ndarray
-
-    def __call__(self, x: np.ndarray) -> float:
-        return float(np.sum(self.w * x**3))
-
-    def __repr__(self) -> str:
-        return f"lambda x: np.sum(np.array({np.round(self.w, 4).tolist()}) * x**3)"
 
 
 @dataclass(frozen=True)
@@ -98,10 +85,11 @@ def check_gradients(f, inputs):
     verify.check_gradients(f, *inputs.values(), names=tuple(inputs))
 
 
-def _difference_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    shape = (case["rows"], case["columns"])
-    return {"f": Cubic(spread(rng, shape)), "x": spread(rng, shape), "h": 0.25}
+def _cubic(case: Case, rng: np.random.Generator) -> Recorded:
+    """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
+    w = spread(rng, (case["rows"], case["columns"]))
+    text = f"lambda x: np.sum(np.array({np.round(w, 4).tolist()}) * x**3)"
+    return Recorded(text, lambda x: float(np.sum(w * x**3)))
 
 
 def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
@@ -112,14 +100,6 @@ def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
 
 
 _seed_arguments = drawn(seed=lambda case, rng: case.seed)
-
-
-CENTRAL = "for a cubic, exactly the central difference: step h to both sides, over 2h"
-
-
-@states("value", CENTRAL, 2)
-def _slopes_of_cubic(function, case, f, x, h):
-    require_equal("the slope", function(f, x, h), 3 * f.w * x**2 + f.w * h**2)
 
 
 @states("right ones", "for a matrix and its transpose it is 0 to rounding")
@@ -235,9 +215,9 @@ ONE_CASE = {"tried": (1,)}
 EXERCISES = (
     exercise(
         central_differences,
-        _difference_arguments,
+        drawn(f=_cubic, x="rows columns", h=0.25),
         {"rows": (1, 2), "columns": (1, 2, 3)},
-        _slopes_of_cubic,
+        value="for a cubic, exactly the central difference: step h to both sides, over 2h",
     ),
     exercise(
         adjoint_gap,

@@ -1,34 +1,15 @@
 """The exercises of lesson 13, fast: a convolution rewritten with less and less work."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.course.exercises.checks import drawn, require_parts, size, states
+from numpy_cae.course.exercises.checks import Recorded, drawn, require_parts, size, states
 from numpy_cae.course.exercises.exercise import composed_exercise, exercise
-from numpy_cae.course.exercises.lesson_03 import CONV1D, unfold
+from numpy_cae.course.exercises.lesson_03 import CONV1D, convolution_exercise, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
-
-
-@dataclass
-class CountedProduct:
-    """A product that counts its calls."""
-
-    calls: int = field(default=0, repr=False)
-
-    def __call__(self, a, b):
-        self.calls += 1
-        return a * b
-
-    def __deepcopy__(self, memo) -> "CountedProduct":
-        return self  # the check reads the calls of the student's function
-
-    def __repr__(self) -> str:
-        return "lambda a, b: a * b"
 
 
 def conv1d_unfolded(x, w, b):
@@ -60,11 +41,8 @@ def conv1d_by_blocks(x, w, b, a, g, c):
 
 
 def _product_arguments(case: Case) -> dict[str, object]:
-    numbers = spread(case.rng(), (4, case["numbers"]))
-    return {**dict(zip("abpq", numbers, strict=True)), "multiply": CountedProduct()}
-
-
-_block_arguments = drawn(taps=size("taps"), frames=size("frames"))
+    numbers = dict(zip("abpq", spread(case.rng(), (4, case["numbers"])), strict=True))
+    return {**numbers, "multiply": Recorded("lambda a, b: a * b", lambda a, b: a * b)}
 
 
 def _convolution_arguments(case: Case) -> dict[str, object]:
@@ -80,15 +58,15 @@ def _complex_product(function, case, a, b, p, q, multiply):
     expected = (a + 1j * b) * (p + 1j * q)
     require_equal("the real part", real, expected.real)
     require_equal("the imaginary part", imaginary, expected.imag)
-    if multiply.calls == 0:
+    if not multiply.calls:
         raise AssertionError("multiply is never called: use it for every product")
 
 
 @states("three", "multiply is called three times", 2)
 def _three_calls(function, case, a, b, p, q, multiply):
     function(a, b, p, q, multiply)
-    if multiply.calls != 3:
-        raise AssertionError(f"multiply is called {multiply.calls} times, expected 3")
+    if len(multiply.calls) != 3:
+        raise AssertionError(f"multiply is called {len(multiply.calls)} times, expected 3")
 
 
 def _checked_matrices(function, taps: int, frames: int) -> list[np.ndarray]:
@@ -125,22 +103,15 @@ def _few_products(function, case, taps, frames):
         )
 
 
-VALUE_OF_CONVOLUTION = {
-    "value": "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends",
-    "points": 3,
-}
-
 EXERCISES = (
-    exercise(
-        conv1d_unfolded, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION, given="unfold"
-    ),
-    exercise(conv1d_shifted, CONV1D.arguments, CONV1D.sizes, **VALUE_OF_CONVOLUTION),
+    convolution_exercise(conv1d_unfolded, given="unfold"),
+    convolution_exercise(conv1d_shifted),
     exercise(
         three_products, _product_arguments, {"numbers": (1, 2, 3)}, _complex_product, _three_calls
     ),
     exercise(
         block_matrices,
-        _block_arguments,
+        drawn(taps=size("taps"), frames=size("frames")),
         {"taps": (1, 3, 5, 7), "frames": (1, 2, 3, 4, 5, 6)},
         _convolves,
         _few_products,

@@ -71,9 +71,6 @@ def _bone_arguments(case: Case) -> dict[str, object]:
     return {"q": q, "lengths": lengths, "parents": TREES[case["joints"]]}
 
 
-_path_arguments = drawn(path="points numbers")
-
-
 def _observed_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     shape = (case["frames"], case["channels"])
@@ -145,6 +142,6 @@ VALUE_SIZES = {"frames": (1, 2, 3), "channels": (1, 2, 3)}
 
 EXERCISES = (
     _loss_exercise(bones_off, "q", _bone_arguments, BONE_SIZES, _right_lengths),
-    _loss_exercise(path_energy, "path", _path_arguments, PATH_SIZES, _straight_path),
+    _loss_exercise(path_energy, "path", drawn(path="points numbers"), PATH_SIZES, _straight_path),
     _loss_exercise(observed_error, "x_hat", _observed_arguments, VALUE_SIZES, _unknown_values),
 )
