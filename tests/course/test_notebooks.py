@@ -17,14 +17,9 @@ HEAD = 'def double(x):\n    """Twice x."""\n    '
 
 def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTION", marked=True):
     marks = {"nbgrader": {"solution": True, "grade_id": "double"}} if marked else {}
-    cell = {
-        "cell_type": "code",
-        "id": "double",
-        "metadata": marks,
-        "source": HEAD + solution,
-        "outputs": [{"output_type": "stream", "name": "stdout", "text": "hello"}],
-        "execution_count": 3,
-    }
+    cell = {"cell_type": "code", "id": "double", "metadata": marks, "source": HEAD + solution}
+    hello = {"output_type": "stream", "name": "stdout", "text": "hello"}
+    cell |= {"outputs": [hello], "execution_count": 3}
     title = {"cell_type": "markdown", "id": "title", "metadata": {}, "source": "# Title\n\nText"}
     metadata = {"numpy_cae": {"source_hash": "x"}}
     return {"cells": [title, cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}

@@ -1,0 +1,162 @@
+"""Grading notebooks: exercise cells with earlier functions given; the marks of a class."""
+
+import ast
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from numpy_cae.cli import main
+from numpy_cae.course import catalogue
+from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.marks import lesson_of, student_id
+from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.verify.grading.student_file import grade
+
+ENCODE = """
+def encode_layer(x, w, b):
+    convolved, convolve_back = conv1d(x, w, b)
+    pooled, pool_back = max_pool(convolved)
+    y, tanh_back = tanh(pooled)
+    return y, lambda dy: convolve_back(pool_back(tanh_back(dy)))
+"""
+TANH = """
+def tanh(x):
+    y = np.tanh(x)
+    return y, lambda dy: dy * (1 - y * y)
+"""
+IN_NO_EXERCISE = {"sliced_wasserstein"}  # project 5 of lesson 14
+DECODE = "def encode_layer(x, w, b):\n    return decode_layer(x, w, b)"
+OWN_CONV1D = "def conv1d(x, w, b):\n    raise ValueError('mine')"
+SPEEDS = """
+def speeds(positions, rate):
+    return rate * np.sqrt((np.diff(positions, axis=0) ** 2).sum(axis=-1))
+"""
+
+
+LOOPS = "def frames_seen(taps, layers):\n    n = 1\n    for _ in range(layers):\n"
+LOOPS += "        n = 2 * n + taps - 1\n    return n\n"
+WRONG = "def frames_seen(taps, layers):\n    return taps\n"
+
+
+def hand_in(path: Path, *sources: str) -> Path:
+    """Write a notebook with these exercise cells."""
+    cell = {"cell_type": "code", "metadata": {"nbgrader": {"solution": True}}}
+    cell |= {"execution_count": None, "outputs": []}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"cells": [cell | {"source": source} for source in sources]}))
+    return path
+
+
+def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path):
+    (tmp_path / "mine.py").write_text("def conv1d(x, w, b):\n    raise ValueError")
+    given = "from mine import conv1d, max_pool"
+    path = hand_in(tmp_path / "lesson.ipynb", TANH, given + ENCODE, SPEEDS)
+    cells = json.loads(path.read_text())["cells"]
+    cells.append({"cell_type": "code", "metadata": {}, "source": "import numpy_cae; 1/0"})
+    path.write_text(json.dumps({"cells": cells}))
+    graded = grade(path, catalogue)
+    assert graded.held, str(graded)  # the cell that is no exercise is not run
+    points = {report.operation: report.points for report in graded.reports}
+    assert points == {name: EXERCISES[name].points for name in ("tanh", "encode_layer", "speeds")}
+
+
+@pytest.mark.parametrize("tanh", ["def tanh(", "def tanh(x):\n    while True: pass"])
+def test_a_mark_does_not_depend_on_an_earlier_exercise_of_the_lesson(tanh, tmp_path, monkeypatch):
+    monkeypatch.setattr("numpy_cae.verify.grading.student_file.EXERCISE_SECONDS", 3.0)
+    graded = grade(hand_in(tmp_path / "lesson.ipynb", tanh, ENCODE), catalogue, lesson="05")
+    points = {report.operation: report.points for report in graded.reports}
+    assert points["tanh"] == 0 and points["encode_layer"] == 20
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ((ENCODE,), "name 'tanh' is not defined"),  # of the same lesson
+        (("from mine import tanh" + ENCODE,), "cannot import name 'tanh'"),
+        ((DECODE,), "name 'decode_layer' is not defined"),  # of the same lesson, later
+        ((TANH, OWN_CONV1D, ENCODE), "ValueError: mine"),  # the student's own comes first
+        (("def encode_layer(",), "cell 1: SyntaxError"),
+        ((), "no exercise cell"),
+    ],
+)
+def test_a_failing_cell_gets_its_message(tmp_path, cells, message):
+    graded = grade(hand_in(tmp_path / "lesson.ipynb", *cells), catalogue)
+    assert message in str(graded) and not graded.held
+
+
+@pytest.mark.parametrize(
+    "path", find_lessons(Path(__file__).parents[2] / "lessons"), ids=lambda path: path.stem
+)
+def test_every_operation_that_a_lesson_imports_is_given(path):
+    imported = {
+        alias.name
+        for cell in read_notebook(path)["cells"]
+        if cell["cell_type"] == "code"
+        for node in ast.walk(ast.parse(cell["source"].removeprefix("%matplotlib inline")))
+        if isinstance(node, ast.ImportFrom) and node.module in ("numpy_cae.ops", "mine")
+        for alias in node.names
+    }
+    given = {name for exercise in LESSONS[path.name[:2]] for name in exercise.given}
+    assert imported - IN_NO_EXERCISE <= given
+
+
+@pytest.mark.parametrize(
+    ("file", "student", "lesson"),
+    [
+        ("ann/week3/03_convolution_by_hand.ipynb", "ann", ""),
+        ("ann/07.ipynb", "ann", "07"),
+        ("ann_03.ipynb", "ann", "03"),
+        ("ann_b_03.py", "ann_b", "03"),
+        ("03_ann.py", "ann", ""),
+        ("ann.ipynb", "ann", ""),
+        ("ann_99.ipynb", "ann_99", ""),
+        ("03_12.ipynb", "12", ""),
+    ],
+)
+def test_a_student_is_told_by_the_folder_or_the_name(file, student, lesson):
+    assert student_id(Path("submitted", file), Path("submitted")) == student
+    assert lesson_of(Path(file)) == lesson
+
+
+def test_marks_and_feedback_of_a_class(tmp_path, capsys):
+    submitted, table, feedback = (tmp_path / name for name in ("in", "marks.csv", "feedback"))
+    hand_in(submitted / "ann" / "week" / "07_going_deep.ipynb", LOOPS)
+    hand_in(submitted / "=cmd()_07.ipynb", WRONG)
+    hand_in(submitted / "ben_07.ipynb", WRONG)
+    hand_in(submitted / "ben" / "again.ipynb", LOOPS)
+    (submitted / "ann" / "week" / "mine.py").write_text("1 / 0")
+    (submitted / "eve.ipynb").write_text("{")
+    command = ["verify", str(submitted), "--csv", str(table), "--feedback", str(feedback)]
+    assert main(command) == 1
+    assert "ann: 07_going_deep.ipynb: 10 of 60 points" in capsys.readouterr().out
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = {row["student"]: row for row in csv.DictReader(file)}
+    assert list(rows) == ["'=cmd()", "ann", "ben", "eve"]
+    points = [(row["frames_seen"], row["total"]) for row in rows.values()]
+    assert points == [("0", "0"), ("10", "10"), ("10", "10"), ("", "0")]
+    assert {row["possible"] for row in rows.values()} == {"60"} and "stack_loss" in rows["ann"]
+    assert "not a Jupyter notebook" in rows["eve"]["problems"]
+    names = sorted(path.stem for path in feedback.glob("*.md"))
+    assert names == ["_cmd___1", "ann", "ben", "eve"]
+    text = (feedback / "_cmd___1.md").read_text(encoding="utf-8")
+    assert "## frames_seen: 0 of 10 points" in text and "      FAILED  value" in text
+
+
+def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    from numpy_cae.course.nbgrader import grade_notebook
+
+    (cell,) = read_notebook(hand_in(tmp_path / "07_going_deep.ipynb", LOOPS))["cells"]
+    marks = {"nbgrader": {"grade": True, "grade_id": "stack_loss_check", "points": 40}}
+    cells = [cell, cell | {"metadata": marks, "source": "1 / 0"}]
+    node = nbformat.from_dict({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+    graded, _ = grade_notebook(node, {"nbgrader": {"notebook": "07_going_deep"}})
+    shown = {}
+    for each in graded.cells[1:]:
+        text, points = each.outputs
+        assert f"{points.data['text/plain']} of " in text.text
+        shown[each.metadata["nbgrader"]["grade_id"]] = points.data["text/plain"]
+    assert shown.pop("frames_seen_check") == "10"  # whose check cell was deleted
+    assert set(shown.values()) == {"0"} and {"stack_loss_check", "stage_inputs_check"} <= set(shown)
