@@ -42,7 +42,7 @@ def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:
     return float(100 * np.sqrt(np.mean(gap**2)))
 
 
-def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None) -> float:
+def foot_sliding(positions: np.ndarray, rate: float) -> float:
     """The mean speed along the floor of the foot that stands, in centimetres a second.
 
         100 · rate · mean_{t in contact} ‖xz(p_{t+1,f(t)}) - xz(p_{t,f(t)})‖
@@ -50,7 +50,8 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
     f(t) is the foot whose toe joint is the lower one from t to t + 1, and t is in contact if that
     toe is within `STANDING_HEIGHT` of the floor. A swinging foot passes the floor as closely,
     at several metres a second, but meanwhile the other foot is lower. There is no bound on the
-    speed, as in `find_contacts`, because a fast slide is what is to be measured.
+    speed, as in `find_contacts`, because a fast slide is what is to be measured. The height of the
+    floor is `floor_height`, so that a motion that floats as a whole still slides.
 
     Parameters
     ----------
@@ -58,9 +59,6 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
         World positions in metres.
     rate : float
         Frames a second.
-    floor : float, optional
-        Its height in metres; by default `floor_height`, so that a motion that floats as a whole
-        still slides.
 
     Returns
     -------
@@ -77,8 +75,7 @@ def foot_sliding(positions: np.ndarray, rate: float, floor: float | None = None)
     height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
     lower, frames = height.argmin(axis=1), np.arange(len(height))
     speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
-    ground = floor_height(positions) if floor is None else floor
-    contact = height[frames, lower] <= ground + STANDING_HEIGHT
+    contact = height[frames, lower] <= floor_height(positions) + STANDING_HEIGHT
     return float(100 * speed[contact].mean()) if contact.any() else 0.0
 
 

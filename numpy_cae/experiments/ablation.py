@@ -20,7 +20,7 @@ from numpy_cae.experiments.clips import testing_of
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.fast import accelerate
-from numpy_cae.manifold import MotionManifold, learn_manifold
+from numpy_cae.manifold import learn_manifold
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion import FEATURES, cut_windows
 from numpy_cae.training import DivergedError, Schedule, Stage, train_autoencoder, zero_values
@@ -157,10 +157,6 @@ class Evaluation:
             [self.frame.normalise(cut_windows(self.frame.features(take)[0])[0]) for take in takes]
         )
 
-    def manifold(self, network: ConvAutoencoder, rescaled: bool) -> MotionManifold:
-        """The network with the common mean pose and scale."""
-        return replace(self.frame, network=network, rescales=rescaled)
-
     def measure(self, repair: Callable[[np.ndarray], np.ndarray], seed: int) -> Measured:
         """Both measures of a method that repairs normalised windows (N, T, 63).
 
@@ -200,7 +196,8 @@ def _train_and_measure(evaluation: Evaluation, row: Row, seed: int) -> Measured 
         train_autoencoder(network, evaluation.windows, row.schedule, rng)
     except DivergedError:
         return None
-    manifold = evaluation.manifold(network, row.schedule.fine_tuning.rescaled)
+    rescaled = row.schedule.fine_tuning.rescaled
+    manifold = replace(evaluation.frame, network=network, rescales=rescaled)
     return evaluation.measure(manifold.project_windows, seed)
 
 

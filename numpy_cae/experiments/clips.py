@@ -178,9 +178,5 @@ def split_takes(takes: Sequence[LabelledTake]) -> tuple[list[LabelledTake], list
     """All takes but every fifth, and every fifth take; each list has at least one take."""
     if len(takes) < 2:
         raise ValueError(f"{len(takes)} takes to train on, expected 2 or more to choose settings")
-    every = CHOOSING_EVERY
-    chosen = set(range(every - 1, len(takes), every)) or {len(takes) - 1}
-    return (
-        [take for number, take in enumerate(takes) if number not in chosen],
-        [take for number, take in enumerate(takes) if number in chosen],
-    )
+    choosing = list(takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY]) or [takes[-1]]
+    return [take for take in takes if not any(take is other for other in choosing)], choosing

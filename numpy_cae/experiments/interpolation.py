@@ -79,7 +79,14 @@ def _measured(
 
 
 def _claim(kind: str, measured: dict[str, Validity]) -> Claim:
-    better = better_measures(measured, ALONG, LINEAR)
+    """Compare all measures; for jitter, which is nearer to the jitter of the two motions."""
+
+    def errors(motion: Validity) -> tuple[float, ...]:
+        jitter = abs(np.log(max(motion.jitter, 1e-9) / max(measured[ENDS].jitter, 1e-9)))
+        return motion.bone_length, motion.foot_sliding, jitter, motion.nearest_pose
+
+    columns = zip(Validity.HEADER, errors(measured[ALONG]), errors(measured[LINEAR]), strict=True)
+    better = [heading.split(",")[0] for heading, ours, theirs in columns if ours < theirs]
     return Claim(
         "Compared to a linear interpolation, which creates an impossible walk, interpolation along "
         f"the manifold creates motion which remains valid (holden2015, section 7): {kind}.",
@@ -88,20 +95,6 @@ def _claim(kind: str, measured: dict[str, Validity]) -> Claim:
         f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[LINEAR])}. Confirmed "
         "if better on all of them.",
     )
-
-
-def better_measures(measured: dict[str, Validity], method: str, than: str) -> list[str]:
-    """The measures in which a method is better than another; for jitter, nearer to the jitter of
-    the two motions."""
-    real = measured[ENDS].jitter
-
-    def errors(name: str) -> tuple[float, ...]:
-        one = measured[name]
-        jitter = abs(np.log(max(one.jitter, 1e-9) / max(real, 1e-9)))
-        return one.bone_length, one.foot_sliding, jitter, one.nearest_pose
-
-    columns = zip(Validity.HEADER, errors(method), errors(than), strict=True)
-    return [heading.split(",")[0] for heading, a, b in columns if a < b]
 
 
 def clips_of_pair(manifold: MotionManifold, one: LabelledTake, other: LabelledTake) -> Clips:

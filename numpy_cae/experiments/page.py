@@ -47,7 +47,10 @@ def page(
             for link, claim in ordered
         ),
         legend=_definitions(legend_of(results.values())),
-        sections="\n".join(_section(name, result) for name, result in results.items()),
+        sections="\n".join(
+            f'<section id="{name}">\n{section(result)}\n</section>'
+            for name, result in results.items()
+        ),
         viewer=head() if any(result.animation for result in results.values()) else "",
     )
 
@@ -77,10 +80,6 @@ def _definitions(meanings: Mapping[str, str]) -> str:
     return "\n".join(
         f"<dt>{escape(name)}</dt><dd>{escape(meaning)}</dd>" for name, meaning in meanings.items()
     )
-
-
-def _section(name: str, result: Result) -> str:
-    return f'<section id="{name}">\n{section(result)}\n</section>'
 
 
 def _status(claim: Claim) -> str:

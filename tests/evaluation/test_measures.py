@@ -86,7 +86,6 @@ def test_a_translated_pose_slides_at_its_speed(speed, direction):
     pushed[..., [0, 2]] += path[:, None]
     assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
     assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
-    assert foot_sliding(pushed + [0, 1.0, 0], 30.0, floor=0.0) == 0
 
 
 def test_only_the_lower_foot_counts():

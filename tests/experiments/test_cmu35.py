@@ -1,12 +1,11 @@
 """The published protocol on CMU subject 35."""
 
-import json
-
 import numpy as np
 import pytest
 
 from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
 from numpy_cae.experiments.published.protocol import GROUPS, read_protocol
+from numpy_cae.experiments.registry import run_experiment
 
 
 @pytest.fixture(scope="module")
@@ -38,13 +37,10 @@ def test_the_nearest_neighbour_has_the_published_errors(read, group, standardise
     assert (round(sc, 1), round(degrees, 2)) == published
 
 
-def test_the_sizes_and_the_weights_are_those_of_the_data_set(read, table):
+def test_acclaim_files_give_the_same_protocol(data_folder, read, table, monkeypatch):
     assert sum(map(len, read.takes)) == 2613 and read.test.shape == (124, 59)
     with np.load(table / "walk_jog_30hz.npz") as file:
         np.testing.assert_allclose(read.scale, file["taylor_scale"][9:], rtol=3e-4)
-
-
-def test_acclaim_files_give_the_same_protocol(data_folder, table, monkeypatch):
     monkeypatch.setattr(protocol, "TRAINING", [1, 17, 22])
     ours = read_protocol([data_folder / "cmu" / "asfamc" / "35"])
     theirs = read_protocol([table])
@@ -79,18 +75,16 @@ def test_missing_takes_are_named(tmp_path):
         read_protocol([tmp_path])
 
 
-def test_the_command_trains_and_writes_the_tables(table, tmp_path, monkeypatch, capsys, run):
+def test_both_networks_are_trained_and_measured(table, monkeypatch):
     monkeypatch.setattr(protocol, "TRAINING", [17, 19, 20, 21, 22])
     monkeypatch.setattr(networks, "STEPS", 2)
     monkeypatch.setattr(networks, "SEQUENCE_STEPS", 2)
     monkeypatch.setattr(cmu35, "SEEDS", 2)
-    run("report", "--only", "cmu35", "--data", table, "-o", tmp_path, "--json")
-    (experiment,) = json.loads(capsys.readouterr().out)["experiments"]
-    assert len(experiment["claims"]) == 5
-    published, test, left_out = experiment["tables"]
-    assert len(published["rows"]) == 6
-    names = [row[0] for row in test["rows"]]
+    result = run_experiment("cmu35", [table])
+    published, test, left_out = result.tables
+    assert len(result.claims) == 5 and len(published.rows) == 6
+    names = [row[0] for row in test.rows]
     assert names[-4:] == [name + end for name in cmu35.NETWORKS for end in ("", cmu35.TOGETHER)]
-    assert all("±" in cell for cell in test["rows"][-4][2:])
-    assert len(left_out["rows"]) == len(names) - 2
-    assert "data:image/png;base64," in (tmp_path / "report.html").read_text()
+    assert all("±" in cell for cell in test.rows[-4][2:])
+    assert len(left_out.rows) == len(names) - 2
+    assert result.png()

@@ -52,14 +52,11 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     assert "style, other content" not in comparison.retrieved(few, walks, labelled.training[:4])
 
 
-def test_a_claim_needs_the_higher_mean():
+def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
     names = (EQUATION_4, EUCLIDEAN, RAW_EXTREMES, UNTRAINED)
     average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, UNTRAINED: 0.75}}
     claims = comparison._claims(average)
     assert [claim.confirmed for claim in claims] == [True, True, False]
     assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures
-
-
-def test_without_labelled_takes_it_is_refused(small_manifold, labelled):
     with pytest.raises(ValueError, match="labelled takes"):
         comparison.run(small_manifold, Material(labelled.training, []))

@@ -102,12 +102,14 @@ def test_a_claim_is_confirmed_if_all_measures_are_better():
         ALONG: Validity(1, 1, 3, 1),
         LINEAR: Validity(2, 2, 9, 2),
     }
-    assert len(interpolation.better_measures(measured, ALONG, LINEAR)) == 4
-    assert interpolation.better_measures(measured, LINEAR, LINEAR) == []
     claim = interpolation._claim("walks", measured)
-    assert claim.confirmed and claim.figures.startswith(f"{ALONG} is better than {LINEAR}")
+    assert claim.confirmed and "on 4 of 4 measures" in claim.figures
     measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
     assert not interpolation._claim("walks", measured).confirmed
+    assert (
+        "0 of 4 measures (none)"
+        in interpolation._claim("walks", measured | {ALONG: measured[LINEAR]}).figures
+    )
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):

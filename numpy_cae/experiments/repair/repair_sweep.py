@@ -100,7 +100,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     baselines = repair_baselines(split)
     floor = testing.error(project_shifted(manifold.network, testing.x))
     errors: Errors = {}
-    mask_given: list[float] = []
 
     def note(name: str, repaired: np.ndarray) -> None:
         errors.setdefault(name, []).append(testing.error(repaired))
@@ -120,23 +119,23 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 averaged = project_repeated(manifold, damaged * factor, average_shifts=True)
                 note(AVERAGED + suffix, averaged)
         note(LINEAR, split.moments.solve(1 - p).repair(damaged))
-        mask_given.append(testing.error(interpolate_linearly(damaged, known)))
+        note(INTERPOLATED, interpolate_linearly(damaged, known))
 
     columns = [f"p = {p}" for p in PS]
-    rows = [[name, *row] for name, row in errors.items()]
+    *rows, mask_given = ([name, *row] for name, row in errors.items())
     tables = [
         Table(CAPTION, ["mask unknown", *columns], rows),
         Table(
             "An easier problem, mask given:",
             ["mask given", *columns],
-            [[INTERPOLATED, *mask_given]],
+            [mask_given],
         ),
     ]
     return Result(
         "Repair: values removed with probability p",
         tables,
         _claims(errors, floor, RESCALED if manifold.rescales else ""),
-        lambda: _figure(errors, mask_given),
+        lambda: _figure(errors),
         note=f"{split.sample} {split.fitted()}",
     )
 
@@ -176,10 +175,10 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
     ]
 
 
-def _figure(errors: Errors, mask_given: list[float]):
+def _figure(errors: Errors):
     """Error over p of six methods: each with or without rescaling, whichever is better."""
     drawn = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS, SAVITZKY_GOLAY)
-    curves = [Curve(PS, mask_given, INTERPOLATED, PLAIN, ":")]
+    curves = [Curve(PS, errors[INTERPOLATED], INTERPOLATED, PLAIN, ":")]
     for number, method in enumerate(drawn):
         variants = [name for name in (method, method + RESCALED) if name in errors]
         name = min(variants, key=lambda variant: sum(errors[variant]))

@@ -77,8 +77,8 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     """Draw clips from each source and study, and measure them."""
     rows = [row for study in studies for row in _rows(study, seed)]
     table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
-    names = [study.action.name for study in studies]
-    claims = [_walking_claim(table)] if "walking" in names else []
+    walking = any(study.action.name == "walking" for study in studies)
+    claims = [_walking_claim(table)] if walking else []
     alike, other = [], []
     for study in studies:
         spread = table.value(f"{study.action.name}: {FITTED}", "diversity")
