@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import save_manifold
 from numpy_cae.motion import JOINTS, load_motion, write_bvh
 
 
@@ -18,13 +17,6 @@ def folder(tmp_path_factory):
         take = make_take(kind, seed, seconds=2.0 + seed, rate=rate)
         write_bvh(take.motion, motions / f"{kind}.bvh", unit=0.01)
     return motions
-
-
-@pytest.fixture(scope="module")
-def model(walk_manifold, tmp_path_factory):
-    file = tmp_path_factory.mktemp("model") / "model.npz"
-    save_manifold(walk_manifold, file)
-    return file
 
 
 @pytest.mark.parametrize("share", ["0.3", "transition"])

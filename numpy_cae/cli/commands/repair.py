@@ -46,8 +46,7 @@ def run(args: argparse.Namespace) -> int:
                 repaired = _projected(motion, manifold)
             else:
                 damaged = damage_options.chosen_mask(args, motion)
-                options = args.strength, args.smooth, args.force
-                repaired = repair(motion, manifold, damaged, *options)
+                repaired = repair(motion, manifold, damaged, args.strength, args.smooth, args.force)
             changed.write(motion, repaired, target)
     return changed.status()
 
