@@ -23,8 +23,9 @@ def mirrored(positions: np.ndarray) -> np.ndarray:
 def damaged_chains() -> tuple[tuple[int, ...], ...]:
     """The chains of joints for `training.corruption.damage_stretches`, as indices of the features.
 
-    Every joint is a chain with its parent as base. Each limb gives four more chains: two with the
-    chest or the hips as base, and two with its first joint as base.
+    Every joint is a chain with its parent as base. Each limb gives four more chains, so that whole
+    limbs are drawn often enough: one with the chest or the hips as base and one with the limb's
+    first joint as base, each of them twice.
     """
     chains: list[tuple[int, ...]] = [(PARENTS[joint], joint) for joint in range(1, len(JOINTS))]
     for side in _SIDES:

@@ -47,6 +47,7 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
         raise ValueError("features have no frames to encode")
     before = -(-manifold.receptive_radius // manifold.stride)
     padded = manifold.padded(manifold.normalise(features)[None], before * manifold.stride)
+    # The ⌈frames / stride⌉ hidden frames after those of the padding:
     return manifold.network.encode(padded)[0, before : before - (-len(features) // manifold.stride)]
 
 

@@ -33,7 +33,7 @@ manifold does not know, and the joints are not damaged."""
 ROUNDS = 3
 """ROUNDS: how often the damage found so far is filled in and the rest is tested again."""
 MARGIN = 2
-"""MARGIN: so many frames on both sides of damage are damaged too."""
+"""MARGIN: this many frames on both sides of damage count as damaged too."""
 JUMP = 0.05
 """JUMP: a step to the next frame jumps if it differs by more than this (m) from the median of seven
 steps."""
@@ -42,16 +42,18 @@ JUMP_RATIO = 4.0
 OPPOSITE = -0.3
 """OPPOSITE: the cosine of the angle between a jump and the jump back is at most this."""
 SPIKE_FRAMES = 3
-"""SPIKE_FRAMES: between a jump and the jump back, at most so many frames of the file are a spike,
-which is damage whatever the manifold says."""
+"""SPIKE_FRAMES: a displacement of at most this many frames of the file, between a jump and the jump
+back, is a spike, which is damage whatever the manifold says."""
 LONGEST = 150
-"""LONGEST: at most so many frames between a jump and the jump back are tested with SUSPICION."""
+"""LONGEST: SUSPICION applies to displacements of at most this many frames."""
 STRETCHED = 0.15
-"""STRETCHED: a bone has a wrong length where it differs from its median by more than this share."""
+"""STRETCHED: a bone has a wrong length where it differs from its median by more than this share
+and by more than 2 cm."""
 STILL = 3e-4
 """STILL: a joint that moves less than this (m) until the next frame stands still."""
 STILL_FRAMES = 6
-"""STILL_FRAMES: a joint that stands still for at least so many frames and then jumps is frozen."""
+"""STILL_FRAMES: a joint is frozen if it stands still for at least this many frames and then
+jumps."""
 LEAST_JUMP = 0.03
 """LEAST_JUMP: the least step (m) with which a frozen joint moves again."""
 SAME_ROTATION = 1e-6
@@ -78,7 +80,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     ----------
     manifold : MotionManifold
     body : Body
-        Of the motion, as `manifold.body` returns it.
+        The body of the motion, as `manifold.body` returns it.
 
     Returns
     -------
@@ -219,11 +221,17 @@ def find_repeated(positions: np.ndarray) -> np.ndarray:
 def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndarray:
     """Joints that stand still until they jump, (F, 20) of bool.
 
-    Every joint is tested in the body's frame and while the file repeats the rotation that moves it;
-    all but the feet are tested in the world; wrists and ankles by their distance from the shoulder
-    or the hip. Hands that rest stand still too, but do not jump when they move again.
+    A joint stands still if one of these does not change:
 
-    `positions` and `local` (F, 20, 3) are in the world and in the body's frame, without spikes.
+    - its position in the body's coordinates
+    - its position in the world (not tested for feet, which stand)
+    - its distance from the shoulder or the hip (wrists and ankles only)
+    - the rotation in the file that moves it
+
+    Hands that rest stand still too, but do not jump when they move again.
+
+    `positions` and `local` (F, 20, 3) are in the coordinates of the world and of the body, without
+    spikes.
     """
     distances = np.linalg.norm(positions[:, _ENDS] - positions[:, np.subtract(_ENDS, 2)], axis=-1)
     bends = np.full(positions.shape[:2], np.inf)
@@ -235,7 +243,7 @@ def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndar
         rests = run_lengths(speed < STILL) >= STILL_FRAMES
         for joint in np.flatnonzero(rests.any(axis=0)):
             frozen[:, joint] |= _until_a_jump(rests[:, joint], in_body[:, joint], LEAST_JUMP)
-    # A rig holds a wrist or an ankle by the elbow or the knee above it.
+    # A wrist or an ankle is moved by the elbow or the knee, which is then frozen too.
     frozen[:, np.subtract(_ENDS, 1)] |= frozen[:, _ENDS]
     return frozen
 
@@ -263,7 +271,7 @@ def find_stretched(positions: np.ndarray) -> np.ndarray:
 
 
 def _turns(body: Body) -> np.ndarray:
-    """How much the rotation that moves each joint changes until the next frame, (F, 20).
+    """The change, to the next frame, of the rotation that moves each joint, (F, 20).
 
     The difference of the quaternions is scaled so that `SAME_ROTATION` becomes `STILL`.
     """

@@ -23,13 +23,13 @@ from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.retarget.body import Body
 
 REPEATS = 3
-"""REPEATS: leg joints in holes of at least LONG frames are projected so many times, all others
-once. Chosen on sources left out of training (docs/lab_book/filling.md)."""
+"""REPEATS: leg joints in holes of at least LONG frames are projected this many times, all
+others once. Chosen on sources left out of training (docs/lab_book/filling.md)."""
 LONG = 30
 """LONG: the frames of a long hole; see REPEATS."""
 SHORT = 16
 """SHORT: the spline, which is better in short holes, has a weight that falls from 0.8 to 0 as the
-hole grows to so many frames. Chosen like REPEATS."""
+hole grows to this many frames. Chosen like REPEATS."""
 _LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 
 
@@ -134,7 +134,7 @@ def keyframe_mask(frames: int, every: int) -> np.ndarray:
     Parameters
     ----------
     frames : int
-        Of the file.
+        The number of frames of the file.
     every : int
         n.
 

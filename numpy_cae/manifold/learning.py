@@ -32,13 +32,14 @@ MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
 this times RMS: a person lying down among people standing would make training diverge."""
 MIN_SPREAD = 1e-3
-"""MIN_SPREAD: features that vary less than this (m, rad) count as constant: not scaled up."""
+"""MIN_SPREAD: a spread (m, rad) smaller than this may be rounding error. Instead of it a sequential
+network divides by 1, and a convolutional one by MIN_SPREAD."""
 HIDDEN, LATENT, BURN_IN = 128, 8, 5
 """Units of each GRU, size of z, steps of the decoder before the first frame.
 
 jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
 CLIP_STEP = 5
-"""CLIP_STEP: frames between the clips of which the mean and deviation are computed."""
+"""CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart."""
 
 
 def learn_manifold(
@@ -65,13 +66,13 @@ def learn_manifold(
     schedule : Schedule, optional
         The paper's where None.
     window, overlap : int
-        In frames; `window` is a multiple of 8 with three layers.
+        Numbers of frames; with three layers `window` is a multiple of 8.
     filters, taps, bound
-        Of `ConvAutoencoder`.
+        As in `ConvAutoencoder`.
     rms : float
         Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
     report, checkpoint, engine
-        Of `train_autoencoder` and `with_engine`.
+        As in `train_autoencoder` and `with_engine`.
     mirror : bool
         Whether to learn from mirrored copies of the takes as well.
 
@@ -154,7 +155,7 @@ def learn_sequences(
     schedule, seed, report, checkpoint, engine
         As in `learn_manifold`.
     hidden, latent, burn_in, frames : int
-        Of `SequentialAutoencoder`, and of a clip.
+        As in `SequentialAutoencoder`; `frames` is the length of a clip.
 
     Returns
     -------

@@ -37,7 +37,7 @@ def save_manifold(manifold: Manifold, path: str | Path, half: bool = False) -> N
     ----------
     manifold : MotionManifold or SequenceManifold
     path : path
-        Of the file, .npz.
+        The file to write, .npz.
     half : bool
         Whether to write the weights of a convolutional network as float16.
 
@@ -192,7 +192,7 @@ def _sequences_of(arrays: dict[str, np.ndarray]) -> SequenceManifold:
     latent, hidden = arrays["state_w"].shape
     columns = len(table.columns)
     if hidden**2 > sum(array.size for array in arrays.values()):
-        raise ValueError("its weights are smaller than state_w says")
+        raise ValueError("its weights are fewer than the width of state_w requires")
     network = SequentialAutoencoder(columns, hidden, latent)
     network.burn_in = integer(arrays, "burn_in", 0, MAX_FRAMES)
     for name, weight in network.weights.items():

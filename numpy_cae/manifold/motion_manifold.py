@@ -26,7 +26,7 @@ def with_engine(network: Network, engine: str) -> Network:
 
 
 MAX_HIDDEN_FRAMES = 120
-"""MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of so many, to bound memory."""
+"""MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of this length, to bound memory."""
 
 
 @dataclass(repr=False)
@@ -118,7 +118,7 @@ class MotionManifold:
         return np.pad(x, ((0, 0), (before, after), (0, 0)), mode="edge")
 
     def unpadded(self, x: np.ndarray, frames: int) -> np.ndarray:
-        """Windows (N, …, 63) without what `padded` added to windows of so many frames."""
+        """Windows (N, …, 63) without what `padded` added; `frames` is their length before."""
         return x[:, self.receptive_radius : self.receptive_radius + frames]
 
     def encode(self, features: np.ndarray) -> np.ndarray:
@@ -153,7 +153,7 @@ class MotionManifold:
         Returns
         -------
         (F, 63) array of float64, or Motion
-            As `motion` is; a Motion by `project_motion`.
+            Features for features; a Motion, made by `project_motion`, for a Motion.
         """
         if isinstance(motion, Motion):
             from numpy_cae.manifold.project_motion import project_motion  # imports this module

@@ -19,13 +19,13 @@ def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        A motion at any rate, on any rig in which the twenty joints can be found.
     manifold : MotionManifold
 
     Returns
     -------
     Motion
-        Of the same skeleton, rate, unit and length.
+        Its skeleton, rate, unit and length are those of `motion`.
 
     Examples
     --------

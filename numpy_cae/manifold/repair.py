@@ -25,17 +25,17 @@ UNKNOWN = 0.12
 """UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
 more than that of any take of a source left out of training (docs/lab_book/detection.md)."""
 MOST_RUNS = 5
-"""MOST_RUNS: of so many runs of frames at most the numbers are printed."""
+"""MOST_RUNS: at most this many runs of frames are printed with their frame numbers."""
 
 
 @dataclass(frozen=True, repr=False)
 class Repaired:
-    """A motion after a repair, and what was changed; printed, the joints, frames and centimetres.
+    """A motion after a repair, and what was changed: its repr lists joints, frames and centimetres.
 
     Parameters
     ----------
     motion : Motion
-        Of the skeleton, rate, unit and length of the file's.
+        With the skeleton, rate, unit and length of the original motion.
     touched : (frames, 20) array of bool
         The joints that were repaired, in the frames of the file.
     moved : (frames, 20) array of float64
@@ -103,7 +103,7 @@ def repair(
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        A motion at any rate, on any rig in which the twenty joints can be found.
     manifold : MotionManifold
     damaged : (frames, 20) array of bool, optional
         In the frames of the file; found by `find_damage` where None.
@@ -166,7 +166,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        A motion at any rate, on any rig in which the twenty joints can be found.
     manifold : MotionManifold
     missing : (frames, 20) array of bool
         In the frames of the file; `keyframe_mask` makes that of keyframes.
@@ -200,7 +200,7 @@ class Holes:
     Parameters
     ----------
     body : Body
-        Of the motion.
+        The body of the motion.
     in_file : (frames, 20) array of bool
         What is damaged or missing, in the frames of the file.
 
@@ -209,7 +209,7 @@ class Holes:
     mask : (F, 20) array of bool
         What is damaged or missing at thirty frames a second.
     features, root : (F, 63) array of float64, RootTransform
-        With splines over the holes.
+        Features and root of the motion with splines over the holes.
     """
 
     def __init__(self, body: Body, in_file: np.ndarray):
@@ -246,7 +246,8 @@ class Holes:
         target = np.where(self.mask[..., None], target, body.positions)
         before, positions = body.positions_in_file, body.in_file_frames(target)
         for joint in np.flatnonzero(holes.any(axis=0)):
-            # The resampled curve misses frames of the file by a little: no jump at the holes' ends.
+            # Resampling does not pass exactly through the frames of the file. The difference at the
+            # ends of a hole, interpolated over the hole, is added, so that there is no jump.
             column = [joint]
             if not holes[:, joint].all():
                 gap = before[:, column] - positions[:, column]

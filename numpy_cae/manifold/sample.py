@@ -17,7 +17,7 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.windows import cut_windows
 
 NEIGHBOURS = 8
-"""NEIGHBOURS: so many windows, the nearest ones, are mixed with the window drawn."""
+"""NEIGHBOURS: this many windows, the nearest ones, are mixed with the window drawn."""
 _OVERLAP = 0.25
 """Share of a window over which it is blended into the next."""
 

@@ -26,8 +26,8 @@ class SequenceManifold:
     network : SequentialAutoencoder
         Plain or accelerated; everything is computed with it.
     mean, deviation : (54,) arrays of float64
-        Of each column over all frames of all clips. The deviation of a constant column is 1: MBR17
-        drops such columns, but with them one table serves every rig.
+        Mean and standard deviation of each column over all frames of all clips. The deviation of a
+        constant column is 1: MBR17 drops such columns, but with them one table serves every rig.
     table : AngleTable
     offsets : (J, 3) array of float64
         Bones for drawing, metres; see `AngleSequence`.
@@ -89,8 +89,8 @@ def common_bones(sequences: Sequence[AngleSequence]) -> tuple[AngleTable, np.nda
     # Lengths of bones differ between people; directions at rest differ between rigs.
     mean_lengths = np.linalg.norm(mean, axis=-1)
     along = np.sum(bones * mean, axis=-1)
-    lengths = np.linalg.norm(bones, axis=-1) * mean_lengths
-    differ = (along < np.cos(np.radians(MAX_ANGLE)) * lengths) & (mean_lengths > MIN_LENGTH)
+    products = np.linalg.norm(bones, axis=-1) * mean_lengths
+    differ = (along < np.cos(np.radians(MAX_ANGLE)) * products) & (mean_lengths > MIN_LENGTH)
     if differ.any():
         joint = table.joints[int(np.argwhere(differ)[0][1])]
         raise ValueError(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy_cae.models import ConvAutoencoder
 
 WINDOWS_AT_ONCE = 64
-"""WINDOWS_AT_ONCE: at most so many windows are projected together, to bound memory."""
+"""WINDOWS_AT_ONCE: at most this many windows are projected together, to bound memory."""
 
 
 def zeroed_fraction(x: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ def smooth_curves(values: np.ndarray, rate: float) -> np.ndarray:
         missed.append(np.mean((curves[-1] - smooth[:, moving]) ** 2, axis=(0, 2)))
         response = sosfiltfilt(lowpass, impulse)
         at_zero.append(response[500])
-        removed.append(np.sum((impulse - response) ** 2))  # share of white noise
+        removed.append(np.sum((impulse - response) ** 2))  # the share of white noise it removes
     first = min(int(np.searchsorted(cut_offs, NOISE_FROM)), len(cut_offs) - 1)
     noise = missed[first] / removed[first]
     risk = np.array(missed) + 2 * noise * np.array(at_zero)[:, None]

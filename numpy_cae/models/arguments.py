@@ -32,7 +32,9 @@ def require_denoising_arguments(
     if first is None:
         return
     if len(first) != len(layers):
-        raise ValueError(f"first has {len(first)} masks, expected one for each of {len(layers)}")
+        raise ValueError(
+            f"first has {len(first)} masks, expected one for each of {len(layers)} layers"
+        )
     batch, frames, _ = x.shape
     for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
         if mask is None:
@@ -50,7 +52,7 @@ def require_clips(name: str, x: np.ndarray, weights: dict[str, np.ndarray]) -> N
 
 
 def require_latent(z: np.ndarray, frames: int, weights: dict[str, np.ndarray]) -> None:
-    """Raise ValueError unless the decoder can write so many frames from z."""
+    """Raise ValueError unless the decoder can write this number of frames from z."""
     require_shape("z", z, ("batch", len(weights["state_w"])))
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected at least 1")

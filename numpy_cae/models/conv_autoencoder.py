@@ -42,7 +42,7 @@ class ConvAutoencoder:
         The decoder clips the input of arctanh to ±bound: arctanh(±1) is infinite, and the layer
         above can output more than 1 (docs/lab_book/arctanh_bound.md).
     rng : numpy.random.Generator, optional
-        For the initial weights; seeded with 0 where none is given.
+        Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
 
     Attributes

@@ -67,12 +67,12 @@ class SequentialAutoencoder:
     features : int
         Numbers of a frame, 54 in the paper.
     hidden : int
-        Units of each GRU; `numpy-cae train` makes 128. The paper does not say; MBR17, whose
-        decoder it takes, has 1024.
+        Units of each GRU; `numpy-cae train` makes 128. The paper does not state the number;
+        MBR17 (Martinez, Black and Romero, 2017), from which it takes the decoder, has 1024.
     latent : int
-        Dimensions of z; `numpy-cae train` makes 8. The paper does not say.
+        Dimensions of z; `numpy-cae train` makes 8. The paper does not state the number.
     rng : numpy.random.Generator, optional
-        For the initial weights; seeded with 0 where none is given.
+        Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
     burn_in : int
         Steps that the decoder makes before the first frame of a clip; see `decode_with_pullback`.
@@ -192,8 +192,9 @@ class SequentialAutoencoder:
 
         y_0 is zero, the mean pose; the decoder never sees frames of the input clip. It writes the
         last frame first: the last line reverses the order, so callers see the order of time. The
-        first S = `burn_in` frames are fed back but not part of the clip: the decoder needs a few
-        steps from zero and a linear map of z to a pose and a facing direction.
+        first S = `burn_in` frames are fed back but not part of the clip: it takes the decoder,
+        which starts from a zero frame and a state that is linear in z, a few steps to reach a pose
+        and a facing direction.
 
         The frame y_k acts on the loss along two paths: it is compared with the source, and it is
         the input of step k + 1. The state h_k also acts along two: through its frame y_k, and as
@@ -233,7 +234,7 @@ class SequentialAutoencoder:
             written.append(y)
             step_pullbacks.append(step_pullback)
             frame_pullbacks.append(frame_pullback)
-        x_hat = np.stack(written[: -frames - 1 : -1], axis=1)
+        x_hat = np.stack(written[: -frames - 1 : -1], axis=1)  # the last T, the last one first
 
         def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
             learned = *gru_weights(weights, "decoder"), frame_w, frame_b
@@ -282,7 +283,8 @@ class SequentialAutoencoder:
         discrepancy, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
         total = reconstruction + weight * discrepancy
 
-        dz, decoder_gradients = decode_pullback(error_pullback())  # (B, latent), of weights by name
+        # dz is (B, latent), the gradients of the decoder are a dict by the names of its weights.
+        dz, decoder_gradients = decode_pullback(error_pullback())
         encoder_gradients = encode_pullback(dz + prior_pullback(weight))
         losses = Losses(float(total), float(reconstruction), float(discrepancy))
         return losses, {**encoder_gradients, **decoder_gradients}

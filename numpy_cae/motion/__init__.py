@@ -1,6 +1,6 @@
 """Motion files, skeletons, the features of holden2015 (63) and jang2018 (54), windows and clips.
 
-This package imports no other package of the project.
+Of the rest of the project this package imports only the modules `errors` and `atomic_write`.
 """
 
 from numpy_cae.motion.angle_table import ANGLES

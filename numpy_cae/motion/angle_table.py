@@ -5,8 +5,8 @@ is 54 made by 17 joints".
 the joints; these are the seventeen that papers on Human3.6M draw, five along the trunk and three
 for each limb. Collars and toes do not rotate, but are included so that all `JOINTS` can be drawn.
 
-MBR17 drops the constant columns of Human3.6M's own text, which also leaves 54: 21 joints, of which
-six (knees, elbows, toes) rotate about x only. That is the second table.
+MBR17 drops the constant columns of Human3.6M's own text, which also leaves 54 numbers: 21 joints
+rotate, six of them (knees, elbows, toes) about x only. That is the second table.
 """
 
 from dataclasses import dataclass
@@ -66,30 +66,28 @@ class AngleTable:
         return tuple(nearest)
 
 
-def _table(name: str, above: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
-    """The table of joints, each with the one above it, of which some rotate about some axes."""
-    joints = tuple(above)
-    parents = tuple(-1 if joint is None else joints.index(joint) for joint in above.values())
+def _table(name: str, parent_of: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
+    """The table of the joints in `parent_of`; those in `rotating` rotate about the axes there."""
+    joints = tuple(parent_of)
+    parents = tuple(-1 if joint is None else joints.index(joint) for joint in parent_of.values())
     return AngleTable(name, joints, parents, tuple(rotating.items()))
 
 
 _LIMBS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
-_ABOVE: dict[str, str | None] = {}
-for _joint, _above in zip(JOINTS, (None, *(JOINTS[place] for place in PARENTS[1:])), strict=True):
-    if _joint == "head":
-        _ABOVE["neck"], _above = _above, "neck"
-    _ABOVE[_joint] = _above
+_PARENT_OF: dict[str, str | None] = {}
+for _joint, _parent in zip(JOINTS, (None, *(JOINTS[place] for place in PARENTS[1:])), strict=True):
+    if _joint == "head":  # `JOINTS` has no neck; here it is between the head and its parent
+        _PARENT_OF["neck"], _parent = _parent, "neck"
+    _PARENT_OF[_joint] = _parent
 SEVENTEEN = _table(
     "seventeen joints",
-    _ABOVE,
+    _PARENT_OF,
     dict.fromkeys(["hips", "spine", "chest", "neck", "head"], "xyz")
     | {f"{side}_{limb}": "xyz" for side in ("left", "right") for limb in _LIMBS},
 )
 
 _ABOUT_X = ("RightLeg", "RightToeBase", "LeftLeg", "LeftToeBase", "LeftForeArm", "RightForeArm")
-_VARYING = {
-    joint: above for joint, above, *_ in HUMAN36M.rows if not joint.endswith(("Thumb", "WristEnd"))
-}
+_VARYING = {row[0]: row[1] for row in HUMAN36M.rows if not row[0].endswith(("Thumb", "WristEnd"))}
 HUMAN36M_TABLE = _table(
     "the columns of Human3.6M that vary",
     _VARYING,

@@ -3,9 +3,10 @@
 A joint's rotation is relative to its nearest ancestor in the table (`angles_of`).
 
 The angles have no jumps. v and v - 2πk v/|v| are the same rotation for every integer k, and a
-conversion returns the vector shorter than π. When a joint rotates through π, its vector thus jumps
-to the opposite side of the ball, and a network would have to learn that jump. Here each frame gets
-the equivalent vector nearest to the frame before (as in MBR17 and Grassia, 1998).
+conversion from quaternions returns the vector shorter than π. When a joint rotates through π, its
+vector thus jumps to the opposite side of the ball, and a network would have to learn that jump.
+Here each frame gets the equivalent vector nearest to that of the frame before (as in MBR17 and
+Grassia, 1998).
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +22,7 @@ ANGLE_RATE = 25.0
 """Frames a second, MBR17's rate for Human3.6M: half of its fifty."""
 _PERIOD = 2 * np.pi
 _SHORT = 1e-9
-"""_SHORT: the direction of a shorter vector is rounding error."""
+"""_SHORT: a vector shorter than this has no meaningful direction."""
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,16 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     Parameters
     ----------
     numbers : (F, 54) array of float
-        The root is at their translation; see `on_floor` for a clip.
+        As in `AngleSequence`; the first three are the root's position in the world. In a clip they
+        are relative to its first frame (see `on_floor`).
     table : AngleTable
     offsets : (J, 3) array of float64
-        Of the bones, as in `AngleSequence`.
+        As in `AngleSequence`.
 
     Returns
     -------
     Motion
-        Of the joints of the table.
+        Its joints are those of the table.
 
     Examples
     --------
@@ -82,7 +84,8 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     frames, joints = len(numbers), len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
     vectors[:, table.indices] = numbers[:, TRANSLATION.stop :]
-    # A joint whose parent does not rotate: subtract the parent's offset from the same ancestor.
+    # If a joint's parent does not rotate, the offsets of both are from the same rotating ancestor;
+    # the difference is the bone between them.
     local = np.array(offsets, dtype=np.float64)
     for joint, parent in enumerate(table.parents):
         if parent != table.rotating_parents[joint]:
@@ -120,8 +123,8 @@ def on_floor(motion: Motion) -> Motion:
 
 
 def unwrapped(vectors: np.ndarray) -> np.ndarray:
-    """The same rotations, continuous in time: rotation vectors (F, …, 3) in radians, of which each
-    but the first frame is replaced by the equivalent vector nearest to the frame before.
+    """The same rotations, continuous in time: rotation vectors (F, …, 3) in radians. From the
+    second frame on, each is replaced by the equivalent vector nearest to that of the frame before.
     """
     smooth = np.array(vectors, dtype=np.float64)
     for frame in range(1, len(smooth)):
@@ -130,10 +133,10 @@ def unwrapped(vectors: np.ndarray) -> np.ndarray:
 
 
 def _nearest(vector: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Of the vectors (…, 3) equivalent to `vector`, the one nearest to `before`."""
+    """The vector (…, 3) nearest to `before` among those that are equivalent to `vector`."""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
-    # Equivalent vectors lie on one line. For no rotation that line may have any direction (2π
-    # about any axis); the direction of the frame before keeps the trajectory straight.
+    # Equivalent vectors lie on one line. If there is no rotation, the line may have any direction
+    # (2π about any axis); the direction of the frame before keeps the trajectory straight.
     axis = np.where(angle > _SHORT, vector, before)
     length = np.linalg.norm(axis, axis=-1, keepdims=True)
     axis = axis / np.where(length > _SHORT, length, 1.0)
@@ -144,9 +147,9 @@ def _nearest(vector: np.ndarray, before: np.ndarray) -> np.ndarray:
 def shortest_clips(vectors: np.ndarray) -> np.ndarray:
     """Continuous rotation vectors (…, F, J, 3) of clips, shifted by whole turns to the shortest.
 
-    After a person has turned round once, every vector is longer by 2π; later clips should not
-    differ from earlier ones. The shift is one number for each joint and clip, so that the clip
-    stays continuous.
+    After a person has turned round once, the root's vector is 2π longer from there on; that should
+    not make later clips differ from earlier ones. The shift is one number for each joint and clip,
+    so that the clip stays continuous.
     """
     angle = np.linalg.norm(vectors, axis=-1, keepdims=True)
     turns = np.round(angle.mean(axis=-3, keepdims=True) / _PERIOD)

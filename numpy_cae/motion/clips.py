@@ -8,13 +8,13 @@ from numpy_cae.motion.angle_table import ANGLES, TRANSLATION
 from numpy_cae.motion.angles import AngleSequence, shortest_clips
 
 CLIP = 50
-"""Frames, two seconds."""
+"""Frames in a clip: two seconds."""
 
 
 def draw_clips(
     sequences: Sequence[AngleSequence], clips: int, rng: np.random.Generator, frames: int = CLIP
 ) -> np.ndarray:
-    """Random clips of which every possible first frame is equally likely.
+    """Random clips; every possible first frame is equally likely.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def draw_clips(
         The number of clips.
     rng : numpy.random.Generator
     frames : int
-        In a clip.
+        Frames in a clip.
 
     Returns
     -------

@@ -19,8 +19,8 @@ from numpy_cae.motion.units import CMU_UNIT
 
 @dataclass(frozen=True)
 class ExpmapRig:
-    """One layout: its name, metres in one unit of its lengths, and the frames a second of such
-    text."""
+    """One layout: its name, the metres in one unit of its lengths, and the frames a second of text
+    in this layout."""
 
     name: str
     unit: float
@@ -28,9 +28,9 @@ class ExpmapRig:
 
     @cached_property
     def rows(self) -> list[list]:
-        """(joint, its parent, offset from the parent, optional tip) in the order of the text. A
-        tip, as an offset from the joint, has three more numbers in the text after the joint's own,
-        always zero."""
+        """(joint, its parent, offset from the parent, optional tip) in the order of the text. The
+        tip is an offset from the joint; if a row has one, the text holds three zeros for it after
+        the joint's own numbers."""
         file = Path(__file__).with_suffix(".json")
         return json.loads(file.read_text(encoding="utf-8"))[self.name]
 

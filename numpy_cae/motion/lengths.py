@@ -16,10 +16,11 @@ _LEGS = [
     JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("knee", "ankle")
 ]
 _NO_LENGTH = 1e-6
-"""_NO_LENGTH: a shorter bone (m) has no direction. In the CMU BVH files both collars are
+"""_NO_LENGTH: a bone shorter than this (m) has no direction. In the CMU BVH files both collars are
 exactly at the chest."""
 LEGS = (0.05, 20.0)
-"""LEGS: both legs of a person are between these lengths (m) in all; an adult has about 1.7."""
+"""LEGS: a person's two legs together, thighs and shins, are between these lengths (m); an adult's
+are about 1.7."""
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:
@@ -56,7 +57,8 @@ def frame_lengths(positions: np.ndarray) -> np.ndarray:
 
 def problem_of(positions: np.ndarray) -> str:
     """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
-    scale; empty if they are. A bone without a length needs one above it that has one."""
+    scale; empty if they are. A bone of length 0 is allowed only below a bone of
+    positive length."""
     lengths = np.median(
         frame_lengths(positions), axis=0
     )  # a few damaged frames do not change the median

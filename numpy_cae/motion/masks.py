@@ -40,7 +40,7 @@ def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
 
 
 def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:
-    """A mask (F, N) with so many more frames on both sides of each run."""
+    """A mask (F, N) with each run extended by this number of frames on both sides."""
     padded = np.pad(mask, ((frames, frames), (0, 0)))
     return np.any(sliding_window_view(padded, 2 * frames + 1, axis=0), axis=-1)
 
@@ -48,7 +48,7 @@ def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:
 def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
     """A mask (frames, N) of a motion's frames at `RATE`, (F, N).
 
-    A frame is in it if one of the frames of the file that it lies between is.
+    A frame is True if either neighbouring frame of the file is True.
     """
     source = motion.source_frames(RATE)
     low, high = np.floor(source).astype(int), np.ceil(source).astype(int)
@@ -56,9 +56,10 @@ def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
 
 
 def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
-    """A mask (F, N) at `RATE` in the frames of a motion, (frames, N): the inverse of `at_thirty`.
+    """A mask (F, N) at `RATE` in the frames of a motion, (frames, N).
 
-    A frame is in it if one of the two frames at `RATE` around it is.
+    A frame is True if either neighbouring frame at `RATE` is True. `at_thirty` and this both widen
+    runs, so one after the other does not give the same mask back.
     """
     source = motion.source_frames(RATE)
     after = np.searchsorted(source, np.arange(len(motion)), side="left")

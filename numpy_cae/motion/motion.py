@@ -107,15 +107,15 @@ class Motion:
     ) -> tuple[np.ndarray, np.ndarray]:
         """World positions (frames, J, 3) in metres and global rotations (frames, J, 4).
 
-        Where `joints` names some, only those and the joints above them are computed.
+        If `joints` is given, only these joints and their ancestors are computed.
         """
         positions, rotations = self.translations.copy(), self.rotations.copy()
         ends = range(len(self.skeleton.names)) if joints is None else joints
         for joint in sorted({each for end in ends for each in self.skeleton.path(end)} - {0}):
             parent = self.skeleton.parents[joint]
-            above = rotations[:, parent]
-            rotations[:, joint] = quaternions.product(above, rotations[:, joint])
-            positions[:, joint] = quaternions.rotate(above, positions[:, joint])
+            of_parent = rotations[:, parent]
+            rotations[:, joint] = quaternions.product(of_parent, rotations[:, joint])
+            positions[:, joint] = quaternions.rotate(of_parent, positions[:, joint])
             positions[:, joint] += positions[:, parent]
         return positions, rotations
 
@@ -156,7 +156,8 @@ def blocks(frames: np.ndarray, size: int = 2048) -> list[np.ndarray]:
 def whole_step(rate: float, new_rate: float) -> int:
     """n if every n-th frame at `rate` is a frame at `new_rate`; 0 if there is no such n."""
     step = round(rate / new_rate)
-    # Frame times are rounded in files (.0083333, 0.033367): half a percent is the same rate.
+    # Files round frame times (.0083333 for 1/120), and 29.97 Hz may stand for 30: a difference of
+    # less than half a percent is ignored here, though `rate` stays as the file has it.
     return step if step >= 1 and abs(rate / new_rate / step - 1) < 0.005 else 0
 
 

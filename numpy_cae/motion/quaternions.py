@@ -48,13 +48,13 @@ def angle(q: np.ndarray) -> np.ndarray:
 
 
 def from_vector(vectors: np.ndarray) -> np.ndarray:
-    """Of rotation vectors α a, (…, 3) in radians."""
+    """The quaternions of rotation vectors α a, (…, 3) in radians."""
     half = np.linalg.norm(vectors, axis=-1, keepdims=True) / 2
     return np.concatenate([np.sinc(half / np.pi) / 2 * vectors, np.cos(half)], axis=-1)
 
 
 def to_vector(q: np.ndarray) -> np.ndarray:
-    """α a, (…, 3) in radians, not longer than π."""
+    """The rotation vectors α a, (…, 3) in radians, not longer than π."""
     q = np.where(q[..., 3:] < 0, -q, q)
     return q[..., :3] / (np.sinc(angle(q) / (2 * np.pi)) / 2)[..., None]
 
@@ -81,9 +81,10 @@ def nearest(matrices: np.ndarray) -> np.ndarray:
 
 
 def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
-    """Of angles (F, N) in radians about the joint's own axes in this order, such as "ZXY".
+    """Quaternions of angles (F, N) in radians about the joint's own axes in an order such as "ZXY".
 
-    A rotation by 2α about axis i, on the right of the others', changes the quaternion to
+    Multiplied on the right by a rotation of 2α about axis i, a quaternion q becomes (j and k are
+    the axes that follow i in the cycle x, y, z)
 
         q_i cos α + q_w sin α,   q_j cos α + q_k sin α,   q_k cos α - q_j sin α,
         q_w cos α - q_i sin α

@@ -25,8 +25,9 @@ class Skeleton:
     added : int
         The number of joints at the end that the file does not have; no writer writes them.
     joint_names : dict of str to str
-        The names here of some of the twenty joints, as the user gives them where a rig is unknown
-        (`load_motion(path, mapping=...)`); the others are found by the names of known rigs.
+        For some of the twenty joints (`JOINTS`) the name that this skeleton has for the joint, as
+        the user gives it if a rig is unknown (`load_motion(path, mapping=...)`); the others are
+        found by the names of known rigs.
 
     Examples
     --------

@@ -40,7 +40,7 @@ def require_unit(unit: float) -> float:
 
 
 def unit_name(unit: float) -> str:
-    """The name of a unit of so many metres."""
+    """The name of a unit that is this many metres long."""
     for name, metres in UNITS.items():
         if abs(unit / metres - 1) < 1e-6:
             return name
@@ -48,7 +48,7 @@ def unit_name(unit: float) -> str:
 
 
 def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float:
-    """The stature of a person with such bones, in the unit of the lengths; 0 without two tips.
+    """The stature of a person with these bones, in the unit of the lengths; 0 without two tips.
 
     `bone_lengths` (J,), from each joint to its parent, are by default those of the offsets.
     """
@@ -71,12 +71,12 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
 
 
 def is_plausible(metres: float) -> bool:
-    """Whether a person may be that tall."""
+    """Whether a person may be this tall."""
     return PLAUSIBLE[0] <= metres <= PLAUSIBLE[1]
 
 
 def stated_unit(unit: float, source: str, height: float) -> str:
-    """The unit's name, its source and the stature in metres that it gives, 0 if none is known."""
+    """A note on the unit, its source and the stature. `height` is in metres, 0 if unknown."""
     odd = height > 0 and not is_plausible(height)
     advice = ", which no adult is; give the right unit" if odd else ""
     return f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"

@@ -34,13 +34,13 @@ def cut_windows(
     ----------
     features : (F, 63) array of float
     length, overlap : int
-        In frames, 0 <= overlap < length.
+        Numbers of frames, 0 <= overlap < length.
 
     Returns
     -------
     windows : (N, length, 63) array of float64
     real : (N, length) array of bool
-        False for added frames, which errors leave out.
+        False for added frames, which are not counted in error measures.
 
     Raises
     ------

@@ -2,8 +2,8 @@
 
 tanh maps the hidden units into [-1, 1], the parametrisation of the manifold (holden2015, section
 3); the decoder inverts it with arctanh (equation 2). arctanh is infinite at ±1, and the output of
-a decoding layer is unbounded, so it takes a bound: see
-docs/lab_book/arctanh_bound.md. The gates of jang2018's recurrent networks are sigmoids.
+a decoding layer is unbounded, so our arctanh takes a bound to which it clips its argument (see
+docs/lab_book/arctanh_bound.md). The gates of jang2018's recurrent networks are sigmoids.
 """
 
 import numpy as np

@@ -27,7 +27,7 @@ class CheckpointError(NumpyCaeError, ValueError):
 
 
 class Checkpoint:
-    """The file of one run: the state after every epoch, and within one every so many seconds.
+    """The file of one run: the state after every epoch, and within one every `seconds` seconds.
 
     Without `resume` an existing file is an error, since it may be hours of training.
 
@@ -77,7 +77,8 @@ class Checkpoint:
 
     def save(self, state: TrainingState) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
-        before, self.position = self.position, ""  # unknown which of the two is in the file
+        # Until the save succeeds, it is unknown whether the old or the new state is in the file.
+        before, self.position = self.position, ""
         try:
             save_arrays(_arrays_of(state, self.run), self.path, compressed=False)
         except FileError as error:

@@ -73,12 +73,13 @@ def damage_stretches(
     """X_c of windows (B, T, C) with the damage of motion files: up to three stretches in a window.
 
     In a stretch of 1 to `LONGEST` frames one chain of points is zeroed, frozen, frozen relative to
-    its base, interpolated or displaced. Short stretches are as likely as long ones. Not in the
-    paper, which only zeroes single values.
+    its base, interpolated or displaced. The length is log-uniform: 1 to 8 frames are as likely as 9
+    to 80. The paper does not do this; it only zeroes single values.
 
     A chain is a tuple of points, base first; each is given by the index c of its x (y and z are
-    c + 1 and c + 2). The base is not damaged. `size` is the standard deviation of the displacement
-    of a chain's last point; the others are displaced in proportion.
+    c + 1 and c + 2). The base is not damaged. A chain's last point is displaced by `size` · 2u · n,
+    where u ~ U(0, 1) and n is a vector of three standard normal numbers; point k of K is displaced
+    by k / K of that.
     """
     damaged, frames = x.copy(), x.shape[1]
     for window in damaged:
@@ -112,8 +113,8 @@ def _damage(
         elif kind == 1:
             value[...] = first.copy()
         elif kind == 2:
-            below = slice(base, base + 3)
-            value[...] = x[start:stop, below] + (first - x[max(start - 1, 0), below])
+            at_base = x[:, base : base + 3]
+            value[...] = at_base[start:stop] + (first - at_base[max(start - 1, 0)])
         elif kind == 3:
             value[...] = (1 - t) * first + t * last
         else:

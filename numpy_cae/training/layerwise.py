@@ -1,7 +1,8 @@
 """Layer by layer, then all together: the training of holden2015, section 6.
 
-The layers below encode the clean motion. The layer is trained to restore this encoding from a
-corrupted copy (Vincent 2010). Fine tuning then trains the whole stack at once.
+To train a layer, the layers before it first encode the clean motion; the layer then learns to
+restore this encoding from a corrupted copy (Vincent 2010). Fine tuning then trains the whole stack
+at once.
 """
 
 from collections.abc import Callable, Iterator

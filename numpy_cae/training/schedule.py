@@ -33,7 +33,7 @@ class Stage:
     unpooling: Literal["random", "even"] | None = None  # None: random for one layer, even for all
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
-    chains: tuple[tuple[int, ...], ...] = ()  # of which `damage_stretches` damages stretches
+    chains: tuple[tuple[int, ...], ...] = ()  # chains that `damage_stretches` damages
     displacement: float = 0.15  # `size` of `damage_stretches`
     noise: float = 0.0  # largest standard deviation of the noise that is added to a window
 
@@ -43,7 +43,7 @@ class Schedule:
     """Training of the convolutional autoencoder: each layer by itself, then all of them together.
 
     With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
-    fine tuning; we take as many as for a layer.
+    fine tuning; we take the number of a layer.
 
     Examples
     --------
@@ -70,8 +70,9 @@ class Schedule:
 class SequenceSchedule:
     """Training of jang2018's network; the paper states none of these numbers.
 
-    The mean sliced distance between two random samples of the prior is 2.1 for 1 point, 0.28 for
-    16, 0.08 for 64: with a batch below 64 this noise dominates the regulariser.
+    Between two random samples of the prior `ops.sliced_wasserstein`, which is a squared distance,
+    is on average 2 for samples of 1 point, 0.28 for 16 points and 0.08 for 64: with a batch below
+    64 this noise dominates the regulariser.
 
     Examples
     --------
@@ -86,10 +87,10 @@ class SequenceSchedule:
     decay: float = 0.93
     batch: int = 128  # clips in a step
     weight: float = 1.0  # λ of the sliced Wasserstein distance
-    directions: int = 64  # that the distance projects on
+    directions: int = 64  # on which the distance projects
     norm: float = 1.0  # bound on the gradient's norm
     momentum: float = 0.9
-    posture: float = 0.0  # standard deviation of a constant added to each number of a clip
+    posture: float = 0.0  # standard deviation of offsets, constant in a clip, one for each of 54
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
 
@@ -110,17 +111,17 @@ RECIPES = {
     "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
     "best": Schedule(layer=Stage(epochs=0), fine_tuning=replace(_FAST, epochs=130)),
 }
-"""Schedules by name; docs/lab_book/end_to_end.md has what each measures. The settings of fast and
-best were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test takes
-*_005."""
+"""Schedules by name; docs/lab_book/end_to_end.md lists the error that each reaches. The settings of
+fast and best were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test
+takes *_005."""
 SEQUENCE_RECIPES = {
     "paper": SequenceSchedule(),
     "fast": SequenceSchedule(
         steps=50, rate=0.005, batch=64, optimiser="adam", rate_schedule="one-cycle"
     ),
 }
-"""Of the sequential network. The settings of fast were chosen on synthetic people of another
-seed."""
+"""Schedules of the sequential network by name. The settings of fast were chosen on synthetic people
+of seed 5 (docs/lab_book/sequence_recipe.md)."""
 
 
 def recipe(name: str) -> Schedule:
@@ -129,7 +130,8 @@ def recipe(name: str) -> Schedule:
     Parameters
     ----------
     name : {"paper", "fast", "best"}
-        That of holden2015; all layers at once with Adam; the same for three times as many epochs.
+        The schedule of holden2015; all layers at once with Adam; the latter for 130 epochs
+        instead of 40.
 
     Returns
     -------

@@ -31,8 +31,8 @@ def train_sequential(
     model : SequentialAutoencoder
         Or what `fast.accelerate` makes of it, which trains faster.
     draw : function (rng, B) -> (B, T, features) array
-        Draws other normalised clips, in the dtype of the model, at every call. The first ones
-        identify the data for `checkpoint`.
+        Draws other normalised clips, in the dtype of the model, at every call. A hash of the
+        first ones tells `checkpoint` whether the data are the same.
     schedule : SequenceSchedule, optional
         One of `SEQUENCE_RECIPES`; "paper" by default.
     rng, report, checkpoint
@@ -80,6 +80,7 @@ def sequential_steps(
 ) -> Iterator[None]:
     """Train from `state` on, and yield after every step: the loop of `train_sequential`."""
     optimiser, steps = make_optimiser(schedule, model.weights), schedule.steps
+    # A step counts as one example, so the loss of an epoch is the mean over its steps.
     state.begin_stage("sequences", optimiser, schedule.epochs, steps, examples=steps)
     terms = state.history.losses
     for epoch in range(state.epoch, schedule.epochs):

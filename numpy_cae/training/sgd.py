@@ -11,7 +11,7 @@ def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], r
     Parameters
     ----------
     parameters, gradients : iterables of arrays
-        In the same order.
+        The gradient of each parameter, in the same order.
     rate : float
         η.
 

@@ -76,7 +76,7 @@ class TrainingState:
         self.started = time.perf_counter() - self.history.seconds.setdefault(name, 0.0)
 
     def end_step(self, loss: float, examples: int) -> None:
-        """Count a step with the mean loss of so many examples, and the epoch that it completes."""
+        """Count a step with the mean loss of its examples, and the epoch if the step ends it."""
         self.loss = loss
         self.total += loss * examples
         self.step += 1

@@ -67,7 +67,7 @@ def sequence_step(
 def unit_directions(
     count: int, dimensions: int, rng: np.random.Generator, dtype: np.dtype | type = np.float32
 ) -> np.ndarray:
-    """Random directions, uniformly distributed: a normal vector has no preferred direction.
+    """Random directions, uniformly distributed: those of vectors of independent normal numbers.
 
     Parameters
     ----------

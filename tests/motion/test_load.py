@@ -115,7 +115,7 @@ def test_bodies_that_are_no_persons_and_jumps_are_named(paths, tmp_path):
     for name, take, message in (
         ("hip", changed(0.0, slice(joint - 1, joint + 1)), "bone to left_hip has no length"),
         ("giant", changed(1e5, slice(None)), "expected 0.05 to 20 m; is the unit another"),
-        ("jump", replace(motion, translations=jump), "of 30 a second"),
+        ("jump", replace(motion, translations=jump), "(at 30 a second)"),
     ):
         write_bvh(take, tmp_path / f"{name}.bvh", unit=0.01)
         (body,) = read_bodies([tmp_path / f"{name}.bvh"])

@@ -65,7 +65,7 @@ def _repair_a_walk(folder: Path, seed: int) -> None:
     where = before > 1  # cm
     print(
         f"{folder}/index.html: open it in a browser: a damaged walk, the same repaired, and the "
-        f"true one\n{where.sum()} joints and frames were damaged by {before[where].mean():.1f} cm "
+        f"true one\n{where.sum()} joint positions were wrong by {before[where].mean():.1f} cm "
         f"on average; after the repair they are {after[where].mean():.1f} cm off\n"
         f"{folder}/damaged.bvh, repaired.bvh, true.bvh: the same for other programs\n",
         flush=True,

@@ -67,7 +67,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 def _pca(
     name: str, x: np.ndarray, truth: Clips, inputs: dict[str, np.ndarray], numbers: int
 ) -> list[list]:
-    """A row for each input of PCA, fitted to x in rows of so many numbers, at the best of `SIZES`
+    """A row for each input of PCA, fitted to x in rows of this many numbers, at the best of `SIZES`
     for each column."""
     pca = PCA.fit(x.reshape(-1, numbers))
     largest = len(pca.axes)

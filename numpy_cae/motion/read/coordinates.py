@@ -34,7 +34,8 @@ FLOOR = 0.15
 shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
 to 0.12 (docs/lab_book/axes_and_floor.md)."""
 STEADY = 0.03
-"""STEADY: a body rests on a floor if the quartiles of its lowest joint's height (m) are nearer."""
+"""STEADY: a body rests on a floor if the quartiles of its lowest joint's height are closer together
+than this (m)."""
 NEAR = 0.10
 """NEAR: the body stands or lies on a floor if its lowest joint is nearer to it than this (m)."""
 AT_ZERO = 0.25
@@ -43,7 +44,7 @@ AT_ZERO = 0.25
 AT_LEVEL = 0.1
 """AT_LEVEL: else the floor is the lowest level at which the body is for this part of the time."""
 _POSES = 500
-"""_POSES: about so many poses of a motion are looked at."""
+"""_POSES: about this many poses of a motion are looked at."""
 
 
 @dataclass(frozen=True)

@@ -46,15 +46,16 @@ class FileMotion(Motion):
     source: Path = Path()
 
     def save(self, path: str | Path, before: Motion | None = None) -> None:
-        """Write the motion; in the format of its file as the file came in, else by `write_motion`.
+        """Write the motion to a file.
 
-        In its own format (.bvh, .amc) the text of everything that did not change is kept, byte for
-        byte, and a missing .asf skeleton is copied beside an .amc file.
+        In the format of its own file (.bvh, .amc) the text of everything that did not change is
+        kept, byte for byte, and a missing .asf skeleton is copied beside an .amc file. Any other
+        format, or a motion at another rate, is written by `write_motion`.
 
         Parameters
         ----------
         path : path
-            Of the file to write: .bvh, .amc, or positions as .npz or .csv. It may be the source.
+            The file to write: .bvh, .amc, or positions as .npz or .csv. It may be the source.
         before : Motion, optional
             The motion as it was read; the file is read again where None.
 
@@ -104,12 +105,13 @@ def load_motion(
         The axis that is up in the file (x, y, z, -x, -y or -z), and the height of the floor along
         it in metres. By default detected.
     mapping : dict of joint name to the rig's joint name, or several, optional
-        Names of the twenty joints in an unknown rig, which are kept in `Skeleton.joint_names`. Of
-        several mappings the first all of whose names the file has is taken, or none.
+        Names of the twenty joints in an unknown rig, which are kept in `Skeleton.joint_names`. If
+        there are several mappings, the first whose names are all in the file is used, or none.
 
     Returns
     -------
-    Motion
+    FileMotion
+        A `Motion` that knows its file and has a method `save`.
 
     Raises
     ------
@@ -196,7 +198,7 @@ def load_body(
     MotionFileError
         If the file cannot be read.
     UnknownRigError
-        With the name of the file, if joints are missing.
+        If joints are missing; the message names the file.
 
     Examples
     --------
@@ -236,7 +238,7 @@ def load_angles(
     MotionFileError
         If the file cannot be read.
     UnknownRigError
-        With the name of the file, if joints are missing.
+        If joints are missing; the message names the file.
 
     Examples
     --------
@@ -254,7 +256,7 @@ def load_angles(
 
 
 def find_motion_files(folder: str | Path) -> list[Path]:
-    """The motion files in a folder and its subfolders, of .txt those of exponential maps.
+    """The motion files in a folder and its subfolders; a .txt counts if it holds exponential maps.
 
     Parameters
     ----------

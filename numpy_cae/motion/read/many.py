@@ -99,5 +99,5 @@ def _require_steady(path: Path, positions: np.ndarray) -> None:
     apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
     for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
         if far.size and not far.max() <= MAX_STEP:
-            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} of 30 a second"
+            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} (at 30 a second)"
             raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")

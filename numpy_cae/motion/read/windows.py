@@ -43,7 +43,7 @@ def load_windows(
     minutes : float
         Maximal duration; files are chosen evenly from the list.
     length, overlap : int
-        Of a window, in frames at 30 a second.
+        Length and overlap of the windows, in frames at 30 a second.
 
     Returns
     -------
