@@ -1,1 +1,1 @@
-"""Motion files as text and a `Motion`: in the axes of the file, on its own joints."""
+"""Readers and writers between text files and `Motion`, in the axes and joints of the file."""

@@ -1,7 +1,7 @@
 """Read an Acclaim motion (.amc) with its skeleton (.asf): in each frame, one line for each bone.
 
-Angles are about fixed axes in the order of the skeleton's `dof` (for the root: of its `order`),
-so that `rx ry rz` is R = R_z · R_y · R_x; `asf` defines the axes.
+Angles are about fixed axes in the order of the skeleton's `dof` (the root's: in that of `order`).
+`rx ry rz` is therefore R = R_z · R_y · R_x; the module `asf` defines the axes.
 """
 
 import logging
@@ -37,20 +37,20 @@ def read_amc(
 ) -> Motion:
     r"""Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
 
-    The format does not state the number of frames, so that frames missing at the end of the
-    file are noticed only if the last one is incomplete.
+    The format does not state the number of frames. A file that has been cut off is therefore
+    noticed only if its last frame is incomplete.
 
     Parameters
     ----------
-    path, skeleton_path : paths of the .amc and the .asf file, by default that of `find_skeleton`
+    path, skeleton_path : paths of the .amc and .asf file; by default `find_skeleton` finds the .asf
     unit, max_rate : float, optional
-        As in `read_bvh`; by default the unit is the skeleton's. The rate is the file's
-        `:SAMPLES-PER-SECOND`, which few files have; else 120, the rate of the CMU database.
+        As in `read_bvh`; by default the unit is the skeleton's. The rate is stated by
+        `:SAMPLES-PER-SECOND`; few files have this, and 120, CMU's rate, is assumed in the others.
 
     Returns
     -------
     Motion
-        In metres, its axes as in the file.
+        In metres and in the axes of the file.
 
     Raises
     ------
@@ -85,24 +85,25 @@ def read_amc(
 
 
 def amc_channels(path: str | Path, unit: float) -> list[Channels]:
-    """The channels of each joint of an Acclaim motion, whose unit of length is so many metres."""
+    """The channels of each joint of an Acclaim motion; `unit` is metres in its unit of length."""
     file = TextFile.read(path, size=HEADER_SIZE)
     return _read_header(file, read_asf(find_skeleton(path), unit))[0]
 
 
 def amc_values(path: str | Path) -> np.ndarray:
-    """The values of an Acclaim motion as they are in the file, (frames, channels), columns in the
-    order of the skeleton's joints."""
+    """The values of an Acclaim motion, unchanged, as a table (frames, channels) with its columns in
+    the order of the skeleton's joints."""
     file, acclaim = TextFile.read(path), read_asf(find_skeleton(path))
     _, rate, header = _read_header(file, acclaim)
     return _frames(file, acclaim, header, 1, rate)
 
 
 def find_skeleton(path: str | Path) -> Path:
-    """The .asf file in the folder of an .amc file: the one of the same name, else the one with the
-    longest name that begins the motion's before a _ (`02.asf` for `02_01.amc`), else the only one.
+    """The skeleton of an .amc file: an .asf file in the same folder.
 
-    Raises MotionFileError if there is none, or several and none of them fits.
+    It has the same name or, if there is no such file, the longest name that is a prefix of the
+    motion's up to an underscore (`02.asf` for `02_01.amc`). If no name fits, it is the only .asf
+    file. Raises MotionFileError if there is none, or if there are several and no name fits.
     """
     path = Path(path)
     skeletons = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
@@ -115,7 +116,7 @@ def find_skeleton(path: str | Path) -> Path:
     raise MotionFileError(
         path,
         None,
-        f"its skeleton is not clear: the folder contains {found}, expected "
+        f"it is not clear which skeleton it has: the folder contains {found}, expected "
         f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name",
     )
 
@@ -142,9 +143,9 @@ def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channel
 def _frames(
     file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int, rate: float
 ) -> np.ndarray:
-    """The table (every `step`-th frame, channels), columns in the order of the skeleton's joints.
+    """A table of every `step`-th frame, with its columns in the order of the skeleton's joints.
 
-    `rate` is that of these frames. Comments, blanks and the order of the bones do not matter.
+    `rate` is the rate of these frames. Comments, blanks and the order of the bones do not matter.
     """
     names = acclaim.skeleton.names
     channels = {name: bone.names for name, bone in zip(names, acclaim.channels, strict=True)}
@@ -158,7 +159,7 @@ def _frames(
         if missing:
             raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
         kept = (count - 1) % step == 0
-        if kept or last:  # the last one may be cut off
+        if kept or last:  # the last frame may be cut off
             values = [value for name in moving for value in file.numbers(*frame[name])]
         if kept:
             rows.extend(values)

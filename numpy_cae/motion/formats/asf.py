@@ -1,13 +1,14 @@
 """Read an Acclaim skeleton (.asf): bones with a direction and a length, and their rotation axes.
 
-Schafer, Acclaim Skeleton File Definition V1.10 (1994), and Vicon's notes on it, as CMU's database
-uses them. A bone's angles are about axes of its own, rotated by C (its `axis`) from the world's:
+The format is that of Schafer, Acclaim Skeleton File Definition V1.10 (1994), and of Vicon's notes
+on it, as CMU's database uses them. Each bone has axes of its own, which the rotation C (its `axis`)
+turns away from the world's. Its angles are about these axes:
 
     R_bone = C · R(angles) · C⁻¹
 
-which is a rotation in the world's axes of the rest pose, the axes that `Motion` has in every
-joint. A joint here is named for its bone and is at the bone's base: lfemur at the hip, ltibia
-at the knee.
+is the same rotation expressed in the world's axes. `Motion` needs this form, because in the rest
+pose the local axes of all its joints are the world's. A joint here is named for its bone and is at
+the bone's base: lfemur is at the hip, ltibia at the knee.
 """
 
 import re
@@ -31,8 +32,11 @@ _ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class AcclaimSkeleton:
-    """The content of an .asf file: a skeleton in metres whose joint 0 is "root", the channels of
-    each joint in an .amc file (none of a rigid bone), and metres in one unit of the file."""
+    """The content of an .asf file.
+
+    `skeleton` is in metres, and its joint 0 is "root". `channels` are those of each joint in an
+    .amc file; a rigid bone has none. `unit` is metres in one unit of the file.
+    """
 
     skeleton: Skeleton
     channels: list[Channels]
@@ -41,8 +45,10 @@ class AcclaimSkeleton:
 
 @dataclass
 class _Block:
-    """A section, or a bone from `begin` to `end`, that begins on `line`: its statements, keyword ->
-    (line number, words after the keyword)."""
+    """A section, or a bone from `begin` to `end`; `line` is its first line.
+
+    `statements` are keyword -> (line number, words after the keyword).
+    """
 
     file: TextFile
     line: int
@@ -54,7 +60,7 @@ class _Block:
         return " ".join(self.words("name")[1])
 
     def words(self, keyword: str, default: str | None = None) -> tuple[int, list[str]]:
-        """A statement, `default` if the block has none; MotionFileError if there is no default."""
+        """The statement with a keyword, or else `default`; MotionFileError if there is neither."""
         if keyword in self.statements:
             return self.statements[keyword]
         if default is None:
@@ -62,33 +68,32 @@ class _Block:
         return self.line, default.split()
 
     def numbers(self, keyword: str, count: int, default: str | None = None) -> list[float]:
-        """The numbers of a statement."""
+        """The `count` numbers of a statement."""
         return self.file.numbers(*self.words(keyword, default), count, keyword)
 
     def rotation(self, angles: list[float], order: list[str], degrees: bool) -> np.ndarray:
-        """The rotation by three angles about the world's x, y and z, applied in the order of
-        `axis`."""
+        """The rotation by three angles about the world's x, y and z, applied in `order`."""
         letters = "".join(order).upper()
         if sorted(letters) != ["X", "Y", "Z"]:
             problem = f"axis order {quoted(letters)}, expected X, Y and Z, such as XYZ"
             raise self.file.error(self.words("axis", "")[0], problem)
-        letters = letters[::-1]  # the world's axes are the own axes in reverse
+        letters = letters[::-1]  # fixed axes in this order are own axes in reverse order
         values = np.array([[angles["XYZ".index(axis)] for axis in letters]])
         return from_angles(letters, np.radians(values) if degrees else values)[0]
 
     def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
-        """The channels of an `order` or `dof` statement. Rotations are about fixed axes in this
+        """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
         order."""
         line, words = self.words(keyword, default)
         names = tuple(word.lower() for word in words)
         if not set(names) <= set(known) or len(set(names)) < len(names):
-            expected = f"expected different ones of {' '.join(known)}: no bone stretches or slides"
+            expected = f"expected each of {' '.join(known)} at most once: bones only rotate"
             raise self.file.error(line, f"{keyword} {quoted(' '.join(words))}, {expected}")
         return names
 
 
 def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
-    """(line number, words) of the lines below a line; # begins a comment."""
+    """(line number, words) of each line below line `after`, without comments, which # begins."""
     for line, text in file.numbered(after):
         words = text.partition("#")[0].split()
         if words:
@@ -102,8 +107,8 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     ----------
     path : path of the .asf file
     unit : float, optional
-        Metres in one unit of the file. By default 0.0254 / length, since a value divided by the
-        `length` of `:units` is inches.
+        Metres in one unit of the file. The default is 0.0254 / length: a value in the file
+        divided by the `length` of `:units` is in inches.
 
     Returns
     -------
@@ -170,7 +175,7 @@ _SEPARATORS = str.maketrans(",()", "   ")
 def _read_sections(
     file: TextFile,
 ) -> tuple[_Block, _Block, list[_Block], list[tuple[int, list[str]]]]:
-    """`:units` and `:root`, each bone, and the lines of `:hierarchy`."""
+    """The sections `:units` and `:root`, the bones, and the lines of `:hierarchy`."""
     sections: dict[str, _Block] = {}
     bones: list[_Block] = []
     hierarchy = []
@@ -226,8 +231,8 @@ def _read_bone(bone: _Block, unit: float, degrees: bool) -> tuple[np.ndarray, Ch
 def _depth_first(
     file: TextFile, bones: list[_Block], hierarchy: list[tuple[int, list[str]]]
 ) -> dict[str, int]:
-    """The bones below the root in `:hierarchy`, parents before children, with the place of each
-    one's parent."""
+    """The root and the bones of `:hierarchy`, parents before children, each with the index of its
+    parent in this order (-1 for the root)."""
     names_of_bones = {"root", *(bone.name for bone in bones)}
     children: dict[str, list[str]] = {name: [] for name in names_of_bones}
     free = names_of_bones - {"root"}
@@ -241,9 +246,9 @@ def _depth_first(
     order: dict[str, int] = {}
     waiting = [("root", -1)]
     while waiting:
-        name, parent_place = waiting.pop()
+        name, parent_index = waiting.pop()
         waiting += [(child, len(order)) for child in reversed(children[name])]
-        order[name] = parent_place
+        order[name] = parent_index
     for bone in bones:
         if bone.name not in order:
             raise file.error(bone.line, f"bone {bone.name!r} is not below the root")

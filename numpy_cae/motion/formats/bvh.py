@@ -1,8 +1,8 @@
 """Read a BVH file: a hierarchy of joints, then one line of channel values for every frame.
 
-Meredith and Maddock, Motion Capture File Formats Explained (2001). Where the format is ambiguous,
-the common interpretation is used: rotations are about the joint's own axes in the order of its
-channels; a position channel replaces the joint's offset, on any joint.
+The format is described by Meredith and Maddock, Motion Capture File Formats Explained (2001).
+Where it is ambiguous, the common interpretation is used: rotations are about the joint's own axes
+in the order of its channels, and a position channel of any joint replaces the joint's offset.
 """
 
 import logging
@@ -31,13 +31,13 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         Metres in one unit of length of the file: 0.01 for centimetres. By default guessed from
         the size of the skeleton; `Motion.unit_note` and the log state the guess.
     max_rate : float, optional
-        Frames a second that suffice. If omitting frames gives this rate, the others are counted
-        but not parsed, and the motion has this rate.
+        A rate (frames a second) that is high enough. If every n-th frame of the file gives this
+        rate, the motion has this rate, and the frames between are only counted.
 
     Returns
     -------
     Motion
-        In metres, its joints in the order and its axes as in the file: `load_motion` turns Y up.
+        In metres, in the axes and the order of joints of the file; `load_motion` turns it Y up.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     file = TextFile.read(path)
     joints, motion_line = read_hierarchy(file)
     rate, values = _read_motion(file, motion_line, joints, max_rate)
-    del file  # of an hour at 120 Hz, its text takes half a gigabyte
+    del file  # the text of an hour at 120 Hz takes half a gigabyte
     offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
     rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
     del values
@@ -77,7 +77,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
 
 
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
-    """The channels of each joint of a BVH file, whose unit of length is so many metres."""
+    """The channels of each joint of a BVH file; `unit` is metres in its unit of length."""
     joints, _ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
     return _channels(joints, unit)
 
@@ -102,7 +102,7 @@ def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
 
 
 def _lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
-    """Bone lengths in the motion: position channels override offsets, which may be wrong."""
+    """Bone lengths in the motion. Where a joint has position channels, its offset may be wrong."""
     lengths = np.linalg.norm(translations[0], axis=-1)
     for index, joint in enumerate(joints):
         if any(channel.endswith("position") for channel in joint.channels or []):
@@ -113,7 +113,7 @@ def _lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
 def _read_motion(
     file: TextFile, motion_line: int, joints: list[BvhJoint], max_rate: float | None
 ) -> tuple[float, np.ndarray]:
-    """Frames a second and the table (frames, channels) below MOTION."""
+    """The frames a second and the table (frames, channels) in the text below MOTION."""
     channels = sum(len(joint.channels or []) for joint in joints)
     count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
     pattern = r"frame\s*time\s*:?\s*(.*)"
@@ -125,7 +125,7 @@ def _read_motion(
         raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
 
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
-    expected = "one line a frame, one value for each channel of the hierarchy"
+    expected = "a line for each frame, with one value for each channel of the hierarchy"
     frames = int(count)
     rate = rate if step == 1 or max_rate is None else max_rate
     file.require_frames(min(frames, file.count) // step, len(joints), rate)
@@ -136,7 +136,7 @@ def _read_motion(
 
 
 def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[int, str]:
-    """The next line that is not blank: its number and what the pattern finds in it."""
+    """The number of the next line that is not blank, and the first group of the pattern in it."""
     for line, text in file.numbered(after):
         match = re.fullmatch(pattern, text.strip(), re.IGNORECASE)
         if match is not None:
@@ -147,12 +147,13 @@ def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[in
 
 
 def _rate(file: TextFile, line: int, time: str) -> float:
-    """Frames a second from the seconds of a frame."""
+    """Frames a second, from the text `time`, the seconds that a frame lasts."""
     (seconds,) = file.numbers(line, time.split(), 1, "Frame Time:")
     if not 1e-9 <= seconds <= 1.01 / MIN_RATE:
         expected = f"expected seconds above 0, at most {1 / MIN_RATE:g}"
         raise file.error(line, f"Frame Time: {time}, {expected}")
     rate = 1 / seconds
-    # .0083333 is how files write 1/120; 0.033367 (29.97 Hz) is a rate of its own.
+    # Files write 1/120 as .0083333, which is rounded to 120 Hz. 0.033367 stays 29.97 Hz here: only
+    # `whole_step`, which omits frames, takes it for 30 Hz.
     rounded = max(1, round(rate))
     return float(rounded) if abs(rate / rounded - 1) < 1e-4 else rate

@@ -24,15 +24,16 @@ from numpy_cae.motion.formats.text_file import MAX_JOINTS, TextFile, quoted, who
 CHANNELS = {
     f"{axis}{kind}".lower(): f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ"
 }
-"""The spelling of each channel; files differ in upper and lower case."""
+"""CHANNELS: lower case -> usual spelling of each channel; files differ in upper and lower case."""
 
 
 @dataclass
 class BvhJoint:
     """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
 
-    `parent` is the index of the joint above, of an End Site its joint. `channels` are such as
-    "Xposition" or "Zrotation", in the order of the file, and `tip` is the offset of the End Site.
+    `parent` is the index of the parent joint, or of the joint that an End Site ends. `channels` are
+    names such as "Xposition" or "Zrotation", in the order of the file. `tip` is the offset of the
+    joint's End Site.
     """
 
     name: str
@@ -44,13 +45,13 @@ class BvhJoint:
     is_end_site: bool = False
 
     @property
-    def lacking(self) -> list[str]:
-        """The statements that may follow inside the block; it is closed after its OFFSET."""
-        lacking = ["OFFSET" if self.offset is None else "}"]
+    def may_follow(self) -> list[str]:
+        """The statements that may follow inside the block; "}" may follow only after OFFSET."""
+        keywords = ["OFFSET" if self.offset is None else "}"]
         if not self.is_end_site:
-            lacking += ["CHANNELS"] * (self.channels is None) + ["JOINT"]
-            lacking += ["End Site"] * (self.tip is None)
-        return lacking
+            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT"]
+            keywords += ["End Site"] * (self.tip is None)
+        return keywords
 
 
 def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
@@ -60,13 +61,13 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
     """
     joints: list[BvhJoint] = []
     indices: dict[str, int] = {}
-    blocks: list[BvhJoint] = []  # those that are open, the root first
-    announced: BvhJoint | None = None  # the one whose brace follows
+    blocks: list[BvhJoint] = []  # the blocks that are open, the root's first
+    announced: BvhJoint | None = None  # the block whose { must follow
     for line, keyword, value in _statements(file):
         if announced is not None:
             expected = ["{"]
         elif blocks:
-            expected = blocks[-1].lacking
+            expected = blocks[-1].may_follow
         else:
             expected = ["MOTION"] if joints else ["ROOT"]
         if keyword not in expected:
@@ -94,8 +95,8 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
             parent = indices[_plain(blocks[-1].name)] if blocks else -1
             announced = BvhJoint(value, parent, line)
             if not value or _plain(value) in indices:
-                problem = f"the name {value!r}, expected a name that no other joint has"
-                raise file.error(line, f"{keyword} has {problem} behind any colon")
+                problem = "expected a name that is unique without a part up to a colon"
+                raise file.error(line, f"{keyword} {value!r}: {problem}")
             if len(joints) == MAX_JOINTS:
                 raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
             indices[_plain(value)] = len(joints)
@@ -105,7 +106,7 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
 
 
 def _statements(file: TextFile) -> Iterator[tuple[int, str, str]]:
-    """(line number, keyword, value); a brace is a statement wherever on a line it is."""
+    """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""
     started = False
     for line, text in file.numbered():
         for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
@@ -125,7 +126,7 @@ def _channels(file: TextFile, line: int, value: str) -> list[str]:
     channels = [CHANNELS.get(name.lower(), "") for name in names]
     different = len(set(channels)) == len(names) and "" not in channels
     if not different or whole_number(count) != len(names):
-        problem = "expected their number and as many different names of"
+        problem = "expected the number of channels and different names of"
         raise file.error(
             line, f"CHANNELS {quoted(value)}: {problem} {', '.join(CHANNELS.values())}"
         )
@@ -133,5 +134,5 @@ def _channels(file: TextFile, line: int, value: str) -> list[str]:
 
 
 def _plain(name: str) -> str:
-    """The name behind any colon."""
+    """The part of a name after the last colon; the whole name if there is none."""
     return name.rsplit(":", 1)[-1]

@@ -1,7 +1,8 @@
-"""A joint's channels of a motion file: from rotations and translations back to their numbers.
+"""A joint's channels in a motion file: their numbers as rotations and translations, and back.
 
-Three angles and (a ± 180°, 180° - b, c ± 180°), each plus whole turns, are the same rotation. Of
-these the ones nearest to the frame before are used, so that curves in an editor do not jump.
+The angles (a, b, c) and (a ± 180°, 180° - b, c ± 180°) are the same rotation, and so are all that
+differ by whole turns. The angles nearest to those of the frame before are used, so that curves in
+an editor do not jump.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from numpy_cae.motion import quaternions
 
 @dataclass(frozen=True)
 class Channels:
-    """The channels of one joint, of which the first is number `first` of a frame.
+    """The channels of one joint; `first` is the column of the first one in a frame.
 
     `names` are in the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed
     ones). `unit` is metres in one unit of the file; `offset` (3,) in metres is added to the
@@ -32,12 +33,12 @@ class Channels:
     limits: np.ndarray | None = None
 
     def columns(self, kind: str) -> list[int]:
-        """The places of its translations ("t") or rotations ("r") among the numbers of a frame."""
+        """The columns of the joint's translations ("t") or rotations ("r") in a frame."""
         return [self.first + n for n, name in enumerate(self.names) if name[0] == kind]
 
     @property
     def order(self) -> str:
-        """The axes of the rotations as in `scipy.spatial.transform`."""
+        """The axes of the rotations, named as in `scipy.spatial.transform`."""
         return "".join(name[1] for name in self.names if name[0] == "r")
 
     @property
@@ -52,7 +53,7 @@ class Channels:
     def rotations(self, values: np.ndarray) -> np.ndarray:
         """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
         order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
-        if order.islower():  # fixed axes are the joint's own in reverse
+        if order.islower():  # fixed axes in this order are own axes in reverse order
             order, angles = order[::-1].upper(), angles[:, ::-1]
         rotations = quaternions.from_angles(order, angles)
         if self.axes is not None:
@@ -71,8 +72,9 @@ class Channels:
     ) -> np.ndarray:
         """The numbers of the rotation channels, from quaternions (F, 4).
 
-        They continue the numbers of the frames before and after them, where there are such. If
-        they cannot continue both, they jump where their `present` numbers (F, N) do.
+        They continue the numbers of the frame `before` and of the frame `after`, each None if there
+        is none. A jump, if one is necessary, is put where the numbers now in the file, `present`
+        (F, N), make their largest step.
         """
         if not self.order:  # a rigid bone
             return np.zeros((len(rotations), 0))
@@ -98,7 +100,7 @@ class Channels:
         angles = np.concatenate(parts) / unit
         if self.limits is None:
             return angles
-        # Files exceed their limits; a stretch then may as far as its neighbours do.
+        # Files exceed their limits: these angles may, as far as the neighbouring frames do.
         around = [self.limits.T, *(end[None] for end in (before, after) if end is not None)]
         return np.clip(angles, np.vstack(around).min(axis=0), np.vstack(around).max(axis=0))
 
@@ -108,7 +110,7 @@ def read_pose(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Quaternions (F, J, 4) and translations (F, J, 3) in metres from a table of numbers (F, C).
 
-    A joint without position channels has its offset, of `offsets` (J, 3), in every frame.
+    The translation of a joint without position channels is its offset, a row of `offsets` (J, 3).
     """
     rotations = np.tile(quaternions.IDENTITY, (len(values), len(channels), 1))
     translations = np.tile(offsets, (len(values), 1, 1))
@@ -121,8 +123,8 @@ def read_pose(
 
 
 def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
-    """The same rotations by angles (F, 1 to 3) in radians without avoidable jumps from frame to
-    frame, beginning near the angles `before` (N,)."""
+    """Angles of the same rotations as `angles` (F, 1 to 3), without avoidable jumps from frame to
+    frame. All are in radians; the first ones are near the angles `before` (N,)."""
     before = angles[0] if before is None else before
     if angles.shape[1] == 3:
         other = angles * [1, -1, 1] + np.pi
@@ -135,18 +137,19 @@ def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> n
 
 
 def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The largest difference of angles (F, 3), without regard to whole turns."""
+    """The largest of three differences of angles (F, 3), apart from whole turns: (F,)."""
     turns = (one - other) / (2 * np.pi)
     return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
 
 
 def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
-    """The angles (F, N) in radians about these axes whose rotation is nearest.
+    """The angles (F, N) in radians about the axes of `order` whose rotations are nearest.
 
-    For fewer than three axes, an angle is dropped of each decomposition into three that keeps the
-    order, and the best is taken.
+    If these are fewer than three, the rotations are decomposed about every sequence of three axes
+    that contains them in this order. The angles about the other axes are dropped, and in each frame
+    the nearest result is returned.
     """
-    if order.islower():  # fixed axes are the joint's own in reverse
+    if order.islower():  # fixed axes in this order are own axes in reverse order
         return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
     nearest = np.zeros((len(rotations), len(order)))
     least = np.full(len(rotations), np.inf if order else -np.inf)

@@ -1,7 +1,7 @@
-"""Read exponential-map text (.txt): comma separated, one frame a line, CMU's or Human3.6M's.
+"""Read exponential-map text (.txt) of CMU or Human3.6M: one frame a line, separated by commas.
 
 An exponential map is a rotation vector: its length is the angle, its direction the axis. The
-authors of this text multiply row vectors with matrices, so that its matrices are ours transposed:
+authors of this text multiply row vectors with matrices, so their matrices are ours transposed:
 
     R = exp([v]×)ᵀ = exp(-[v]×)
 
@@ -22,9 +22,9 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.units import require_unit, unit_name
 
 _MIN_COMMAS = 40
-"""_MIN_COMMAS: a line with more commas is a row of numbers, no sentence."""
+"""_MIN_COMMAS: a line with more commas is taken for a row of numbers, not for a sentence."""
 _CUT = 1.5
-"""_CUT: a step of more radians between two frames is no motion but a cut, as after the T-pose."""
+"""_CUT: a larger step (radians) between two frames is a cut, as after the T-pose."""
 
 
 def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
@@ -39,8 +39,8 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     Returns
     -------
     Motion
-        On the rig's standard bones and at 120 frames a second for CMU, 50 for Human3.6M: the text
-        states neither.
+        On the rig's standard bones, at 120 frames a second (CMU) or 50 (Human3.6M); the text states
+        neither bones nor rate.
 
     Raises
     ------
@@ -74,8 +74,10 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
 
 
 def is_expmap_text(path: str | Path) -> bool:
-    """Whether a text file begins with a long comma-separated row: other .txt files among motions
-    are licences and notes. A row of the wrong length counts: `read_expmap` reports the error.
+    """Whether a text file begins with a long row of values that are separated by commas.
+
+    Other .txt files among motions are licences and notes. A row of the wrong length counts too, so
+    that `read_expmap` reports the error.
     """
     try:
         with open(path, encoding="latin-1") as file:
@@ -86,7 +88,7 @@ def is_expmap_text(path: str | Path) -> bool:
 
 
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
-    """The layout, and the numbers (frames, width)."""
+    """The layout of a file and its numbers (frames, width)."""
     rig, rows = None, array("d")
     for line, text in file.numbered():
         if not text.strip():
@@ -103,7 +105,7 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
         rows.extend(file.numbers(line, words))
         file.require_frames(len(rows) // rig.width, len(rig.rows), rig.rate)
     if rig is None:
-        raise file.error(None, "holds no frame")
+        raise file.error(None, "the file has no frames")
     return rig, np.frombuffer(rows).reshape(-1, rig.width)
 
 
@@ -111,18 +113,18 @@ def cmu_root(text: np.ndarray) -> np.ndarray:
     """Correct the root's rotations (F) of CMU text.
 
     The database rotates the root by R = Rz · Ry · Rx. The text was made by multiplying the same
-    three angles as Rz · Rx · Ry. For someone who faces +Z the two are nearly equal; while the
-    heading passes 90° the person in the text lies on the floor. The three angles are recovered
-    from the text's rotation and multiplied in the right order: on trial 02_01, which exists as an
-    Acclaim file too, the root then agrees within 2e-6 radians, without correction within 1.3e-2.
+    three angles as Rz · Rx · Ry. The two products are nearly equal for someone who faces +Z; while
+    the heading passes 90°, the person in the text lies on the floor. The three angles are recovered
+    from the text's rotation and multiplied in the right order. Trial 02_01 exists as an Acclaim
+    file too: its root then agrees within 2e-6 radians, without the correction within 1.3e-2.
 
-    Three angles and (z + π, π - x, y + π) are the same rotation in the text's order, but two
-    in the database's; so the angles are chosen to be continuous from frame to frame.
+    The angles (z, x, y) and (z + π, π - x, y + π) are the same rotation in the text's order, but
+    not in the database's. So the angles are chosen to be continuous from frame to frame.
     """
     zxy = quaternions.to_angles("ZXY", text)
     steps = quaternions.angle(quaternions.product(text[1:], quaternions.inverse(text[:-1])))
     parts = np.split(zxy, np.flatnonzero(steps > _CUT) + 1)
-    for part in parts:  # each is a part of zxy
+    for part in parts:  # a part is a view: assigning to it changes zxy
         if abs(part[0, 2]) > np.pi / 2:  # the database begins with y between -90° and 90°
             part[0] = part[0] * [1, -1, 1] + np.pi
         part[:] = continuous_angles(part)

@@ -15,23 +15,23 @@ from numpy_cae.errors import FileError
 from numpy_cae.motion.motion import RATE
 
 MAX_VALUE = 1e12
-"""MAX_VALUE: a larger number is refused. No length or angle of a motion is as large, and sums and
-products of smaller numbers are finite."""
+"""MAX_VALUE: a number of this size or more is refused. No length or angle of a motion is as large,
+and sums and products of smaller numbers are finite."""
 HEADER_SIZE = 1 << 22
-"""HEADER_SIZE: so many bytes of a file have its header, with every joint."""
+"""HEADER_SIZE: the first bytes of a file, this many, contain its whole header."""
 MIN_RATE = 1.0
-"""MIN_RATE: fewer frames a second are refused. A few frames would last hours and, resampled, fill
-the memory."""
+"""MIN_RATE: a lower rate (frames a second) is refused. A few frames would last hours and would fill
+the memory when they are resampled."""
 MAX_BYTES = 1 << 30
 """MAX_BYTES: a longer file is refused."""
 MAX_LINE = 1_000_000
 """MAX_LINE: a line of more characters is refused; a file is decoded in blocks of this size."""
 MAX_JOINTS = 5_000
-"""MAX_JOINTS: a skeleton of more joints is refused."""
+"""MAX_JOINTS: a skeleton with more joints is refused."""
 
 
 class MotionFileError(FileError):
-    """A motion file that cannot be read: which file, which line, what was expected."""
+    """A motion file cannot be read; the message has the file, the line and what was expected."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class TextFile:
     def read(cls, path: str | Path, most: int = MAX_BYTES, size: int = -1) -> TextFile:
         """Read a file, or its first `size` bytes, with any line ends and any byte order mark.
 
-        Raises MotionFileError if it is no regular file, empty, longer than `most` or not text.
+        Raises MotionFileError if it is no regular file, is empty, not text or longer than `most`.
         """
         path = Path(path)
         try:
@@ -81,8 +81,8 @@ class TextFile:
             yield from ((line, text) for line, text in enumerate(texts, first) if line > after)
 
     def _blocks(self) -> Iterator[tuple[int, list[str]]]:
-        """The number of the first line and the texts of the lines of each block of about a
-        megabyte, which are decoded one at a time."""
+        """Blocks of about a megabyte, decoded one at a time: the number of the first line of each,
+        and the texts of its lines."""
         start, line = 0, 1
         while start < len(self.data):
             end = len(self.data)
@@ -103,8 +103,11 @@ class TextFile:
     def numbers(
         self, line: int, words: list[str], count: int | None = None, name: str = ""
     ) -> list[float]:
-        """The words as finite numbers, `count` of them; MotionFileError quotes the first that is
-        none, or says how many values `name` has."""
+        """The words as finite numbers.
+
+        MotionFileError quotes the first word that is not such a number. If the words are not
+        `count`, it says how many values `name` has.
+        """
         if count is not None and len(words) != count:
             problem = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
             raise self.error(line, f"{problem}, expected {count} number{'s' * (count > 1)}")
@@ -120,11 +123,11 @@ class TextFile:
     def table(
         self, after: int, width: int, frames: int, expected: str, step: int
     ) -> tuple[np.ndarray, int]:
-        """The numbers in the lines below line `after`, `width` in each: (rows, width) of float64,
-        and how many lines are not blank.
+        """The numbers in the lines below line `after`, (rows, width) of float64, and the number of
+        these lines that are not blank.
 
-        Of the first `frames` lines every `step`-th is parsed, and the last, which may be cut off;
-        the others are counted. `expected` describes a line in an error.
+        Every `step`-th of the first `frames` lines is returned. The last of them is parsed too, as
+        it may be cut off; the others are only counted. `expected` describes a line in an error.
         """
         rows, lines = array("d"), 0
         for first, texts in self._blocks():
@@ -140,12 +143,12 @@ class TextFile:
         return np.frombuffer(rows).reshape(-1, width)[:kept], lines
 
     def _rows(self, lines: list[tuple[int, str]], width: int, expected: str) -> np.ndarray:
-        """The numbers in some lines (number, text), (lines, width)."""
+        """The numbers (lines, width) in lines given as (line number, text)."""
         with suppress(ValueError):
             values = np.loadtxt([text for _, text in lines], comments=None, ndmin=2)
             if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
                 return values
-        # Something is wrong, or a number is in digits that only Python knows.
+        # A line is damaged, or its digits are not ASCII: float() reads those, np.loadtxt does not.
         rows = []
         for line, text in lines:
             words = text.split()
@@ -155,34 +158,35 @@ class TextFile:
         return np.array(rows)
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
-        """Reject more poses than a file of this size can describe, before they are parsed: a joint
-        without channels takes memory but no space in the file, and so does a frame of a low rate,
-        which becomes many at `RATE`.
+        """Reject more joint rotations than a file of this size can describe, before it is parsed.
+
+        A joint without channels takes memory but no space in the file, and a frame of a low rate
+        becomes many frames when it is resampled to `RATE`.
         """
-        poses = frames * joints * max(1.0, RATE / rate)
+        count = frames * joints * max(1.0, RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
-        if poses > most:
-            poses_of = f"{frames} frames of {joints} joints at {rate:.4g} a second are {poses:.0f}"
+        if count > most:
+            problem = f"{frames} frames of {joints} joints at {rate:.4g} a second are {count:.0f}"
             expected = f"at {RATE:g} a second or more, expected at most {most}"
-            raise self.error(None, f"{poses_of} poses {expected} in a file of this size")
+            raise self.error(None, f"{problem} joint rotations {expected} in a file of this size")
 
 
 def whole_number(text: str) -> int | None:
-    """The text as a non-negative integer, None if it is none."""
-    # Counts in motion files have fewer than 19 digits.
+    """The text as a non-negative integer; None if it is something else."""
+    # No count in a motion file has 19 digits.
     return int(text) if text.isdecimal() and len(text) < 19 else None
 
 
 def quoted(text: str) -> str:
-    """The text in quotation marks, shortened to fit into a message."""
+    """The text in quotation marks, shortened to fit in a message."""
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
 def _number(word: str) -> float | None:
-    """The word as a finite number, None if it is none."""
+    """The word as a finite number below `MAX_VALUE`; None if it is something else."""
     try:
         value = float(word)
     except ValueError:
         return None
-    # Python reads 1_000 as a number; a motion file that holds it is damaged. NaN is not below.
+    # float() reads 1_000 too, but a file that has it is damaged. NaN is not below MAX_VALUE.
     return value if abs(value) < MAX_VALUE and "_" not in word else None

@@ -1,9 +1,10 @@
-"""Write a motion, by the suffix of its file: as BVH, or as a table of positions.
+"""Write a motion as BVH or as a table of positions; the suffix of the file decides.
 
-BVH reads back the same and opens in Blender. Blender's importer reads lines and requires more than
-the format does: every brace on a line of its own, OFFSET directly below '{' and CHANNELS directly
-below OFFSET, all three rotations of a joint or none, and `Frames:` and `Frame Time:` as written
-here. Its bones end at the next joint, so a last joint needs an End Site.
+Our BVH opens in Blender, and `read_bvh` reads the same motion from it. Blender's importer reads
+line by line and requires more than the format does: every brace on a line of its own, OFFSET
+directly below '{' and CHANNELS directly below OFFSET, all three rotations of a joint or none, and
+`Frames:` and `Frame Time:` as written here. Its bones end at the next joint, so the last joint of
+a limb needs an End Site.
 """
 
 from collections.abc import Iterator
@@ -21,23 +22,23 @@ from numpy_cae.motion.units import require_unit
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
-"""R = R_z · R_x · R_y, the order of most files. Its poles are at ±90° of the middle angle: a trunk
-seldom bends that far about X, while a full turn about Y meets no pole. At a pole the angles are
-not unique, but their rotation still is."""
+"""ROTATIONS: R = R_z · R_x · R_y, as in most files. The angles are not unique at the poles of this
+order, where the middle angle is ±90°, but their rotation still is. A trunk seldom bends that far
+about X, and a full turn about Y meets no pole."""
 RESOLUTION = 1e-7
-"""RESOLUTION: positions in the file are rounded to this (m). A joint that never leaves its
-offset by more has no position channels."""
+"""RESOLUTION: positions in the file are rounded to this (m). A joint that is never further from
+its offset has no position channels."""
 ANGLE_FORMAT = "%.6f"
-"""1e-6 of a degree moves the end of a 2 m chain by 4e-8 m."""
+"""ANGLE_FORMAT: an error of 1e-6 degrees moves the end of a chain of 2 m by 4e-8 m."""
 
 
 def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:
     """Write a motion to a BVH file atomically.
 
-    The up axis and the floor are those of the file that the motion came from; reading it back
-    gives positions within 1e-5 m. Joints are depth first in the file, whatever
-    their order in the skeleton; the root has six channels, another joint three rotations, and
-    three positions before them if it leaves its offset.
+    The up axis and the floor are those of the file that the motion came from. When the new file is
+    read, positions are within 1e-5 m. Joints are in depth-first order, whatever their order in the
+    skeleton. The root has six channels; another joint has three rotations and, if it leaves its
+    offset, three positions before them.
 
     Parameters
     ----------
@@ -81,13 +82,13 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
 def require_writable(motion: Motion) -> None:
     """Raise ValueError if a motion has no frames or values that are not finite."""
     if len(motion) == 0:
-        raise ValueError("the motion has no frames, expected one at least")
+        raise ValueError("the motion has no frames, expected at least one")
     for values in ("rotations", "translations"):
         wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
         if len(wrong):
             frame, joint, _ = wrong[0]
             raise ValueError(
-                f"{values} hold a value that is not finite: frame {frame}, "
+                f"{values} have a value that is not finite: frame {frame}, "
                 f"joint {motion.skeleton.names[joint]!r}"
             )
 
@@ -139,7 +140,7 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
         if joint in moving:
             columns.append(motion.translations[:, joint] / unit)
             formats += [_length_format(unit)] * 3
-        # Without avoidable jumps between frames.
+        # Many angles give the same rotation: these have no avoidable jumps between frames.
         angles = continuous_angles(nearest_angles(motion.rotations[:, joint], "ZXY"))
         columns.append(np.degrees(angles))
         formats += [ANGLE_FORMAT] * 3
@@ -157,8 +158,11 @@ def write_npz(motion: Motion, path: str | Path) -> None:
 
 
 def write_csv(motion: Motion, path: str | Path) -> None:
-    """Write a row for each frame, atomically: its time in seconds, then x, y and z in metres of
-    each joint, with the joints' names in the first row."""
+    """Write a table with a row for each frame, atomically.
+
+    A row has the time in seconds, then x, y and z of each joint in metres. The first row has the
+    joints' names.
+    """
     positions = motion.positions().reshape(len(motion), -1)
     table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
     names = [name.replace('"', '""') for name in motion.skeleton.names]
@@ -180,18 +184,18 @@ def require_writer(path: str | Path) -> None:
 def write_motion(motion: Motion, path: str | Path) -> None:
     """Write a motion as .bvh, .npz or .csv, atomically.
 
-    BVH has the up axis and the floor of the motion's file; the others are Y up with the floor at 0.
+    BVH has the up axis and the floor of the motion's file; in the others Y is up, the floor at 0.
 
     Parameters
     ----------
     motion : Motion
     path : path of the file
-        Replaced if it exists; its suffix chooses the format.
+        Replaced if it exists; its suffix determines the format.
 
     Raises
     ------
     ValueError
-        If the suffix is another, or the motion has no frames or values that are not finite.
+        If the path has another suffix, or the motion has no frames or values that are not finite.
     FileError
         If the file cannot be written.
 

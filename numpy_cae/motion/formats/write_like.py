@@ -1,4 +1,4 @@
-"""Write a changed motion as its own file with only the changed numbers replaced.
+"""Write a changed motion as a copy of its file in which only the changed numbers are replaced.
 
 The header, the order of channels, line ends, spaces and all other numbers are unchanged. The
 text is processed in blocks of frames, so that a long file needs little memory.
@@ -28,17 +28,20 @@ from numpy_cae.motion.quaternions import angle, inverse, product
 log = logging.getLogger(__name__)
 
 _BLOCK = 4096
-"""_BLOCK: so many frames are processed at a time."""
+"""_BLOCK: the number of frames that are processed at a time."""
 _NOTICEABLE = 0.5
-"""_NOTICEABLE: a rotation that channels or limits change by more (degrees) is reported."""
+"""_NOTICEABLE: a rotation that channels or limits change by more than this (°) is reported."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
-"""What is between words."""
+"""_GAPS: white space and comments, which separate words."""
 
 
 @dataclass(frozen=True)
 class _Format:
-    """`frames` yields the parts of a file's text, each with whether it is a frame; `numbers` gives
-    the indices of a frame's numbers among its words, in the order of the columns of `channels`."""
+    """How a file format stores frames.
+
+    `frames` splits a file's lines into parts, each with True if it is a frame. `numbers` returns
+    the indices of a frame's numbers among its words, in the order of the columns of `channels`.
+    """
 
     channels: list[Channels]
     frames: Callable[[Iterable[str]], Iterator[tuple[str, bool]]]
@@ -46,19 +49,19 @@ class _Format:
 
 
 def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
-    """Write `after`, a changed `before`, with the text of the file that `before` was read from.
+    """Write `after`, a changed version of `before`, with the text of the file `before` came from.
 
-    Numbers are replaced where a joint's rotation or translation differs between the two, with as
-    many decimals as the file has; angles continue those of neighbouring frames without avoidable
-    jumps. A joint's rotation that its channels or limits do not allow is written as near as they
-    do, with a warning. If the suffix of `path` is not that of `source`, or the frames are not the
-    same in number, `write_motion` writes the motion.
+    Numbers are replaced where a joint's rotation or translation differs between the two. They have
+    as many decimals as the file's, and angles continue those of neighbouring frames without
+    avoidable jumps. If a joint's channels or limits do not allow its rotation, the nearest rotation
+    that they allow is written, with a warning. If the suffixes of `path` and `source` differ, or
+    the two motions differ in the number of frames, `write_motion` writes the motion instead.
 
     Parameters
     ----------
     source : path of a .bvh or .amc file
     before : Motion
-        As `load_motion(source)` returns it.
+        The motion that `load_motion(source)` returns.
     after : Motion
         Of the same skeleton.
     path : path of the file
@@ -73,7 +76,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
 
     Examples
     --------
-    A file is read and written again; where nothing changed no byte of the text changes:
+    If the motion is unchanged, the file that is written has the same bytes:
 
     >>> from data_synth import make_take
     >>> from numpy_cae.motion import load_motion, write_bvh
@@ -127,15 +130,18 @@ def _replaced(
     file_format: _Format,
     misses: dict[str, float],
 ) -> tuple[list[str], np.ndarray]:
-    """The texts of some frames with new numbers, and the numbers of the last frame; `last` are
-    those of the frame before the first."""
+    """The texts of a block of frames with new numbers, and the numbers of its last frame.
+
+    `last` are the numbers of the frame before the block, None if it is the first.
+    """
     turned = np.any(before.rotations != after.rotations, axis=-1)
     moved = np.any(before.translations != after.translations, axis=-1)
     changed = np.any(turned | moved, axis=1)
     after = as_in_file(after)
-    needed = np.convolve(changed, [True, True, True])[1:-1] > 0
-    needed[-1] = True
-    used = [
+    # Changed frames, their neighbours and the last frame are parsed.
+    parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
+    parsed[-1] = True
+    columns = [
         column
         for kind, is_new in (("t", moved.any(axis=0)), ("r", turned.any(axis=0)))
         for joint in np.flatnonzero(is_new)
@@ -143,17 +149,17 @@ def _replaced(
     ]
     width = sum(len(channels.names) for channels in file_format.channels)
     read = array("d")
-    numbers: dict[int, list[int]] = {}  # frame -> the places of its numbers among the pieces
-    for frame in np.flatnonzero(needed).tolist():
-        # They are split again below: the words of all frames at once do not fit into the cache.
+    places_in: dict[int, list[int]] = {}  # frame -> the places of its numbers among its pieces
+    for frame in np.flatnonzero(parsed).tolist():
+        # Frames are split a second time below: the words of all of them do not fit in the cache.
         pieces, words = _split(texts[frame])
         order = file_format.numbers([pieces[word] for word in words])
-        places = numbers[frame] = [words[index] for index in order]
+        places = places_in[frame] = [words[index] for index in order]
         if len(places) != width:
-            raise ValueError(f"a frame has {len(places)} numbers, when it was read it had {width}")
-        read.extend([float(pieces[places[column]]) for column in used])
+            raise ValueError(f"a frame has {len(places)} numbers, but had {width} when it was read")
+        read.extend([float(pieces[places[column]]) for column in columns])
     values = np.zeros((len(texts), width))
-    values[np.ix_(needed, np.array(used, int))] = np.reshape(read, (len(numbers), len(used)))
+    values[np.ix_(parsed, np.array(columns, int))] = np.reshape(read, (parsed.sum(), len(columns)))
     values[-1] = [float(pieces[place]) for place in places]
     old = values.copy()
     for joint, channels in enumerate(file_format.channels):
@@ -165,22 +171,22 @@ def _replaced(
             if miss > _NOTICEABLE:
                 name = after.skeleton.names[joint]
                 misses[name] = max(miss, misses.get(name, 0.0))
-    decimals = _decimals(texts, numbers)
+    decimals = _decimals(texts, places_in)
     new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
     written = map(f"%.{decimals}f".__mod__, values[new].tolist())
     for frame in np.flatnonzero(changed).tolist():
         pieces, _ = _split(texts[frame])
         for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
-            pieces[numbers[frame][column]] = text
+            pieces[places_in[frame][column]] = text
         texts[frame] = "".join(pieces)
     return texts, values[-1]
 
 
 def _split(text: str) -> tuple[list[str], Sequence[int]]:
-    """A text in pieces, of which every second is a gap between words, and the places of its words
-    among the pieces."""
+    """A text as pieces, which are words and gaps in turn, and the places of the words among the
+    pieces."""
     body, words = text.strip(), text.split()
-    if " ".join(words) == body and "#" not in body:  # ten times as fast, and true of most lines
+    if " ".join(words) == body and "#" not in body:  # most lines; ten times as fast
         pieces = [" "] * (2 * len(words) + 1)
         pieces[1::2] = words
         pieces[0], _, pieces[-1] = text.partition(body)
@@ -196,7 +202,7 @@ def _put_angles(
     turned: np.ndarray,
     channels: Channels,
 ) -> float:
-    """Put the angles of a joint's changed frames into the table; by how many degrees they miss."""
+    """Put the angles of a joint's changed frames into `values`; return the largest error (°)."""
     columns = channels.columns("r")
     miss = 0.0
     for first, end in runs(turned):
@@ -212,18 +218,18 @@ def _put_angles(
     return miss
 
 
-def _decimals(texts: list[str], numbers: dict[int, list[int]]) -> int:
-    """The most decimals of a number in some of the frames."""
+def _decimals(texts: list[str], places_in: dict[int, list[int]]) -> int:
+    """The largest number of decimals in a sample of the frames."""
     words = []
-    for frame in islice(numbers, 0, None, max(1, len(numbers) // 50)):
+    for frame in islice(places_in, 0, None, max(1, len(places_in) // 50)):
         pieces, _ = _split(texts[frame])
-        words += [pieces[place] for place in numbers[frame]]
+        words += [pieces[place] for place in places_in[frame]]
     plain = (word for word in words if "e" not in word.lower())
     return max((len(word.partition(".")[2]) for word in plain), default=6)
 
 
 def _text(path: Path, mode: str):
-    # No line end is translated, and every byte that is not UTF-8 comes out as it went in.
+    # Line ends are not translated, and bytes that are not UTF-8 are written as they were read.
     return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
 
 
