@@ -36,7 +36,7 @@ def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     >>> len(projected), projected.rate
     (120, 120.0)
     """
-    # Of an hour, each array at thirty frames a second takes 50 MB: only the poses are kept.
+    # For an hour of motion each array at thirty frames a second takes 50 MB: only poses are kept.
     return retarget_poses(motion, _projected_poses(manifold.body(motion), manifold))
 
 

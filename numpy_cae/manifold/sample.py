@@ -33,7 +33,7 @@ def draw_uniform(hidden_frames: int, units: int, rng: np.random.Generator) -> np
     Returns
     -------
     (hidden_frames, units) array of float32
-        In [-1, 1].
+        Hidden units in [-1, 1].
 
     Examples
     --------

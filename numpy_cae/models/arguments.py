@@ -32,9 +32,7 @@ def require_denoising_arguments(
     if first is None:
         return
     if len(first) != len(layers):
-        raise ValueError(
-            f"first has {len(first)} masks, expected one for each of {len(layers)} layers"
-        )
+        raise ValueError(f"first has {len(first)} masks, expected {len(layers)}, one for a layer")
     batch, frames, _ = x.shape
     for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
         if mask is None:

@@ -78,15 +78,15 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
     Parameters
     ----------
     positions : (F, 20, 3) array of float
-        In metres.
+        World positions in metres.
     own, target : (20,) arrays of float
         Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
-        result. A bone without a length of its own continues the bone above it.
+        result. A bone of length 0 continues the bone above it.
 
     Returns
     -------
     (F, 20, 3) array of float64
-        In metres.
+        World positions in metres.
 
     Examples
     --------

@@ -43,7 +43,7 @@ class Schedule:
     """Training of the convolutional autoencoder: each layer by itself, then all of them together.
 
     With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
-    fine tuning; we take the number of a layer.
+    fine tuning; we take as many as for one layer.
 
     Examples
     --------
@@ -82,7 +82,7 @@ class SequenceSchedule:
     """
 
     epochs: int = 40  # every step draws new clips, so an epoch is only the period of the decay
-    steps: int = 65  # in an epoch
+    steps: int = 65  # steps in an epoch
     rate: float = 0.3  # as in `Stage`
     decay: float = 0.93
     batch: int = 128  # clips in a step

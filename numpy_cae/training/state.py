@@ -55,12 +55,12 @@ class TrainingState:
     order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))  # of the examples
     restored: dict[str, np.ndarray] = field(default_factory=dict)  # the optimiser's, from a file
 
-    name: str = ""  # of the stage, such as "layer 1"
+    name: str = ""  # name of the stage, such as "layer 1"
     optimiser: Sgd | Adam = field(default_factory=lambda: Sgd({}))
-    epochs: int = 0  # in the stage
-    steps: int = 0  # in an epoch
-    examples: int = 0  # in an epoch
-    loss: float = float("nan")  # of the last step
+    epochs: int = 0  # epochs of the stage
+    steps: int = 0  # steps in an epoch
+    examples: int = 0  # examples in an epoch
+    loss: float = float("nan")  # loss of the last step
     started: float = 0.0  # when the stage would have started without an interruption
 
     def begin_stage(

@@ -140,7 +140,7 @@ def test_a_window_of_a_wrong_shape_is_an_error(shape, message):
 @pytest.mark.parametrize(
     ("masks", "message"),
     [
-        ([np.ones((2, 4, 4), bool)], "first has 1 masks, expected one for each of 2"),
+        ([np.ones((2, 4, 4), bool)], "first has 1 masks, expected 2, one for a layer"),
         ([None, np.ones((2, 2, 4), bool)], r"first\[1\] has shape .* expected \(2, 2, 5\)"),
         ([None, np.ones((2, 2, 5), np.int8)], r"first\[1\] has dtype int8, expected bool"),
     ],
