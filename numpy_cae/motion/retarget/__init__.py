@@ -1,1 +1,1 @@
-"""From any rig to the twenty joints and back."""
+"""Conversion of a motion of any rig to the twenty joints and back."""

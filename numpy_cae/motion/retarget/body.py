@@ -1,4 +1,4 @@
-"""A motion on its path through a network: from any rig to features and back into the rig.
+"""Conversion of a motion of any rig to the features of a network, and back to the rig.
 
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
@@ -65,7 +65,7 @@ def at_rate_of(
     Raises
     ------
     ValueError
-        If the number of poses is another.
+        If `positions` has another number of poses.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def at_rate_of(
     >>> len(positions), len(at_rate_of(walk, positions))
     (60, 240)
     """
-    from scipy.interpolate import Akima1DInterpolator  # slow to import, and seldom needed
+    from scipy.interpolate import Akima1DInterpolator  # a slow import, seldom needed
 
     times = motion.source_frames(RATE)
     if len(positions) != len(times):
@@ -89,7 +89,7 @@ def at_rate_of(
         return resampled
     step = times[1]
     for part in blocks(np.arange(len(frames))):
-        # The curve of some frames depends on three poses before them and three after them.
+        # The curve in these frames depends on three poses before and three poses after them.
         first, end = (frames[part[[0, -1]]] / step).astype(int) + [-3, 5]
         near = positions[max(first, 0) : end]
         if end > len(times):
@@ -101,7 +101,7 @@ def at_rate_of(
 
 @dataclass(frozen=True)
 class Body:
-    """The twenty joints of a motion as features on the mean skeleton, with the inverse.
+    """The twenty joints of a motion as features on the mean skeleton, and the conversion back.
 
     Quantities are computed lazily and cached. The first use raises `UnknownRigError` if joints are
     missing from the rig. (F, ...) means thirty frames a second, (frames, ...) the file's frames.
@@ -111,7 +111,7 @@ class Body:
     motion : Motion
         Of any rig in which the twenty joints can be found, at any rate.
     mean_lengths : (20,) array of float
-        Bone lengths of the mean skeleton, which the features are on, metres.
+        Bone lengths of the mean skeleton, in metres; the features describe a person with these.
     """
 
     motion: Motion
@@ -154,7 +154,7 @@ class Body:
     def positions_of(self, features: np.ndarray, root: RootTransform | None = None) -> np.ndarray:
         """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres.
 
-        `root` is the transform of the first frame, the motion's own where None.
+        `root` is the transform of the first frame; None means the motion's own.
         """
         return self.on_own_bones(features_to_positions(features, root or self.root))
 
@@ -163,8 +163,11 @@ class Body:
         return at_rate_of(self.motion, positions)
 
     def retarget(self, positions: np.ndarray, touched: np.ndarray | None = None) -> Motion:
-        """The motion, changed so that its joints, or those that are `touched` (frames, 20), follow
-        positions (frames, 20, 3), in the frames of the file."""
+        """The motion, changed so that its joints follow `positions` (frames, 20, 3).
+
+        Frames are those of the file. Where `touched` (frames, 20) is given, only the joints that
+        are True in it follow.
+        """
         return retarget(self.motion, positions, touched)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
@@ -176,7 +179,7 @@ class Body:
             At 30 frames a second on the mean skeleton. If they have fewer frames than the motion,
             the motion is truncated; they may not have more.
         root : RootTransform, optional
-            The root transform of the first frame, the motion's own where None.
+            The root transform of the first frame; by default the motion's own.
 
         Returns
         -------

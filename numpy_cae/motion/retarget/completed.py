@@ -1,8 +1,8 @@
-"""Add joints to a rig that lacks some of the twenty, where their place is known.
+"""Add those of the twenty joints that a rig lacks, if their positions are known.
 
-Many rigs end at the ankle, with the toes as its End Site, or have one bone from the hips to the
-chest or from the chest to the shoulder. A point that is fixed to a bone of the rig stands for the
-missing joint. No writer writes it.
+In many rigs a leg ends at the ankle, with the toes as its End Site, or one bone connects the hips
+with the chest or the chest with a shoulder. The joint that is added is a point fixed to a bone of
+the rig. Added joints are never written to a file.
 """
 
 from dataclasses import replace
@@ -19,13 +19,14 @@ _BETWEEN = {
     "left_collar": ("left_shoulder", 0.3),
     "right_collar": ("right_shoulder", 0.3),
 }
-"""The other end of a bone on which a missing joint is, and its part of the way, as in CMU's rig."""
+"""Missing joint -> (the end of the bone on which it is added, the part of the bone before it). The
+parts are those of CMU's rig."""
 
 
 def completed(motion: Motion) -> Motion:
-    """The motion with the missing ones of the twenty joints added at its end.
+    """The motion with the missing ones of the twenty joints added after its own joints.
 
-    It is returned as it is if nothing is missing or the place of a missing joint is not known.
+    The same motion if no joint is missing, or if the position of a missing one is not known.
     """
     skeleton = motion.skeleton
     found = match_rig(skeleton)[1]
@@ -44,7 +45,7 @@ def completed(motion: Motion) -> Motion:
         offsets.append(offset)
     if not missing:
         return motion
-    longer = replace(
+    extended = replace(
         skeleton,
         names=(*skeleton.names, *(joint + ADDED for joint in missing)),
         parents=(*skeleton.parents, *parents),
@@ -55,4 +56,4 @@ def completed(motion: Motion) -> Motion:
     places = np.tile(offsets, (len(motion), 1, 1))
     rotations = np.concatenate([motion.rotations, still], axis=1)
     translations = np.concatenate([motion.translations, places], axis=1)
-    return replace(motion, skeleton=longer, rotations=rotations, translations=translations)
+    return replace(motion, skeleton=extended, rotations=rotations, translations=translations)

@@ -1,8 +1,9 @@
-"""From positions to a motion: the rotations of bones of fixed length that fit them best.
+"""Find the motion of bones of fixed lengths that fits positions best.
 
-A network returns positions; a file needs rotations. From the hips down, each joint is rotated so
-that its bones point as the positions say. One bone leaves its twist undetermined, which is taken
-from the parent joint; several bones (hips, chest) are fitted together.
+A network returns positions, but a file needs rotations. From the hips down, each joint is rotated
+so that its bones have the directions that the positions give. A single bone does not determine the
+joint's twist, which is then taken from the parent joint. If several bones begin at a joint (hips,
+chest), they are fitted together.
 """
 
 import numpy as np
@@ -22,7 +23,8 @@ _TIPS = {
 }
 
 _TAU = 1e-7
-"""τ of `fit_fan`: only what the bones leave undetermined stays near the T-pose."""
+"""τ of `fit_fan`. It is so small that only rotations that the bones do not determine stay near the
+T-pose."""
 
 
 def body_skeleton(lengths: np.ndarray) -> Skeleton:
@@ -36,10 +38,10 @@ def body_skeleton(lengths: np.ndarray) -> Skeleton:
 def fit_motion(
     positions: np.ndarray, lengths: np.ndarray, rate: float, unit: float = 0.01
 ) -> Motion:
-    """A motion of the twenty joints on bones of these lengths that fits the positions.
+    """The motion of the twenty joints, on bones of these lengths, that fits the positions best.
 
-    Where one bone leaves a joint its direction is kept exactly; where several do, the angles
-    between them become their mean over the take.
+    If a single bone begins at a joint, its direction is kept exactly. If several do, the angles
+    between them become constant, with their mean over the take.
 
     Parameters
     ----------
@@ -67,30 +69,31 @@ def fit_motion(
     rotations = np.tile(IDENTITY, (len(positions), len(JOINTS), 1))
     turned = rotations.copy()
     for joint, parent in enumerate(PARENTS):
-        above = turned[:, max(parent, 0)].copy()
+        before = turned[:, max(parent, 0)].copy()  # as the parent is rotated
         ends = [end for end in skeleton.children(joint) if lengths[end] > 0]
         bones = positions[:, ends] - positions[:, [joint]]
-        rotation = above
+        rotation = before
         if len(ends) == 1:
-            rest = rotate(above, skeleton.offsets[ends[0]])
-            rotation = product(swing(rest, bones[:, 0]), above)
+            rest = rotate(before, skeleton.offsets[ends[0]])
+            rotation = product(swing(rest, bones[:, 0]), before)
         elif ends:
-            rotation, skeleton.offsets[ends] = _fit(bones, skeleton.offsets[ends], above)
+            rotation, skeleton.offsets[ends] = _fit(bones, skeleton.offsets[ends], before)
         turned[:, joint] = rotation
-        rotations[:, joint] = product(inverse(above), rotation)
+        rotations[:, joint] = product(inverse(before), rotation)
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
     translations[:, 0] = positions[:, 0]
     return Motion(skeleton, rate, rotations, translations, unit, f"{unit:g} m")
 
 
-def _fit(bones: np.ndarray, rest: np.ndarray, above: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rotations (F) that fit rigid bones `rest` (N, 3) to `bones` (F, N, 3), and the bones.
+def _fit(bones: np.ndarray, rest: np.ndarray, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rotations (F) that fit rigid bones to `bones` (F, N, 3), and these rigid bones (N, 3).
 
-    A body's bones differ from the T-pose's: after a fit the mean directions replace them.
+    A body's bones have other directions than the T-pose's, `rest` (N, 3). After each fit their mean
+    directions replace those of `rest`.
     """
 
     def rotations() -> np.ndarray:
-        return product(fit_fan(rotate(above[:, None], rest), bones, _TAU), above)
+        return product(fit_fan(rotate(before[:, None], rest), bones, _TAU), before)
 
     lengths = np.linalg.norm(rest, axis=1, keepdims=True)
     for _ in range(2):

@@ -1,11 +1,16 @@
 """The names of joints in common rigs.
 
-A rig is a table from our joint names to its own, each with alternatives. `rig_names.json` has a
-line for each: `trunk` names hips and head, or hips, spine, chest and head; `limbs` those of
-`_LIMBS`; `sides` are the patterns for left and right, such as "Left{} Right{}"; every name may have
-one of the `prefixes`; | separates alternatives. Where a rig names no spine or chest, they follow
-from the hierarchy (`numpy_cae.motion.retarget.rigs`): rigs of one family differ in their number of
-spine joints. Blanks and punctuation in names do not matter.
+The table of a rig gives for each of our joint names the names that the joint may have in the rig.
+`rig_names.json` has a line for each rig, in which | separates alternatives:
+
+- `trunk` has the names of hips and head, or of hips, spine, chest and head
+- `limbs` has the names of the joints in `_LIMBS`
+- `sides` has the patterns for left and right, such as "Left{} Right{}"
+- `prefixes` has the prefixes that every name may have
+
+Rigs of one family differ in their number of spine joints. If a table has no spine or chest, they
+are found by hierarchy (`numpy_cae.motion.retarget.rigs`). Blanks and punctuation in names do not
+matter.
 """
 
 import json

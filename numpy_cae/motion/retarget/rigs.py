@@ -1,8 +1,8 @@
-"""Find the twenty joints in a rig: by the user's names, by the names of known rigs, by hierarchy.
+"""Find the twenty joints in a rig by the user's names, the names of known rigs and the hierarchy.
 
-Names are compared without case, blanks and punctuation and without a prefix up to a colon
-("mixamorig:Hips"). Every rig's `chest` is the joint that carries the collars; its `spine` is the
-joint nearest to the middle between hips and chest.
+When names are compared, case, blanks, punctuation and a prefix up to a colon ("mixamorig:Hips") do
+not matter. In every rig, `chest` is the joint that carries the collars, and `spine` is the joint
+nearest to the middle between hips and chest.
 """
 
 import json
@@ -25,22 +25,22 @@ from numpy_cae.motion.skeleton import Skeleton
 JointNames = dict[str, str]
 """Some of our joint names, each with the joint's name in a rig."""
 Mappings = JointNames | Sequence[JointNames] | None
-"""One mapping to the names in a rig, or several of which each rig takes the first that fits."""
+"""One mapping to the names in a rig, or several: each rig then takes the first one that fits."""
 
 _LISTED = 80
-"""Names in a message; some rigs have hundreds of joints."""
+"""_LISTED: the largest number of names in a message, as some rigs have hundreds of joints."""
 ADDED = " (added)"
-"""The end of the name of a joint that the file lacks and that `completed` added."""
+"""ADDED: the end of the name of a joint that the file lacks and `completed` added."""
 
 
 class UnknownRigError(NumpyCaeError, ValueError):
-    """A skeleton in which some of the twenty joints could not be found, or are no person's."""
+    """Some of the twenty joints were not found in a skeleton, or its bones are not a person's."""
 
 
 def with_joint_names(skeleton: Skeleton, mapping: Mappings) -> Skeleton:
     """The skeleton with the user's names of the twenty joints.
 
-    Of several mappings the skeleton takes the first all of whose names it has, or none.
+    If there are several mappings, the skeleton takes the first whose names it all has, or none.
     """
     if not isinstance(mapping, dict):
         index = _finder(skeleton)
@@ -67,8 +67,8 @@ def find_joints(skeleton: Skeleton) -> list[int]:
     Raises
     ------
     UnknownRigError
-        With the joints that are missing, the joints that the rig has and a mapping that its
-        hierarchy suggests.
+        If joints are missing. The message lists these, the joints that the rig has and a mapping
+        that its hierarchy suggests.
 
     Examples
     --------
@@ -92,16 +92,16 @@ def find_joints(skeleton: Skeleton) -> list[int]:
 
 
 def match_rig(skeleton: Skeleton) -> tuple[str, dict[str, int]]:
-    """The known rig that fits best, and the indices of those of the twenty that are found."""
+    """The known rig that fits best, and the index of each of the twenty joints that was found."""
     named, index = skeleton.joint_names, _finder(skeleton)
     present = {joint: at for joint, name in named.items() if (at := index(name)) is not None}
     plain = _plain_names(skeleton)
     present_in = {
-        # Of several names of a joint that the skeleton has, the first: the last to be set.
+        # The alternatives are reversed, so that the first one that the skeleton has is set last.
         rig: {joint: plain[n] for joint, names in table.items() for n in names[::-1] if n in plain}
         for rig, table in _PLAIN_RIGS.items()
     }
-    # The fewest joints missing and, of equals, the most found.
+    # The rig with the fewest missing joints; if several are equal, the one with the most found.
     best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(present_in[rig]), -len(present_in[rig])))
     found = {joint: at for joint, at in present_in[best].items() if joint not in named} | present
     add_trunk(skeleton, found, set(named))
@@ -111,14 +111,14 @@ def match_rig(skeleton: Skeleton) -> tuple[str, dict[str, int]]:
 
 
 def _finder(skeleton: Skeleton) -> Callable[[str], int | None]:
-    """A function that returns the index of the joint of a name, exact or plain, or None."""
+    """A function from a name, exact or plain, to the index of the joint; None if there is none."""
     exact = {name: joint for joint, name in enumerate(skeleton.names)}
     plain = _plain_names(skeleton)
     return lambda name: exact.get(name, plain.get(_plain(name)))
 
 
 def _plain_names(skeleton: Skeleton) -> dict[str, int]:
-    """The first joint of each plain name."""
+    """Plain name -> index of the first joint that has it."""
     return {_plain(name): joint for joint, name in reversed(list(enumerate(skeleton.names)))}
 
 
@@ -134,7 +134,7 @@ _PLAIN_RIGS = {
 
 
 def joint_index(name: str, skeleton: Skeleton) -> int:
-    """The index in `JOINTS` of a joint that a user names: our name or the rig's.
+    """The index in `JOINTS` of a joint; `name` is our name or the rig's.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def joint_index(name: str, skeleton: Skeleton) -> int:
 
 
 def read_mapping(path: str | Path) -> JointNames:
-    """A user's names of joints: a JSON object of {our joint name: name in the file}.
+    """Read a user's names of joints, a JSON object of {our joint name: name in the file}.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def read_mapping(path: str | Path) -> JointNames:
     Raises
     ------
     UnknownRigError
-        If the file is not such an object; the error says what is wrong in it.
+        If the file is not such an object; the message says what is wrong.
 
     Examples
     --------

@@ -1,13 +1,13 @@
-"""Rotations that align directions: of one bone, and of several bones of one joint (a fan).
+"""Rotations that align the direction of one bone, or of several bones of one joint (a fan).
 
-One bone, from a to b: the smallest rotation is about a × b, by the angle between the two; it
-keeps the bone's twist. A fan of bones a_i to b_i: the rotation R that minimises
+The smallest rotation of one bone from direction a to b is about a × b, by the angle between the
+two; it keeps the bone's twist. For a fan, from bones a_i to b_i, the rotation R that minimises
 
     Σ_i |b_i - R a_i|²      is the rotation nearest to Σ_i b_i a_iᵀ.
 
-A diagonal τ Σ_i |a_i|² added to that sum regularises towards no rotation: about an
-axis that the bones determine poorly the rotation stays small. A second pass, from the result of
-the first, restores most of what the regularisation removed from a well determined rotation.
+The regularisation adds τ Σ_i |a_i|² to the diagonal of that sum, so that the rotation stays small
+about an axis that the bones determine poorly. A second pass, from the result of the first, restores
+most of what the regularisation removed from a well determined rotation.
 Rotations are quaternions (F, 4).
 """
 
@@ -19,8 +19,8 @@ from numpy_cae.motion.quaternions import from_vector, nearest, product, rotate
 def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> np.ndarray:
     """The smallest rotations (F) from the directions `before` (F, 3) to the directions `after`.
 
-    The vectors may have any length; the rotation is exactly the identity where they agree or one
-    is zero. `share` is the part of the angle to rotate by.
+    The vectors may have any length; the rotation is exactly the identity where they are the same or
+    one is zero. `share` is the part of the angle to rotate by.
     """
     before, after = _unit(before), _unit(after)
     axis = np.cross(before, after)

@@ -1,8 +1,8 @@
 """Suggest which joints of an unknown rig are the twenty, from its hierarchy and rest pose.
 
-A person has two pairs of limbs that are mirror images: the legs hang from the hips, the arms from
-the chest on another branch. Of all such pairs the longest are taken. Knees and elbows divide a limb
-into two long bones.
+A person has two pairs of limbs that are mirror images: the legs begin at the hips, the arms at the
+chest, on another branch. The longest such pairs are taken. Knees and elbows divide a limb into two
+long bones.
 """
 
 import re
@@ -15,35 +15,36 @@ from numpy_cae.motion.skeleton import Skeleton
 
 _MAX_JOINTS, _MAX_PAIRS = 1000, 50
 _SAME = 0.15
-"""_SAME: a left and a right limb differ in length by at most this part of the longer."""
+"""_SAME: a left and a right limb differ in length by at most this part of the longer one."""
 _LONG = 0.75
-"""_LONG: a knee or elbow is between two bones whose shorter is at least this part of the longest
-such bone."""
+"""_LONG: consider the shorter of the two bones at each joint of a limb. At a knee or elbow it is at
+least this part of the longest of these."""
 _HEAD = 0.06
-"""_HEAD: the head joint is at least this part of the body's size below the top of the head."""
+"""_HEAD: the head joint is below the top of the head by at least this part of the longest path from
+the root to a tip."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
-"""Names of joints that divide one bone."""
+"""_NOT_A_JOINT: names of joints that divide one bone."""
 
 _Pair = tuple[int, int, int]
 """The joint that carries a pair of limbs, and the first joint of each."""
 
 
 def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
-    """A mapping of our joint names to those of an unknown rig, as far as its hierarchy tells.
+    """A mapping of our joint names to those of an unknown rig, from its hierarchy and rest pose.
 
-    Joints that the rig seems to lack are left out; it is empty if nothing looks like a person.
+    Joints that the rig seems to lack are left out. If nothing looks like a person, it is empty.
     """
     if len(skeleton.names) > _MAX_JOINTS:
         return {}
     chains, reach = _chains(skeleton)
     best, found = 0.0, {}
     legs = arms = (0, 0, 0)
-    for low, high in product(_pairs(skeleton, reach), repeat=2):
-        above, below = skeleton.path(high[0]), skeleton.path(low[0])
-        hips = next(joint for joint in below if joint in above)
-        total = reach[low[1]] + reach[high[1]] - _length(skeleton, below[: below.index(hips)])
-        if hips != high[0] and not set(low[1:]) & set(above) and total > best:
-            best, legs, arms, found = total, low, high, {"hips": hips, "chest": high[0]}
+    for leg, arm in product(_pairs(skeleton, reach), repeat=2):
+        arm_path, leg_path = skeleton.path(arm[0]), skeleton.path(leg[0])
+        hips = next(joint for joint in leg_path if joint in arm_path)
+        length = reach[leg[1]] + reach[arm[1]] - _length(skeleton, leg_path[: leg_path.index(hips)])
+        if hips != arm[0] and not set(leg[1:]) & set(arm_path) and length > best:
+            best, legs, arms, found = length, leg, arm, {"hips": hips, "chest": arm[0]}
     if not found:
         return {}
     limbs = {start: _limb(skeleton, chains[start]) for start in (*legs[1:], *arms[1:])}
@@ -69,37 +70,37 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
 
 
 def add_trunk(skeleton: Skeleton, found: dict[str, int], named: set[str]) -> None:
-    """Find chest and spine by hierarchy where they are missing or the collars are above the chest.
+    """Find chest and spine by hierarchy if they are missing or the collars begin above the chest.
 
-    `named` joints stay as the user says.
+    The joints that the user `named` are not changed.
     """
     arms = next((f"{{}}_{arm}" for arm in ("collar", "shoulder") if f"left_{arm}" in found), None)
     if arms is None or arms.format("right") not in found or "hips" not in found:
         return
     left, right = (skeleton.path(found[arms.format(side)]) for side in ("left", "right"))
     carrier = next((joint for joint in left[1:] if joint in right[1:]), -1)
-    below = skeleton.path(carrier)[1:] if carrier >= 0 else []
-    if "chest" not in named and found.get("chest", found["hips"]) in below:
+    ancestors = skeleton.path(carrier)[1:] if carrier >= 0 else []
+    if "chest" not in named and found.get("chest", found["hips"]) in ancestors:
         found["chest"] = carrier
         if "spine" not in named:
             found.pop("spine", None)
-    if {"chest", "spine"} & (named | set(found)) != {"chest"} or found["hips"] not in below:
+    if {"chest", "spine"} & (named | set(found)) != {"chest"} or found["hips"] not in ancestors:
         return
-    between = below[: below.index(found["hips"])]
+    between = ancestors[: ancestors.index(found["hips"])]
     if between:
         lengths = np.linalg.norm(skeleton.offsets, axis=-1)
-        # Distance from the chest down to each joint between.
+        # Distance from the chest down to each joint in between, and to the hips.
         down = np.cumsum(lengths[[carrier, *between]])
         found["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
 
 
 def _length(skeleton: Skeleton, joints: list[int]) -> float:
-    """The sum of the bones from the joints' parents to the joints."""
+    """The total length of the bones that end at these joints."""
     return float(np.linalg.norm(skeleton.offsets[joints], axis=-1).sum())
 
 
 def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
-    """From each joint the longest way down to a tip, and its length."""
+    """The longest path down from each joint to a tip, and its length."""
     chains = [[joint] for joint in range(len(skeleton.names))]
     reach = [float(np.linalg.norm(skeleton.end_sites.get(joint, 0.0))) for (joint,) in chains]
     for joint in range(len(chains) - 1, 0, -1):
@@ -110,7 +111,7 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
 
 
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
-    """The longest pairs of branches of one joint that are nearly of the same length, not tiny."""
+    """The longest pairs of branches at a joint that are not tiny and of nearly the same length."""
     least = 0.1 * max(reach)
     pairs = [
         (joint, one, other)
@@ -124,21 +125,24 @@ def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
 
 
 def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:
-    """The joint before the limb, its three joints and the next one: collar, shoulder, elbow, wrist
-    of an arm; hip, knee, ankle, toe of a leg; None where there is none."""
+    """The joint before a limb, its three joints and the next one, each None if there is none.
+
+    They are collar, shoulder, elbow and wrist of an arm, or (after a None or another joint) hip,
+    knee, ankle and toe of a leg.
+    """
     joints = [joint for joint in chain if not _NOT_A_JOINT.search(skeleton.names[joint])]
     if len(joints) < 3:
         return (None,) * 5
     ends = [chain.index(joint) for joint in joints]
     bones = [_length(skeleton, chain[start + 1 : end + 1]) for start, end in pairwise(ends)]
-    # Of all neighbours the last two bones that are both long: a collar may be as long as a forearm.
+    # The last pair of adjacent long bones, as a collar may be as long as a forearm.
     shorter = np.minimum(bones[:-1], bones[1:])
     first = int(np.flatnonzero(shorter >= _LONG * shorter.max())[-1])
     return tuple([None, *joints, None][first : first + 5])
 
 
 def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int:
-    """The joint named head or else the last that is well below the tip, on the longest branch."""
+    """The first joint of the longest branch named head, or else its last one well below the tip."""
     neck = max(necks, key=lambda chain: reach[chain[0]] + len(chain))
     named = [joint for joint in neck if "head" in skeleton.names[joint].lower()]
     high = [joint for joint in neck if reach[joint] >= _HEAD * max(reach)]
@@ -146,7 +150,7 @@ def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int
 
 
 def _left_first(skeleton: Skeleton, starts: list[int], leftness: np.ndarray) -> list[int]:
-    """The first joints of two limbs, the left one first: by their names or by the rest pose."""
+    """The first joints of two limbs, the left one first; their names or the rest pose decide."""
     one, other = (skeleton.names[start].lower() for start in starts)
     differing = next(((a, b) for a, b in zip(one, other, strict=False) if a != b), ("", ""))
     if differing in (("l", "r"), ("r", "l")):

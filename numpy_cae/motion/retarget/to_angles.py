@@ -1,14 +1,15 @@
-"""From a motion of any rig to the 54 numbers a frame of jang2018.
+"""Convert a motion of any rig to the 54 numbers for each frame of jang2018.
 
-A joint's rotation is relative to its nearest ancestor in the table, so that the rotations of the
-joints between (a second bone of the spine, a collar) are included and every joint of the table
-keeps its orientation:
+A joint's rotation is relative to its nearest ancestor in the table. It includes the rotations of
+the joints in between (a second bone of the spine, a collar), so that every joint of the table keeps
+its orientation:
 
     R_j = G_ancestorᵀ · G_j
 
 Conversions of the CMU database insert a T-pose before the first frame. It is not part of the
-motion: the person leaves it within a 120th of a second. So it is recognised by its shape and by
-the jump after it; someone recorded in a T-pose leaves it slowly and keeps it.
+motion, and the next frame, a 120th of a second later, is another pose. So the T-pose is recognised
+by its shape and by the jump after it. Someone recorded in a T-pose leaves it slowly; that T-pose is
+not removed.
 """
 
 import numpy as np
@@ -25,7 +26,7 @@ from numpy_cae.motion.skeleton import Skeleton
 MIN_COSINE = np.cos(np.radians(20.0))
 """MIN_COSINE: a limb is in a T-pose if the angle to its direction there has this cosine or more."""
 JUMP = 8.0
-"""JUMP: the first step counts as a jump if it is so many times the median of those that follow."""
+"""JUMP: the first step is a jump if it exceeds this multiple of the median of the next steps."""
 _FOLLOWING = 25
 
 # limb, from, to, and its direction in a T-pose that faces +Z
@@ -38,7 +39,7 @@ _LIMBS = (
 
 
 def angles_of(motion: Motion) -> AngleSequence:
-    """The motion at 25 frames a second, without a leading T-pose, as 54 numbers a frame.
+    """A motion as 54 numbers for each frame, at 25 frames a second and without a leading T-pose.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def angles_of(motion: Motion) -> AngleSequence:
 
 
 def table_for(skeleton: Skeleton) -> AngleTable:
-    """Human3.6M's own table for its text, the seventeen joints for every other rig."""
+    """The table for a rig: Human3.6M's own for its text, seventeen joints for every other rig."""
     return HUMAN36M_TABLE if skeleton.names == HUMAN36M.skeleton.names else SEVENTEEN
 
 
@@ -89,8 +90,8 @@ def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:
     if table is HUMAN36M_TABLE:
         return [skeleton.index(joint) for joint in table.joints]
     found = dict(zip(JOINTS, find_joints(skeleton), strict=True))
-    # The neck, whatever its name: the first joint from the chest to the head. In rigs without
-    # one that is the head itself; their neck then rotates for both, and the head not at all.
+    # The neck is the first joint on the way from the chest to the head, whatever its name. In rigs
+    # without a neck it is the head: the table's neck then has the whole rotation, its head none.
     neck = found["head"]
     while skeleton.parents[neck] not in (found["chest"], -1):
         neck = skeleton.parents[neck]
@@ -99,7 +100,7 @@ def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:
 
 
 def without_t_pose(motion: Motion) -> Motion:
-    """The motion without its first frame if that is a T-pose from which the second jumps.
+    """The motion without its first frame, if this is a T-pose that is followed by a jump.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def without_t_pose(motion: Motion) -> Motion:
     Returns
     -------
     Motion
-        The same object if its first frame is no such T-pose.
+        The same object if its first frame is not such a T-pose.
 
     Raises
     ------

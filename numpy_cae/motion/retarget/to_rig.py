@@ -1,21 +1,22 @@
 """Retargeting: change a motion of any rig so that its twenty joints reach new positions.
 
-A network changes positions; the user's file has a rig with fingers, several joints in its neck and
-rotations of its own. We keep the rig's pose and, from the root down, give each joint on a path
-between two of the twenty an extra rotation Q_j,
+A network changes positions, but the user's file has a rig with fingers, several joints in its neck
+and rotations of its own. We keep the rig's pose. From the root down, each joint on a path between
+two of the twenty gets an extra rotation Q_j,
 
     G'_j = Q_j · G'_parent · R_j
 
 that points its bones at their targets. One bone gets the smallest rotation, which keeps its twist;
 several bones of one joint (hips, chest) get one rotation that fits all. The n joints in between (a
-second spine, a neck) share the rotation equally: joint i, counted from 0, makes 1 / (n - i) of what
-is left, so a long spine bends evenly. No bone changes its length. Where the targets are the present
-positions nothing changes, and all other joints keep R_j.
+second spine, a neck) share the rotation equally: joint i, counted from 0, makes 1 / (n - i) of the
+remaining rotation, so a long spine bends evenly. No bone changes its length. Where the targets are
+the present positions, nothing changes. All other joints keep R_j.
 
-With a mask of touched joints, the others have their present positions as targets, so that a joint
-below a touched one is corrected to stay where it is, and frames without touched joints are
-unchanged. For a wrist or an ankle that has to be reached exactly, the target of the elbow or the
-knee is moved to the nearest point from which it can be: on a circle about the limb's line.
+If a mask of touched joints is given, the targets of the other joints are their present positions.
+A descendant of a touched joint is thus corrected to stay where it is, and frames without touched
+joints are unchanged. Where a wrist or an ankle has to be reached exactly, the target of the elbow
+or the knee is moved to the nearest point from which the wrist or ankle can be reached. These points
+are a circle about the line from the beginning to the end of the limb.
 """
 
 from collections.abc import Callable
@@ -33,10 +34,12 @@ from numpy_cae.motion.retarget.seams import without_seams
 _ROUNDING = 1e-9
 """_ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
 _MOVED = 1e-6
-"""_MOVED: a joint further from its offset (m) has position channels that move the whole body."""
+"""_MOVED: if the hips or an ancestor are further than this from their offset (m), their position
+channels move the whole body."""
 
 _FLEXIBLE_WEIGHT = 0.3
-"""Weight, in a joint's fit, of a bone with intermediate joints: those can correct the rest."""
+"""_FLEXIBLE_WEIGHT: weight in the fit of a bone with intermediate joints, as these can correct the
+rest."""
 
 _TAU = 0.03
 """τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
@@ -47,7 +50,7 @@ suppresses requested rotations (docs/lab_book/retargeting.md)."""
 _MIDDLES = [
     JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("elbow", "knee")
 ]
-"""Joints in the middle of a limb; the next of `JOINTS` is its end."""
+"""Joints in the middle of a limb; the joint after each in `JOINTS` is the end of its limb."""
 
 
 _Bone = tuple[int, ...]
@@ -63,8 +66,8 @@ def retarget(
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
-    The hips reach their targets, other joints come as near as bones of constant length allow.
-    Frames without touched joints, and rotations that no touched joint needs, are unchanged.
+    The hips reach their targets; other joints come as near as bones of constant length allow.
+    Frames without touched joints and rotations that no touched joint needs are unchanged.
 
     Parameters
     ----------
@@ -72,12 +75,12 @@ def retarget(
         Of any rig in which the twenty joints can be found, at any rate.
     positions : (frames, 20, 3) array of float
         Target world positions in metres, one pose for each frame of the motion at its own rate
-        (`at_rate_of` resamples positions at 30 frames a second); or a function that returns the
-        poses of some frames (N,): those of an hour would take 0.2 GB.
+        (`at_rate_of` resamples positions at 30 frames a second); or a function from frames
+        (N,) to their poses (N, 20, 3): all poses of an hour would take 0.2 GB.
     touched : (frames, 20) array of bool, optional
         Joints that move to their targets; the others keep their positions as far as bones of
-        constant length allow, wrists and ankles exactly, if need be at the cost of the elbow or the
-        knee. All joints where None.
+        constant length allow. Wrists and ankles keep theirs exactly, if necessary at the cost of
+        the elbow or the knee. By default all joints are touched.
 
     Returns
     -------
@@ -134,7 +137,7 @@ def retarget(
             translations[frames, carrier] += step
             part = replace(part, translations=translations[frames])
         by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
-        kept = ~touched[frames]  # these ends are reached exactly
+        kept = ~touched[frames]  # where a wrist or ankle keeps its position exactly
         limbs = {joints[mid]: (joints[mid + 1], kept[:, mid + 1]) for mid in _MIDDLES}
         rotations[frames] = _rotated(part, by_joint, limbs, bones, (before, rotations_before))
     return replace(motion, rotations=rotations, translations=translations)
@@ -182,9 +185,10 @@ def _rotated(
 def _bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
     """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
 
-    With the lengths a and b of its bones, `chain` (F, 3 joints, 3) before the change, the points
-    are a circle about the line from start to end, at x = (a² - b² + d²) / 2d along the line, with
-    the radius √(a² - x²). Where the end is too far or too near, the circle is a point on the line.
+    Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the
+    change, and d the distance from `start` to `end`. The points are a circle about the line from
+    start to end, at x = (a² - b² + d²) / 2d along the line, with radius √(a² - x²). Where the end
+    is too far away or too near, the circle is a point on the line.
     """
     a, b = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
     d = np.linalg.norm(end - start, axis=-1)
@@ -221,7 +225,8 @@ def _corrected(
     # Where the targets are the unchanged bones, restore their rotation exactly.
     unchanged = np.all(np.abs(target - bone) < _ROUNDING, axis=(1, 2))
     fitted = np.where(unchanged[:, None], before, fitted)
-    # If only bones with intermediate joints miss, those joints do it, unless there are no others.
+    # If only flexible bones miss, keep this joint's rotation: the joints inside these bones correct
+    # them. If all bones are flexible, it rotates.
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
     misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
     return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
@@ -230,8 +235,9 @@ def _corrected(
 def moves_alone(motion: Motion, joint: str) -> bool:
     """Whether one of the twenty joints can move while all the others keep their positions.
 
-    It can if some joint of the rig rotates for its bone alone and at most one bone continues from
-    it. A collar or a hip at its fan, and the hips and the chest themselves, cannot.
+    It can if some joint of the rig rotates only for the bone that ends at `joint`, and if at most
+    one bone begins at `joint`. The hips and the chest cannot, as several bones begin there.
+    Nor can a collar or a hip whose bone comes straight from them.
     """
     joints = find_joints(motion.skeleton)
     bones = _bones_through(motion, joints)
@@ -245,7 +251,7 @@ def _bones_through(motion: Motion, joints: list[int]) -> _Bones:
     bones: _Bones = {}
     for name, joint in zip(JOINTS[1:], joints[1:], strict=True):
         path = motion.skeleton.path(joint)
-        start = next((place for place, above in enumerate(path) if place and above in joints), 0)
+        start = next((n for n, ancestor in enumerate(path) if n and ancestor in joints), 0)
         if not start:
             raise UnknownRigError(
                 f"{name} ({motion.skeleton.names[joint]!r} in the rig) descends from none of the "
@@ -253,7 +259,7 @@ def _bones_through(motion: Motion, joints: list[int]) -> _Bones:
             )
         bone = tuple(path[start::-1])
         for passed in bone[:-1]:
-            # A joint in between that never rotates (CMU's lhipjoint) is part of a rigid bone.
+            # A joint that never rotates (CMU's lhipjoint) is part of a rigid bone.
             rotates = np.abs(motion.rotations[:, passed, :3]).max() >= _ROUNDING
             if passed == bone[0] or rotates:
                 bones.setdefault(passed, []).append(bone)
