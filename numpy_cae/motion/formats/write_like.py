@@ -63,7 +63,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     before : Motion
         The motion that `load_motion(source)` returns.
     after : Motion
-        Of the same skeleton.
+        The changed motion, on the same skeleton.
     path : path of the file
         Replaced if it exists; it may be `source`.
 

@@ -21,7 +21,7 @@ def body_of(motion: Motion) -> np.ndarray:
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        Any rate, and any rig in which the twenty joints can be found.
 
     Returns
     -------
@@ -109,7 +109,7 @@ class Body:
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        Any rate, and any rig in which the twenty joints can be found.
     mean_lengths : (20,) array of float
         Bone lengths of the mean skeleton, in metres; the features describe a person with these.
     """

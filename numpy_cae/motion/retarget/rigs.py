@@ -40,7 +40,8 @@ class UnknownRigError(NumpyCaeError, ValueError):
 def with_joint_names(skeleton: Skeleton, mapping: Mappings) -> Skeleton:
     """The skeleton with the user's names of the twenty joints.
 
-    If there are several mappings, the skeleton takes the first whose names it all has, or none.
+    A skeleton fits a mapping if it has all names in it. If there are several mappings, the first
+    one that fits is used, or none if none fits.
     """
     if not isinstance(mapping, dict):
         index = _finder(skeleton)

@@ -72,7 +72,7 @@ def retarget(
     Parameters
     ----------
     motion : Motion
-        Of any rig in which the twenty joints can be found, at any rate.
+        Any rate, and any rig in which the twenty joints can be found.
     positions : (frames, 20, 3) array of float
         Target world positions in metres, one pose for each frame of the motion at its own rate
         (`at_rate_of` resamples positions at 30 frames a second); or a function from frames
@@ -85,7 +85,7 @@ def retarget(
     Returns
     -------
     Motion
-        Of the same skeleton, rate and unit.
+        With the skeleton, rate and unit of `motion`.
 
     Raises
     ------
