@@ -165,3 +165,12 @@ def _printed(value: object, form: str) -> str:
     if isinstance(value, float | np.floating):
         return "" if np.isnan(value) else format(float(value), form)
     return "" if value is None else str(value)
+
+    def data(self) -> dict:
+        """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
+        tables = [
+            {"caption": table.caption, "header": table.header, "rows": table.rows}
+            for table in self.tables
+        ]
+        claims = [vars(claim) for claim in self.claims]
+        return {"title": self.title, "tables": tables, "claims": claims, "note": self.note}

@@ -43,6 +43,8 @@ def things(tiny_manifolds, tmp_path_factory):
         save_manifold(tiny_manifolds[0][kind], base / f"{name}.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
+    for number, mask in enumerate(["{", "[]", '[{"joint": 3}]', '[{}, {"limb": "tail"}]']):
+        (base / f"mask_{number}.json").write_text(mask)
     text = (base / "motions" / "walk_0.bvh").read_text()
     (base / "cut.bvh").write_text("\n".join(text.splitlines()[:-3]))
     (base / "paw.bvh").write_text(text.replace("JOINT lwrist", "JOINT paw"))
@@ -166,6 +168,10 @@ fill WALK -m MODEL -o OUT.bvh                               | say what is missin
 fill WALK -m MODEL -o OUT.bvh --joint head --keyframes 15   | say what is missing
 fill WALK -m MODEL -o OUT.bvh --joint nose                  | there is no joint 'nose'
 fill WALK -m MODEL -o OUT.bvh --joint left_hip              | left_hip is fixed
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_0.json       | mask_0.json:1: not JSON
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_1.json       | mask_1.json: expected a list
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_2.json       | entry 1: expected
+fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_3.json       | entry 2: there is no limb 'tail'
 fill WALK -m MODEL -o OUT.bvh --joint head --frames 80 400  | the motion has 0 to 99
 fill WALK -m MODEL -o OUT.bvh --joint head --frames 90 40   | the first is after the last
 interpolate WALK WALK -m MODEL -o OUT.bvh --share 2         | argument --share: 2 is not

@@ -33,7 +33,11 @@ def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys, run):
     assert "| fitted prior " in text
     assert "*_01.bvh" in text
     assert f"NumPy {np.__version__}" in text
-    assert sorted(path.name for path in out.iterdir()) == ["report.html", "report.txt"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "report.html",
+        "report.json",
+        "report.txt",
+    ]
 
 
 def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path, capsys, run):

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Load, fill and write each motion."""
     if damage_options.is_chosen(args) == bool(args.keyframes):
-        raise ValueError("say what is missing: --joint, --limb, --frames or --keyframes")
+        raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
     manifold = one_motion.load_model(args)
     changed = change_files.ChangedFiles(args)
     for source, target in changed.files():

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
     manifold = one_motion.load_model(args)
     if args.project and (damage_options.is_chosen(args) or args.smooth or args.strength < 1):
-        what = "--joint, --smooth and --strength"
+        what = "--joint, --mask, --smooth and --strength"
         raise ValueError(f"--project changes the whole motion: use it without {what}")
     changed = change_files.ChangedFiles(args)
     for source, target in changed.files():

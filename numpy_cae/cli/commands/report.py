@@ -1,8 +1,9 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
-pictures) and report.txt. `--only cmu35` needs no model: it trains on CMU subject 35 and compares
-with published figures (get the files by `numpy-cae download cmu --subjects 35`). With --ablation,
-measure what each choice of the paper contributes instead, and write ablation.html and .txt.
+pictures), and the same as report.txt and report.json. `--only cmu35` needs no model: it trains on
+CMU subject 35 and compares with published figures (get the files by `numpy-cae download cmu
+--subjects 35`). With --ablation, measure what each choice of the paper contributes instead, and
+write ablation.html, .txt and .json.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
@@ -12,6 +13,7 @@ examples:
 """
 
 import argparse
+import json
 import time
 from glob import escape
 from pathlib import Path
@@ -19,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import note, write_texts
+from numpy_cae.cli.shared.output import note, working, write_texts
 from numpy_cae.experiments import ablation
 from numpy_cae.experiments.material import Material, is_test, read_material, synthetic_material
 from numpy_cae.experiments.page import page, plain_text
@@ -75,7 +77,10 @@ def run(args: argparse.Namespace) -> int:
     provenance["made by"] += f", {time.monotonic() - started:.0f} s"
     html = page(results, provenance, *(ABLATION if args.ablation else ()))
     text = plain_text(results.values(), provenance)
-    write_texts(args.output, {f"{name}.html": html, f"{name}.txt": text})
+    data = {"provenance": provenance, "results": {n: r.data() for n, r in results.items()}}
+    as_json = json.dumps(data, indent=1, ensure_ascii=False, default=lambda value: value.item())
+    texts = {f"{name}.html": html, f"{name}.txt": text, f"{name}.json": as_json}
+    write_texts(args.output, texts)
     confirmed = sum(result.confirmed for result in results.values())
     claims = sum(len(result.claims) for result in results.values())
     print(f"{args.output / name}.html: {confirmed} of {claims} claims confirmed")
@@ -97,7 +102,8 @@ def _experiments(args: argparse.Namespace) -> Measured:
     results: dict[str, Result] = {}
     for number, name in enumerate(inputs, start=1):
         note(f"[{number}/{len(inputs)}] {name} …")
-        result = results[name] = run_experiment(name, *inputs[name], seed=args.seed)
+        with working(name):
+            result = results[name] = run_experiment(name, *inputs[name], seed=args.seed)
         counted = f"{result.confirmed} of {len(result.claims)} claims confirmed"
         note(f"{name}: {counted if result.claims else result.note}")
     return results, provenance | {"made by": f"NumPy {np.__version__}, seed {args.seed}"}

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from textwrap import indent
@@ -10,7 +10,7 @@ from textwrap import indent
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import with_progress
+from numpy_cae.cli.shared.output import with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import (
@@ -71,7 +71,8 @@ class ChangedFiles:
     def reported(self, source: Path) -> Iterator[None]:
         """Of several files, list one that cannot be used instead of ending with its error."""
         try:
-            yield
+            with working(str(source)) if self.single else nullcontext():
+                yield
         except (NumpyCaeError, ValueError, OSError) as error:
             where = f"{source}: " if isinstance(error, UnknownRigError) else ""
             if self.single:

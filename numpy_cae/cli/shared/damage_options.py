@@ -1,14 +1,22 @@
-"""The options --joint, --limb and --frames: which joints and frames are damaged or missing."""
+"""The options --joint, --limb, --frames and --mask: which joints and frames are damaged or missing.
+
+A mask file is a JSON list of objects with a joint (our name or the rig's) or a limb, and frames,
+first and last, counted from 0. Without a joint or limb all joints are meant, without frames all.
+"""
 
 import argparse
+import json
+from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.motion import JOINTS, Motion
+from numpy_cae.motion import JOINTS, Motion, MotionFileError
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.rigs import joint_index
 from numpy_cae.motion.retarget.to_rig import moves_alone
+
+EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
 
 def add_arguments(
@@ -25,12 +33,14 @@ def add_arguments(
     frames = "first and last frame, counted from 0, of these joints, or of all joints without "
     frames += "--joint and --limb (default: all frames)"
     add("--frames", type=arguments.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
+    mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
+    add("--mask", type=Path, metavar="JSON", help=mask)
     return group
 
 
 def is_chosen(args: argparse.Namespace) -> bool:
     """Whether any of the options is given."""
-    return bool(args.joint or args.limb or args.frames)
+    return bool(args.joint or args.limb or args.frames or args.mask)
 
 
 def chosen_mask(args: argparse.Namespace, motion: Motion) -> np.ndarray | None:
@@ -38,17 +48,56 @@ def chosen_mask(args: argparse.Namespace, motion: Motion) -> np.ndarray | None:
     options.
 
     Raises UnknownRigError for an unknown joint, ValueError for frames that the motion does not
-    have.
+    have, MotionFileError for a mask file that is not as above.
     """
     if not is_chosen(args):
         return None
-    chosen = [JOINTS[joint_index(name, motion.skeleton)] for name in args.joint]
-    if len(chosen) == 1 and not args.limb and not moves_alone(motion, chosen[0]):
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    if args.joint or args.limb or args.frames:
+        mask |= _mask(args.joint, args.limb, args.frames, motion)
+    if args.mask:
+        for number, entry in enumerate(_entries(args.mask), start=1):
+            try:
+                joints, limbs = ([entry[key]] if key in entry else [] for key in ("joint", "limb"))
+                mask |= _mask(joints, limbs, entry.get("frames"), motion)
+            except ValueError as error:
+                raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
+    return mask
+
+
+def _mask(
+    joints: list[str],
+    limbs: list[str],
+    frames: list[int] | None,
+    motion: Motion,
+) -> np.ndarray:
+    chosen = [JOINTS[joint_index(name, motion.skeleton)] for name in joints]
+    if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
         raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
-    for limb in args.limb:
+    for limb in limbs:
+        if limb not in LIMBS:
+            raise ValueError(f"there is no limb {limb!r}, expected one of {', '.join(LIMBS)}")
         chosen += LIMBS[limb]
-    first, last = args.frames or (0, len(motion) - 1)
-    if not first <= last < len(motion):
+    first, last = (0, len(motion) - 1) if frames is None else frames
+    if not 0 <= first <= last < len(motion):
         after = "the first is after the last and " if first > last else ""
         raise ValueError(f"frames {first} to {last}, {after}the motion has 0 to {len(motion) - 1}")
     return joint_mask(len(motion), chosen or JOINTS, slice(first, last + 1))
+
+
+def _entries(path: Path) -> list[dict]:
+    """The objects of a mask file."""
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
+    if not isinstance(entries, list) or not entries:
+        raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
+    for number, entry in enumerate(entries, start=1):
+        valid = isinstance(entry, dict) and set(entry) <= {"joint", "limb", "frames"}
+        valid = valid and all(isinstance(entry.get(key, ""), str) for key in ("joint", "limb"))
+        frames = entry.get("frames", [0, 0]) if valid else None
+        valid = valid and isinstance(frames, list) and [type(n) for n in frames] == [int, int]
+        if not valid:
+            raise MotionFileError(path, None, f"entry {number}: expected one such as in {EXAMPLE}")
+    return entries

@@ -2,8 +2,10 @@
 
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
@@ -29,6 +31,26 @@ def with_progress(items: Iterable[Item], count: int, done: str) -> Iterator[Item
             note(f"{number} of {count} {done}, {left:.0f} s to go")
             due = now + 5
         yield item
+
+
+@contextmanager
+def working(on: str) -> Iterator[None]:
+    """Print how long the block has been running: after 2 s, then at intervals that double."""
+    begun, ended = time.monotonic(), threading.Event()
+
+    def report() -> None:
+        wait = 2.0
+        while not ended.wait(wait):
+            note(f"{on}: {time.monotonic() - begun:.0f} s")
+            wait = min(2 * wait, 60.0)
+
+    thread = threading.Thread(target=report, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def write_texts(folder: Path, texts: dict[str, str]) -> None:
