@@ -133,6 +133,15 @@ class Result:
         parts = [table.text() for table in self.tables]
         return "\n\n".join([*parts, self.note] if self.note else parts)
 
+    def data(self) -> dict:
+        """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
+        tables = [
+            {"caption": table.caption, "header": table.header, "rows": table.rows}
+            for table in self.tables
+        ]
+        claims = [vars(claim) for claim in self.claims]
+        return {"title": self.title, "tables": tables, "claims": claims, "note": self.note}
+
     def png(self) -> bytes:
         """The figure as PNG; empty where there is none."""
         if self.figure is None:
@@ -165,12 +174,3 @@ def _printed(value: object, form: str) -> str:
     if isinstance(value, float | np.floating):
         return "" if np.isnan(value) else format(float(value), form)
     return "" if value is None else str(value)
-
-    def data(self) -> dict:
-        """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
-        tables = [
-            {"caption": table.caption, "header": table.header, "rows": table.rows}
-            for table in self.tables
-        ]
-        claims = [vars(claim) for claim in self.claims]
-        return {"title": self.title, "tables": tables, "claims": claims, "note": self.note}
