@@ -136,7 +136,12 @@ class Result:
     def data(self) -> dict:
         """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
         tables = [
-            {"caption": table.caption, "header": table.header, "rows": table.rows}
+            {
+                "caption": table.caption,
+                "header": table.header,
+                # JSON has no NaN, the mark of an empty cell.
+                "rows": [[None if cell != cell else cell for cell in row] for row in table.rows],
+            }
             for table in self.tables
         ]
         claims = [vars(claim) for claim in self.claims]

@@ -32,8 +32,8 @@ def test_it_trains_on_exponential_map_text(tmp_path, run):
 
 
 def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, monkeypatch, run):
-    sizes = {"reconstruction.PCA_CLIPS": 200, "samples.SAMPLES": 20}
-    for name, fewer in {**sizes, "regulariser.REPEATS": 1}.items():
+    sizes = {"sequential.PCA_CLIPS": 200, "samples.SAMPLES": 20}
+    for name, fewer in {**sizes, "sequential.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
     options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20]
