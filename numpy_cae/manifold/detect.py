@@ -38,7 +38,7 @@ JUMP = 0.05
 """JUMP: a step to the next frame jumps if it differs by more than this (m) from the median of seven
 steps."""
 JUMP_RATIO = 4.0
-"""JUMP_RATIO: a jump must also differ by this many times the median of seven such differences."""
+"""JUMP_RATIO: this difference must also exceed the running median of seven by this factor."""
 OPPOSITE = -0.3
 """OPPOSITE: the cosine of the angle between a jump and the jump back is at most this."""
 SPIKE_FRAMES = 3
@@ -74,7 +74,7 @@ def find_damage(manifold: MotionManifold, body: Body) -> np.ndarray:
     A joint is damaged where `direct_damage` or `find_frozen` finds it, or where it is far from its
     projection. Damage also moves the projection of other joints, so the damage found is filled in
     and the rest is tested again, `ROUNDS` times. In the end a run of frames counts only if filling
-    it in moves the joint by `LEAST`.
+    it in moves the joint by `LEAST`, except what `direct_damage` finds, which always counts.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def find_frozen(body: Body, positions: np.ndarray, local: np.ndarray) -> np.ndar
         rests = run_lengths(speed < STILL) >= STILL_FRAMES
         for joint in np.flatnonzero(rests.any(axis=0)):
             frozen[:, joint] |= _until_a_jump(rests[:, joint], in_body[:, joint], LEAST_JUMP)
-    # A wrist or an ankle is moved by the elbow or the knee, which is then frozen too.
+    # A frozen wrist or ankle can only be filled in if its elbow or knee is filled in too.
     frozen[:, np.subtract(_ENDS, 1)] |= frozen[:, _ENDS]
     return frozen
 

@@ -250,8 +250,9 @@ def _windows(manifold: MotionManifold, features: Sequence[np.ndarray], overlap: 
 def _mean_and_scale(
     frames: np.ndarray, features: Sequence[np.ndarray], window: int, overlap: int, rms: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The mean pose and the factor of each feature, (63,): one for positions, velocity and turn,
-    since a turn of a frame is a tenth as large as a position and would not be learned."""
+    """The mean pose and the factor of each feature, (63,): one for all positions, one for
+    velocity and one for turn, since a turn of a frame is a tenth as large as a position and would
+    not be learned."""
     mean_pose = frames.mean(axis=0)
     scale = np.ones(FEATURES)
     for part in (POSITIONS, VELOCITY, TURN):

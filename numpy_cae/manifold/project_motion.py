@@ -52,8 +52,9 @@ def keep_trajectory(
 
     The trajectory is the sum of velocity and turn, so the errors of the projected ones are summed
     too, and after a few seconds the body would be far off. Low frequencies of the trajectory are
-    taken from the file, high frequencies from the projection. With the hips on the floor h, the
-    heading θ and the Gaussian g with which the heading is smoothed:
+    taken from the file, high frequencies from the projection. h is the
+    position of the hips on the floor, θ the heading, ^ marks what is projected, and g * is the
+    convolution with the Gaussian that smooths the heading:
 
         h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
 

@@ -66,7 +66,7 @@ class Repaired:
         if not self.known:
             return (
                 f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
-                "from it; left unchanged (--force repairs it nevertheless)"
+                "from their projection; left unchanged (--force repairs it nevertheless)"
             )
         groups: dict[str, list[int]] = defaultdict(list)
         for joint in np.flatnonzero(self.touched.any(axis=0)):

@@ -19,7 +19,7 @@ TO_Y_UP = {
     "-z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
     "-x": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
 }
-"""The rotation of a file with this axis up to Y up, as rows of a matrix."""
+"""The rotation that takes a file whose up axis is this one to Y up, as rows of a matrix."""
 
 
 def to_y_up(motion: Motion, up: str, floor: float) -> Motion:

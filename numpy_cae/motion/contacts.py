@@ -1,7 +1,7 @@
 """Which foot stands on the floor, and when: a toe joint that is low and hardly moves.
 
-The height was chosen on 88 takes of Bandai and 49 of CMU, whose floor is uneven. In these shares of
-the frames (Bandai, CMU) a toe is within a height of the floor:
+The height was chosen on 88 takes of Bandai and 49 of CMU, whose floor is uneven. Percentage of
+frames (Bandai, CMU) in which a toe is below a height:
 
     height    when it rests    when it moves faster than 1 m/s
     2.5 cm    99.9%, 80%       13%, 4%

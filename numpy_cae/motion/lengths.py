@@ -81,7 +81,8 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
         World positions in metres.
     own, target : (20,) arrays of float
         Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
-        result. A bone of length 0 continues the bone above it.
+        result. A bone of length 0 in `own` has no direction:
+        in the result it gets that of the bone above it.
 
     Returns
     -------

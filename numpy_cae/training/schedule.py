@@ -70,8 +70,8 @@ class Schedule:
 class SequenceSchedule:
     """Training of jang2018's network; the paper states none of these numbers.
 
-    Between two random samples of the prior `ops.sliced_wasserstein`, which is a squared distance,
-    is on average 2 for samples of 1 point, 0.28 for 16 points and 0.08 for 64: with a batch below
+    The squared sliced Wasserstein distance between two random samples of the prior is on average
+    2 for samples of 1 point, 0.28 for 16 points and 0.08 for 64: with a batch below
     64 this noise dominates the regulariser.
 
     Examples

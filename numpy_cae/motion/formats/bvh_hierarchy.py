@@ -95,7 +95,7 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
             parent = indices[_plain(blocks[-1].name)] if blocks else -1
             announced = BvhJoint(value, parent, line)
             if not value or _plain(value) in indices:
-                problem = "expected a name that is unique without a part up to a colon"
+                problem = "expected a name that is unique without its prefix up to a colon"
                 raise file.error(line, f"{keyword} {value!r}: {problem}")
             if len(joints) == MAX_JOINTS:
                 raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")

@@ -100,7 +100,7 @@ class Channels:
         angles = np.concatenate(parts) / unit
         if self.limits is None:
             return angles
-        # Files exceed their limits: these angles may, as far as the neighbouring frames do.
+        # Some files exceed their limits: new angles may too, as far as the neighbouring frames.
         around = [self.limits.T, *(end[None] for end in (before, after) if end is not None)]
         return np.clip(angles, np.vstack(around).min(axis=0), np.vstack(around).max(axis=0))
 

@@ -19,8 +19,8 @@ _BETWEEN = {
     "left_collar": ("left_shoulder", 0.3),
     "right_collar": ("right_shoulder", 0.3),
 }
-"""Missing joint -> (the end of the bone on which it is added, the part of the bone before it). The
-parts are those of CMU's rig."""
+"""Missing joint -> (the joint where its bone ends, how far along the bone it is added, 0 to 1). The
+shares are those of CMU's rig."""
 
 
 def completed(motion: Motion) -> Motion:

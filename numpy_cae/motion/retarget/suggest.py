@@ -142,7 +142,8 @@ def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:
 
 
 def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int:
-    """The first joint of the longest branch named head, or else its last one well below the tip."""
+    """In the longest branch the first joint whose name contains "head", or else the last joint that
+    is not close to the tip: at `_HEAD` of the longest reach or more."""
     neck = max(necks, key=lambda chain: reach[chain[0]] + len(chain))
     named = [joint for joint in neck if "head" in skeleton.names[joint].lower()]
     high = [joint for joint in neck if reach[joint] >= _HEAD * max(reach)]
