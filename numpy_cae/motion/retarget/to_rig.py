@@ -1,9 +1,9 @@
 """Retargeting: change a motion of any rig so that its twenty joints reach new positions.
 
 A network changes positions, but the user's file has a rig with fingers, several joints in its neck
-and rotations of its own. We start from the rotations of the
-original motion and change them as little as possible. From the root down, each joint on a path between
-two of the twenty gets an extra rotation Q_j,
+and rotations of its own. We start from the rotations of the original motion and change them as
+little as possible. From the root down, each joint on a path between two of the twenty gets an extra
+rotation Q_j,
 
     G'_j = Q_j · G'_parent · R_j
 
