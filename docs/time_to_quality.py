@@ -290,6 +290,8 @@ def main() -> None:
     parser.add_argument("--test", nargs="+", default=[], help="names of the files to hold out")
     parser.add_argument("--sequential", action="store_true", help="the sequential network instead")
     args = parser.parse_args()
+    if args.data and not args.test:
+        parser.error("--data needs the takes to hold out: --test PATTERN")
     if torch is None:
         sys.exit("PyTorch is not installed (package torch)")
     sequential = args.sequential
