@@ -12,11 +12,12 @@ from pathlib import Path
 from numpy_cae import notebook
 from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
 from numpy_cae.manifold.repair import repair as repair_motion
-from numpy_cae.motion import JOINTS, Motion, find_motion_files, joint_index
+from numpy_cae.motion import JOINTS, Motion, find_motion_files
 from numpy_cae.motion import load_motion as load
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.read.many import read_bodies
+from numpy_cae.motion.retarget.rigs import joint_index
 from numpy_cae.training import RECIPES, ProgressPrinter
 from numpy_cae.viz import (
     CORRUPTED,

@@ -22,7 +22,8 @@ from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import FEATURES, cut_windows
+from numpy_cae.motion import cut_windows
+from numpy_cae.motion.features import FEATURES
 from numpy_cae.training import DivergedError, Schedule, Stage, train_autoencoder, zero_values
 from numpy_cae.training.schedule import EVEN
 from numpy_cae.viz import PROJECTED

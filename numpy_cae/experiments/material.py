@@ -21,7 +21,6 @@ from data_synth import plan_takes
 from numpy_cae.motion import (
     RATE,
     Coordinates,
-    Mappings,
     Motion,
     MotionFileError,
     UnknownRigError,
@@ -30,6 +29,7 @@ from numpy_cae.motion import (
     load_body,
     load_motion,
 )
+from numpy_cae.motion.retarget.rigs import Mappings
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold

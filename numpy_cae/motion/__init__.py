@@ -3,68 +3,46 @@
 Of the rest of the project this package imports only the modules `errors` and `atomic_write`.
 """
 
-from numpy_cae.motion.angle_table import ANGLES
-from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
-from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
+from numpy_cae.motion.angles import motion_of, on_floor
+from numpy_cae.motion.clips import cut_clips, draw_clips
 from numpy_cae.motion.features import (
-    FEATURES,
     POSITIONS,
-    TURN,
-    VELOCITY,
-    RootTransform,
     features_to_positions,
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.formats.amc import read_amc
-from numpy_cae.motion.formats.asf import read_asf
 from numpy_cae.motion.formats.bvh import read_bvh
-from numpy_cae.motion.formats.expmap import read_expmap
 from numpy_cae.motion.formats.text_file import MotionFileError
-from numpy_cae.motion.formats.write import write_bvh, write_motion
-from numpy_cae.motion.formats.write_like import write_like
+from numpy_cae.motion.formats.write import write_bvh
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.read.coordinates import Coordinates
 from numpy_cae.motion.read.load import find_motion_files, load_angles, load_body, load_motion
 from numpy_cae.motion.read.windows import load_windows
-from numpy_cae.motion.retarget.body import at_rate_of, body_of
-from numpy_cae.motion.retarget.fit import fit_motion
+from numpy_cae.motion.retarget.body import body_of
 from numpy_cae.motion.retarget.rigs import (
-    Mappings,
     UnknownRigError,
     body_positions,
     find_joints,
-    joint_index,
     read_mapping,
 )
-from numpy_cae.motion.retarget.to_angles import angles_of, without_t_pose
+from numpy_cae.motion.retarget.to_angles import angles_of
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.windows import cut_windows
 
 __all__ = [
-    "ANGLES",
-    "ANGLE_RATE",
-    "CLIP",
-    "FEATURES",
     "JOINTS",
     "PARENTS",
     "POSITIONS",
     "RATE",
-    "TURN",
-    "VELOCITY",
-    "AngleSequence",
     "Coordinates",
-    "Mappings",
     "Motion",
     "MotionFileError",
-    "RootTransform",
     "Skeleton",
     "UnknownRigError",
     "angles_of",
-    "at_rate_of",
     "body_of",
     "body_positions",
     "bone_lengths",
@@ -75,8 +53,6 @@ __all__ = [
     "features_to_positions",
     "find_joints",
     "find_motion_files",
-    "fit_motion",
-    "joint_index",
     "joint_slice",
     "load_angles",
     "load_body",
@@ -85,14 +61,8 @@ __all__ = [
     "motion_of",
     "on_floor",
     "positions_to_features",
-    "read_amc",
-    "read_asf",
     "read_bvh",
-    "read_expmap",
     "read_mapping",
     "retarget",
-    "without_t_pose",
     "write_bvh",
-    "write_like",
-    "write_motion",
 ]

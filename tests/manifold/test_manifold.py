@@ -5,7 +5,8 @@ import pytest
 
 from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.motion import POSITIONS, TURN, VELOCITY, bone_lengths
+from numpy_cae.motion import POSITIONS, bone_lengths
+from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.training import Schedule, Stage
 
 TINY = {"window": 32, "overlap": 16, "filters": (4,), "taps": 3}

@@ -11,8 +11,8 @@ from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold, project_motion, repair
 from numpy_cae.manifold.project_motion import keep_trajectory
 from numpy_cae.manifold.smooth import smooth_curves
-from numpy_cae.motion import POSITIONS, TURN, VELOCITY, body_of, body_positions, bone_lengths
-from numpy_cae.motion.features import trajectory_of
+from numpy_cae.motion import POSITIONS, body_of, body_positions, bone_lengths
+from numpy_cae.motion.features import TURN, VELOCITY, trajectory_of
 from numpy_cae.motion.retarget.body import Body
 
 

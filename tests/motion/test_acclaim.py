@@ -9,7 +9,8 @@ from acclaim_files import AMC, ASF
 from plain_bvh import about
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion import MotionFileError, load_motion, read_amc
+from numpy_cae.motion import MotionFileError, load_motion
+from numpy_cae.motion.formats.amc import read_amc
 from numpy_cae.motion.units import CMU_UNIT
 
 

@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import JANG2018_KINDS, make_take
 from numpy_cae.motion import (
-    ANGLES,
     angles_of,
     body_positions,
     cut_clips,
@@ -18,13 +17,13 @@ from numpy_cae.motion import (
     load_angles,
     load_motion,
     motion_of,
-    read_expmap,
-    without_t_pose,
 )
-from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
+from numpy_cae.motion.angle_table import ANGLES, HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
 from numpy_cae.motion.angles import shortest_clips, unwrapped
 from numpy_cae.motion.expmap_rigs import HUMAN36M
+from numpy_cae.motion.formats.expmap import read_expmap
 from numpy_cae.motion.retarget.rigs import with_joint_names
+from numpy_cae.motion.retarget.to_angles import without_t_pose
 
 
 @pytest.fixture(scope="module")

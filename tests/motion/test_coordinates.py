@@ -14,12 +14,12 @@ from numpy_cae.motion import (
     find_motion_files,
     load_motion,
     positions_to_features,
-    read_amc,
     read_bvh,
     write_bvh,
-    write_like,
 )
 from numpy_cae.motion.axes import TO_Y_UP, as_in_file
+from numpy_cae.motion.formats.amc import read_amc
+from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.read.coordinates import in_y_up
 
 

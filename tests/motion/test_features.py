@@ -11,19 +11,17 @@ from numpy_cae.motion import (
     JOINTS,
     PARENTS,
     POSITIONS,
-    TURN,
-    VELOCITY,
     Motion,
     bone_lengths,
     change_lengths,
     cut_windows,
     features_to_positions,
-    fit_motion,
     joint_slice,
     positions_to_features,
 )
+from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.motion.heading import heading, smoothed
-from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.retarget.fit import body_skeleton, fit_motion
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]

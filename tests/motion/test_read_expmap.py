@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion import load_motion, read_expmap
+from numpy_cae.motion import load_motion
 from numpy_cae.motion.expmap_rigs import CMU, HUMAN36M
-from numpy_cae.motion.formats.expmap import cmu_root
+from numpy_cae.motion.formats.expmap import cmu_root, read_expmap
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -15,12 +15,12 @@ from numpy_cae.motion import (
     Motion,
     Skeleton,
     UnknownRigError,
-    at_rate_of,
     body_of,
     body_positions,
     retarget,
 )
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
+from numpy_cae.motion.retarget.body import at_rate_of
 from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.retarget.rigs import with_joint_names
 from numpy_cae.motion.retarget.rotations import fit_fan, swing

@@ -14,7 +14,6 @@ from numpy_cae.motion import (
     UnknownRigError,
     body_positions,
     find_joints,
-    joint_index,
     load_body,
     load_motion,
     read_bvh,
@@ -26,7 +25,7 @@ from numpy_cae.motion.axes import TO_Y_UP
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.retarget.rig_names import RIGS
-from numpy_cae.motion.retarget.rigs import with_joint_names
+from numpy_cae.motion.retarget.rigs import joint_index, with_joint_names
 from numpy_cae.motion.retarget.suggest import suggest_mapping
 
 

@@ -17,17 +17,10 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.errors import FileError
-from numpy_cae.motion import (
-    Motion,
-    MotionFileError,
-    Skeleton,
-    load_motion,
-    read_bvh,
-    write_bvh,
-    write_like,
-    write_motion,
-)
+from numpy_cae.motion import Motion, MotionFileError, Skeleton, load_motion, read_bvh, write_bvh
 from numpy_cae.motion.formats import write
+from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.units import CMU_UNIT
 
 

@@ -13,17 +13,11 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.motion import (
-    Motion,
-    RootTransform,
-    body_of,
-    features_to_positions,
-    find_motion_files,
-    fit_motion,
-    load_body,
-)
+from numpy_cae.motion import Motion, body_of, features_to_positions, find_motion_files, load_body
+from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.formats.write import require_writer
 from numpy_cae.motion.retarget.body import hold_first_pose
+from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.viz import PROJECTED
 
 MOST_SHOWN, SECONDS = 5, 5.0

@@ -21,7 +21,8 @@ from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import is_test, unlabelled
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
-from numpy_cae.motion import ANGLE_RATE, find_motion_files
+from numpy_cae.motion import find_motion_files
+from numpy_cae.motion.angles import ANGLE_RATE
 from numpy_cae.training import Checkpoint, ProgressPrinter
 
 

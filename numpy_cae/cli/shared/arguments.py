@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from numpy_cae.motion import Coordinates, Mappings
+    from numpy_cae.motion import Coordinates
+    from numpy_cae.motion.retarget.rigs import Mappings
 
 
 def _number(

@@ -8,8 +8,9 @@ import numpy as np
 
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.experiments.material import is_test
-from numpy_cae.motion import Coordinates, Mappings
+from numpy_cae.motion import Coordinates
 from numpy_cae.motion.read.many import ReadResult, read_bodies
+from numpy_cae.motion.retarget.rigs import Mappings
 
 
 def read_takes(

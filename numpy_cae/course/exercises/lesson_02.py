@@ -6,7 +6,8 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import array, drawn, states
 from numpy_cae.course.exercises.exercise import exercise
-from numpy_cae.motion import JOINTS, RootTransform, features_to_positions
+from numpy_cae.motion import JOINTS, features_to_positions
+from numpy_cae.motion.features import RootTransform
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
