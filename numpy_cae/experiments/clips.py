@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from numpy_cae.evaluation import Moments, jitter, position_error
+from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shifted
@@ -80,14 +79,13 @@ class Clips:
     def evenly(self, count: int) -> Clips:
         """At most `count` of the windows, evenly spaced."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
-        return self._chosen(chosen, self.real)
+        return self.where(chosen, np.ones_like(self.real))
 
     def where(self, windows: np.ndarray, frames: np.ndarray) -> Clips:
-        """The windows chosen by (N,) bool, in which the frames chosen by (N, T) bool count."""
-        return self._chosen(windows, self.real & frames)
-
-    def _chosen(self, windows: np.ndarray, real: np.ndarray) -> Clips:
-        return replace(self, x=self.x[windows], real=real[windows], take=self.take[windows])
+        """The windows chosen by (N,) bool or by their numbers, in which the frames chosen by (N, T)
+        bool count."""
+        real = (self.real & frames)[windows]
+        return replace(self, x=self.x[windows], real=real, take=self.take[windows])
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
@@ -133,11 +131,6 @@ class Split:
     testing: Clips
     sample: str
 
-    @cached_property
-    def moments(self) -> Moments:
-        """The moments of the training windows, for linear denoisers."""
-        return Moments.of(self.training.x, self.training.real)
-
     def fitted(self) -> str:
         """Sentences that say on what the baselines were fitted and the network was trained."""
         takes = 1 + int(self.training.take.max())
@@ -178,5 +171,6 @@ def split_takes(takes: Sequence[LabelledTake]) -> tuple[list[LabelledTake], list
     """All takes but every fifth, and every fifth take; each list has at least one take."""
     if len(takes) < 2:
         raise ValueError(f"{len(takes)} takes to train on, expected 2 or more to choose settings")
-    choosing = list(takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY]) or [takes[-1]]
-    return [take for take in takes if not any(take is other for other in choosing)], choosing
+    chosen = range(CHOOSING_EVERY - 1, len(takes), CHOOSING_EVERY) or [len(takes) - 1]
+    fitting = [take for number, take in enumerate(takes) if number not in chosen]
+    return fitting, [takes[number] for number in chosen]

@@ -111,10 +111,10 @@ def pairs_of(takes: list[LabelledTake]) -> dict[str, list[tuple[LabelledTake, La
     styled = [(one, other) for one, other in combinations(walks, 2) if one.style and other.style]
     styles = [(a, b) for a, b in styled if a.source == b.source and a.style != b.style]
     every = {PRESS_UPS: list(product(press_ups, walks)), STYLES: styles}
-    return {
-        kind: [pairs[k * len(pairs) // PAIRS] for k in range(PAIRS)]
-        if len(pairs) > PAIRS
-        else pairs
-        for kind, pairs in every.items()
-        if pairs
-    }
+    return {kind: _some(pairs) for kind, pairs in every.items() if pairs}
+
+
+def _some(pairs: list) -> list:
+    """At most `PAIRS`, spread over all."""
+    count = min(PAIRS, len(pairs))
+    return [pairs[k * len(pairs) // count] for k in range(count)]

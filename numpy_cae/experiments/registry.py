@@ -11,7 +11,6 @@ EXPERIMENTS = {
     "interpolation": "interpolation",
     "comparison": "comparison",
     "sampling": "sampling",
-    "filters": "filters",
     "constrained_projection": "repair.constrained_projection",
 }
 """Name of each experiment to its module here, in the order of the report. A module has a function

@@ -1,8 +1,8 @@
-"""Curves, bars, dots, and a matrix of distances."""
+"""Curves, bars, and a matrix of distances."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -55,37 +55,6 @@ def curves_figure(
         )
     _finish(axes, across, up)
     figure.legend(loc="outside right upper", frameon=False, fontsize=8)
-    return figure
-
-
-def dots_figure(
-    names: Sequence[str], colours: Sequence[str], panels: Mapping[str, Sequence[np.ndarray]]
-) -> Figure:
-    """Draw a row for each name: a dot for each value, and a line at the mean.
-
-    Parameters
-    ----------
-    names, colours : sequences of str
-    panels : mapping of title to one array of values for each name
-        Values that are nan are left out. A grey line marks the mean of the first name.
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 0.3 * len(names) + 1.4), layout="constrained")
-    every = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (title, rows) in zip(every, panels.items(), strict=True):
-        for y, (values, colour) in enumerate(zip(rows, colours, strict=True)):
-            values = values[np.isfinite(values)]
-            axes.plot(values, np.full(len(values), y), "o", color=colour, alpha=0.4, ms=4)
-            if len(values):
-                axes.plot(values.mean(), y, "|", color=colour, ms=12, mew=2)
-                if y == 0:
-                    axes.axvline(values.mean(), color="#d0d0d0", linewidth=1, zorder=0)
-        axes.set_title(title, fontsize=9, loc="left")
-        axes.grid(axis="y", color="#eeeeee", linewidth=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
-    every[0].set_yticks(np.arange(len(names)), names, fontsize=8)
-    every[0].invert_yaxis()
     return figure
 
 

@@ -8,14 +8,11 @@ import pytest
 from numpy_cae.evaluation import Validity
 from numpy_cae.experiments import interpolation
 from numpy_cae.experiments.clips import AVERAGED, NETWORK, REPEATED, clips_of, project_repeated
-from numpy_cae.experiments.filters import energy_by_joint, responses_of
 from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.material import LabelledTake, Material, unlabelled
 from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, RESCALED
 from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import JOINTS, joint_slice
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 
@@ -118,27 +115,3 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     assert table.value(UNIFORM, NEAREST) > table.value(FITTED, NEAREST)
     uniform, fitted = result_of("sampling").claims
     assert not uniform.confirmed and "fitted" in fitted.sentence
-
-
-def test_a_first_layer_unit_adds_its_transposed_filter_on_both_frames():
-    layer = ConvAutoencoder(filters=(3,), taps=5, dtype=np.float64).layers[0]
-    units = np.repeat([[0.1, -0.2, 0.0], [0.5, 0.3, 0.4]], [95, 5], axis=0)
-    added = responses_of([layer], units)
-    # Equation 2 on a raised unit: half of the increase of tanh⁻¹, on both frames, through W̃.
-    gained = np.arctanh(0.5) - np.arctanh(units[:, 0].mean())
-    expected = np.zeros((6, 63))
-    for unpooled in (2, 3):
-        for frame in range(max(0, unpooled - 2), min(6, unpooled + 3)):
-            expected[frame] += gained / 2 * layer.w[frame - unpooled + 2, :, 0]
-    assert added.shape == (3, 6, 63)
-    np.testing.assert_allclose(added[0], expected, atol=1e-12)
-
-
-def test_energy_is_shared_by_joints_and_silent_filters_are_left_out():
-    responses = np.zeros((2, 10, 63))
-    responses[0, 1, joint_slice("left_wrist")] = 3.0
-    responses[0, 1, joint_slice("right_knee")] = 1.0
-    responses[0, 1, 60:63] = 1.0
-    (shares,) = energy_by_joint(responses)
-    assert shares[JOINTS.index("left_wrist")] == pytest.approx(9 / 11)
-    assert shares[-1] == pytest.approx(1 / 11)

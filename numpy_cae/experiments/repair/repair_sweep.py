@@ -6,12 +6,11 @@ and the linear methods and the network are also given X_c / (1 - p), whose expec
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal import savgol_filter
 
-from numpy_cae.evaluation import PCA, interpolate_linearly
+from numpy_cae.evaluation import PCA, Moments, interpolate_linearly
 from numpy_cae.experiments.clips import (
     AVERAGED,
     NETWORK,
@@ -35,6 +34,7 @@ POLYNOMIALS = tuple(
     (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
 )
 Repair = Callable[[np.ndarray, object], np.ndarray]
+"""Windows and a setting to repaired windows."""
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 HALF = 0.5
 """The p of the paper's figure 1."""
@@ -52,45 +52,26 @@ Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
 
 
-@dataclass(frozen=True)
-class RepairBaseline:
-    """A method with one setting.
-
-    `trial` is fitted to `Split.fitting`, for choosing one of the settings on `Split.choosing`;
-    `repair` to all training windows, for measuring. Both map windows and a setting to windows.
-    """
-
-    name: str
-    settings: tuple
-    trial: Repair
-    repair: Repair
-
-    def best(self, damaged: np.ndarray, truth: Clips) -> object:
-        """The setting of least error on these damaged windows."""
-        return min(self.settings, key=lambda setting: truth.error(self.trial(damaged, setting)))
+Baseline = tuple[list, Repair, Repair]
+"""A method with one setting: the settings to choose from; the method fitted to `Split.fitting`, for
+choosing one of them on `Split.choosing`; and the method fitted to all training windows."""
 
 
-def repair_baselines(split: Split) -> list[RepairBaseline]:
-    """All of them. A polynomial of order 0 is the moving average."""
+def repair_baselines(split: Split) -> dict[str, Baseline]:
+    """All of them by name. A polynomial of order 0 is the moving average."""
 
     def polynomial(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
         return savgol_filter(x, *setting, axis=1)
 
-    frames = split.testing.x.shape[1]
-    short = tuple(setting for setting in POLYNOMIALS if setting[0] <= frames)
-    return [
-        RepairBaseline(SAVITZKY_GOLAY, short, polynomial, polynomial),
-        _pca(PCA_ON_FRAMES, split, split.training.x.shape[-1]),
-        _pca(PCA_ON_WINDOWS, split, split.training.x[0].size),
-    ]
-
-
-def _pca(name: str, split: Split, numbers: int) -> RepairBaseline:
-    """PCA of rows of so many numbers."""
-    parts = split.fitting, split.training
-    trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
-    sizes = tuple(size for size in AXES if size < len(trial.axes))
-    return RepairBaseline(name, (*sizes, len(trial.axes)), trial.project, final.project)
+    _, frames, features = split.testing.x.shape
+    short = [setting for setting in POLYNOMIALS if setting[0] <= frames]
+    baselines: dict[str, Baseline] = {SAVITZKY_GOLAY: (short, polynomial, polynomial)}
+    for name, numbers in ((PCA_ON_FRAMES, features), (PCA_ON_WINDOWS, frames * features)):
+        parts = split.fitting, split.training
+        trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
+        sizes = [size for size in AXES if size < len(trial.axes)]
+        baselines[name] = [*sizes, len(trial.axes)], trial.project, final.project
+    return baselines
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -98,6 +79,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     split = split_of(manifold, material)
     choosing, testing = split.choosing, split.testing
     baselines = repair_baselines(split)
+    moments = Moments.of(split.training.x, split.training.real)
     floor = testing.error(project_shifted(manifold.network, testing.x))
     errors: Errors = {}
 
@@ -110,26 +92,23 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         damaged, known = _removed(testing, p, rng)
         note(CORRUPTED_ROW, damaged)
         for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
-            for baseline in baselines:
-                setting = baseline.best(practice * factor, choosing)
-                note(baseline.name + suffix, baseline.repair(damaged * factor, setting))
+            for name, (settings, trial, repair) in baselines.items():
+                tried = [choosing.error(trial(practice * factor, each)) for each in settings]
+                best = settings[int(np.argmin(tried))]
+                note(name + suffix, repair(damaged * factor, best))
             note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
             note(REPEATED + suffix, project_repeated(manifold, damaged * factor))
             if bool(suffix) == manifold.rescales:
                 averaged = project_repeated(manifold, damaged * factor, average_shifts=True)
                 note(AVERAGED + suffix, averaged)
-        note(LINEAR, split.moments.solve(1 - p).repair(damaged))
+        note(LINEAR, moments.solve(1 - p).repair(damaged))
         note(INTERPOLATED, interpolate_linearly(damaged, known))
 
     columns = [f"p = {p}" for p in PS]
     *rows, mask_given = ([name, *row] for name, row in errors.items())
     tables = [
         Table(CAPTION, ["mask unknown", *columns], rows),
-        Table(
-            "An easier problem, mask given:",
-            ["mask given", *columns],
-            [mask_given],
-        ),
+        Table("An easier problem, mask given:", ["mask given", *columns], [mask_given]),
     ]
     return Result(
         "Repair: values removed with probability p",
