@@ -14,7 +14,7 @@ from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
 from numpy_cae.motion.lengths import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
+from numpy_cae.motion.windows import LENGTH, cut_windows
 from numpy_cae.training import (
     Checkpoint,
     Schedule,
@@ -47,7 +47,7 @@ def learn_manifold(
     schedule: Schedule | None = None,
     seed: int = 0,
     window: int = LENGTH,
-    overlap: int = OVERLAP,
+    overlap: int | None = None,
     filters: Sequence[int] = (64, 128, 256),
     taps: int = 15,
     bound: float = 0.9,
@@ -66,7 +66,8 @@ def learn_manifold(
     schedule : Schedule, optional
         The paper's where None.
     window, overlap : int
-        Numbers of frames; with three layers `window` is a multiple of 8.
+        Numbers of frames; with three layers `window` is a multiple of 8. Successive windows overlap
+        by half a window where None.
     filters, taps, bound
         As in `ConvAutoencoder`.
     rms : float
@@ -106,6 +107,7 @@ def learn_manifold(
     if mirror:
         takes = [*takes, *(mirrored(take) for take in takes)]
     schedule = schedule or Schedule()
+    overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
     network = with_engine(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng), engine)
     if window % network.stride:

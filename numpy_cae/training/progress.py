@@ -10,7 +10,7 @@ from numpy_cae.training.checkpoint import Checkpoint
 from numpy_cae.training.state import TrainingState
 
 INTERVAL = 30.0
-ADVICE = "a lower rate, smaller input or a bound on the norm (--rate, --rms, --norm) may help"
+ADVICE = "a lower rate (--rate) or, in Python, a bound on the norm (`Stage.norm`) may help"
 
 
 class ProgressPrinter:

@@ -5,10 +5,7 @@ import pytest
 from data_synth import make_take
 from numpy_cae.motion import write_bvh
 
-TINY = (
-    "--epochs 1 --fine-epochs 2 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32 --overlap 16 "
-    "--quiet"
-).split()
+TINY = "--epochs 2 --rate 0.05 --window 32 --filters 6 8 --quiet".split()
 
 
 @pytest.fixture(scope="session")

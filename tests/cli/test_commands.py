@@ -62,16 +62,14 @@ def test_it_runs_as_a_module_and_prints_its_version():
 
 
 def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
-    other, picture = tmp_path / "other", tmp_path / "figure.png"
+    other = tmp_path / "other"
     shutil.copytree(walks, other, ignore=shutil.ignore_patterns("walk_3.bvh"))
-    options = "--fine-zeroed 0.1 0.9 --fine-rescaled --fine-batch 4 --fine-momentum 0.5".split()
-    options += ["--test", "*_3.bvh", "*_2.bvh", "--picture", picture]
+    options = ["--test", "*_3.bvh", "*_2.bvh", "--batch", 4, "--recipe", "fast"]
     file = train([walks, other], tmp_path / "m.npz", *options)
     captured = capsys.readouterr()
     assert "4 takes to train on (0.2 min, less than 10 is little" in captured.err
     assert "centimetres (7)" in captured.err
     assert "| the network " in captured.out
-    assert picture.read_bytes().startswith(b"\x89PNG")
     manifold = load_manifold(file)
     assert manifold.rescales and manifold.settings["takes"] == 4
     assert manifold.settings["test"] == ["*_3.bvh", "*_2.bvh"]
@@ -79,21 +77,20 @@ def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
         {"name": walks.name, "files": 4, "test": 2},
         {"name": "other", "files": 3, "test": 1},
     ]
-    stage = Stage(
-        epochs=2, rate=0.05, alpha=0.0, momentum=0.5, batch=4, zeroed=(0.1, 0.9), rescaled=True
-    )
+    stage = replace(recipe("fast").fine_tuning, epochs=2, rate=0.05, batch=4)
     expected = json.loads(json.dumps(asdict(stage)))
     assert manifold.settings["schedule"]["fine_tuning"] == expected
 
 
 FAST = replace(recipe("fast").fine_tuning, epochs=9, rate=0.01)
+FINE = recipe("paper").fine_tuning
 
 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
         ("", Schedule()),
-        ("--epochs 3 --fine-rate 0.2", Schedule(Stage(epochs=3), Stage(rate=0.2, alpha=0))),
+        ("--epochs 3 --rate 0.2", Schedule(Stage(epochs=3, rate=0.2), replace(FINE, epochs=3))),
         ("--recipe fast --epochs 9 --rate 0.01", Schedule(Stage(epochs=0), FAST)),
     ],
 )

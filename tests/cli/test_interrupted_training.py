@@ -15,10 +15,10 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.manifold import load_manifold
 
-BOTH = "--batch 4 --quiet --checkpoint 0".split()
-TINY = "--epochs 2 --fine-epochs 3 --fine-rate 0.05 --filters 6 8 --taps 5 --window 32".split()
-TINY += ["--overlap", "16", "--fine-batch", "4", *BOTH]
-SEQUENTIAL = "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12".split() + BOTH
+TINY = "--epochs 3 --rate 0.05 --window 32 --filters 6 8 --batch 4 --quiet".split()
+SEQUENTIAL = (
+    "--model sequential --hidden 6 --latent 3 --epochs 4 --steps 12 --batch 4 --quiet".split()
+)
 
 
 def trained(walks, folder, options):
@@ -106,7 +106,7 @@ def test_a_run_that_diverges_keeps_the_model_that_was_there(walks, whole, tmp_pa
     with np.errstate(all="ignore"):
         message = error_of("train", walks, "-o", out, *TINY, "--rate", "1e20")
     assert message.startswith("numpy-cae train: layer 1, epoch 1")
-    assert all(word in message for word in ("at rate ", "checkpoint", "--rate"))
+    assert all(word in message for word in ("at rate ", "no state has been saved", "--rate"))
     assert out.read_bytes() == whole.read_bytes()
 
 

@@ -8,7 +8,6 @@ example: numpy-cae bench --batch 1 16
 import argparse
 import os
 
-from numpy_cae.bench import table
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note
 
@@ -26,6 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print each row as soon as it is measured."""
+    from numpy_cae.bench import table  # imports PyTorch, which takes seconds
+
     _warn_if_busy()
     rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
     print(table.header(), flush=True)

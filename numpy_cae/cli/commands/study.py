@@ -33,14 +33,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     minutes = "minutes of each synthetic action to train on, and to test on (default: 180)"
     add("--minutes", type=arguments.positive, default=180.0, help=minutes)
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
-    train_options.add_sequence_options(parser)
+    options = train_options.COMMON | train_options.SEQUENTIAL
+    train_options.add_options(parser, "training", options)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read or synthesise the actions, train, measure and write."""
-    network = train_options.network_of(args, "sequential")
-    if network["frames"] < 3:
-        raise ValueError(f"--frames is {network['frames']}, expected 3 or more")
+    network = train_options.given(args, "hidden", "latent", "frames")
+    if network.get("frames", 3) < 3:
+        raise ValueError(f"--frames is {args.frames}, expected 3 or more")
     schedule = train_options.sequence_schedule_of(args)
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)

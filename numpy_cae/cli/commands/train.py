@@ -27,15 +27,13 @@ from numpy_cae.training import Checkpoint, ProgressPrinter
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The files, the model, the recipe and every option of a training."""
+    """The files, the model, the recipe and what replaces parts of it."""
     add = parser.add_argument
     folders = "folders of motion files, searched with their subfolders"
     add("folders", **arguments.FOLDERS, help=folders)
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
     test = "names of the files to test on; they are not trained on"
     add("--test", **arguments.PATTERNS, help=test)
-    picture = "picture to write: a test take repaired, or samples of the sequential model"
-    add("--picture", type=Path, metavar="PNG", help=picture)
     models = ("convolutional", "sequential")
     model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
@@ -45,48 +43,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     resume = "continue an interrupted run from MODEL.checkpoint.npz; the result is identical"
     add("--resume", **arguments.FLAG, help=resume)
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
-    train_options.add_training_options(parser)
-    add = parser.add_argument_group("advanced, files").add_argument
-    often = "seconds between saved states; a state is also saved after each epoch (default: 60)"
-    add("--checkpoint", type=arguments.rate, default=60.0, metavar="SECONDS", help=often)
+    train_options.add_options(parser, "training", train_options.COMMON)
+    train_options.add_options(parser, "convolutional model", train_options.CONVOLUTIONAL)
+    train_options.add_options(parser, "sequential model", train_options.SEQUENTIAL)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
     train_options.require_options_of_model(args)
-    if args.picture and not args.test:
-        raise ValueError("--picture draws a test take: name the test takes with --test")
     require_place(args.output)
     if args.resume and args.output.exists() and not state_of(args.output).exists():
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
-    with one_run(args.output, args.checkpoint, args.resume) as checkpoint:
-        settings = train_options.network_of(args, args.model) | {
+    with one_run(args.output, args.resume) as checkpoint:
+        settings = {
             "seed": args.seed,
             "report": None if args.quiet else ProgressPrinter(),
             "checkpoint": checkpoint,
             "engine": args.engine,
         }
-        manifold, source, measure, draw = learn(args, settings)
+        manifold, source, measure = learn(args, settings)
         manifold.settings["test"] = args.test
         save_manifold(manifold, args.output, half=args.recipe == "starter")
         checkpoint.remove()
     text = f"{args.output}: learned from {source}"
     try:
         text += f"\n\n{measure().text()}" if args.test else "; no error is measured without --test"
-        if args.picture:
-            draw().save_picture(args.picture)
-            text += f"\n\n{args.picture}: written"
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
     print(text)
     return 0
 
 
-Learned = tuple[Any, str, Callable[[], Result], Callable[[], Result]]
-"""A trained manifold, what it was learned from in words, and functions that measure its errors on
-the test takes and draw a test take or samples."""
+Learned = tuple[Any, str, Callable[[], Result]]
+"""A trained manifold, what it was learned from in words, and a function that measures its errors on
+the test takes."""
 
 
 def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
@@ -96,26 +88,21 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
     training, testing = read_takes(paths, *arguments.reading(args), args.test)
-    mirror = args.recipe in train_options.MIRRORED
-    schedule = train_options.schedule_of(args)
-    manifold = learn_manifold(training, schedule, mirror=mirror, **settings)
+    settings |= {"mirror": args.recipe in train_options.MIRRORED}
+    settings |= train_options.given(args, *train_options.CONVOLUTIONAL)
+    manifold = learn_manifold(training, train_options.schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}
         | {"test": sum(is_test(path, args.test) for path in group)}
         for folder, group in files.items()
     ]
     material = unlabelled(training, testing)
-    return (
-        manifold,
-        f"{manifold.settings['windows']} windows",
-        lambda: half_removed.run(manifold, material),
-        lambda: half_removed.figure_1(manifold, material),
-    )
+    source = f"{manifold.settings['windows']} windows"
+    return manifold, source, lambda: half_removed.run(manifold, material)
 
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    from numpy_cae.experiments.sequences.samples import figure_3
     from numpy_cae.experiments.sequences.sequential import reconstruction
     from numpy_cae.experiments.sequences.study import Study, read_action
 
@@ -127,23 +114,20 @@ def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Lear
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
     count, minutes = len(action.training), minutes_of(action.training, ANGLE_RATE)
     note(f"{count} motions to train on ({minutes}), {len(action.testing)} to test")
-    schedule = train_options.sequence_schedule_of(args)
+    schedule = train_options.sequence_schedule_of(args, args.recipe)
+    settings |= train_options.given(args, "hidden", "latent", "frames")
     study = Study(action, learn_sequences(action.training, schedule, **settings))
-    return (
-        study.manifold,
-        f"clips of {settings['frames']} frames of {count} motions",
-        lambda: reconstruction([study]),
-        lambda: figure_3(study),
-    )
+    source = f"clips of {study.manifold.frames} frames of {count} motions"
+    return study.manifold, source, lambda: reconstruction([study])
 
 
 @contextmanager
-def one_run(output: Path, seconds: float, resume: bool) -> Iterator[Checkpoint]:
+def one_run(output: Path, resume: bool) -> Iterator[Checkpoint]:
     """Yield the checkpoint of the run that writes `output`.
 
     Raises CheckpointError if a run was interrupted, or is still running, and `resume` is False.
     """
-    checkpoint = Checkpoint(state_of(output), seconds, resume)
+    checkpoint = Checkpoint(state_of(output), resume=resume)
     with suppress(ValueError):  # signals can only be handled in the main thread
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as after Ctrl-C
     checkpoint.require_none_unless_resumed()

@@ -28,13 +28,10 @@ def _number(
 
 whole_number = _number(int, lambda n: n >= 0, "0 or more")
 positive_number = _number(int, lambda n: n >= 1, "1 or more")
-odd_number = _number(int, lambda n: n >= 1 and n % 2 == 1, "an odd number above 0")
 rate = _number(float, lambda x: 0 <= x < inf, "a finite number of 0 or more")
 finite = _number(float, lambda x: -inf < x < inf, "a finite number")
 positive = _number(float, lambda x: 0 < x < inf, "a finite number above 0")
 fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
-momentum = _number(float, lambda x: 0 <= x < 1, "from 0 to below 1")
-bound = _number(float, lambda x: 0 < x < 1, "between 0 and 1, both excluded")
 
 # Settings of `add_argument` for common types of argument; each use adds its help and default.
 FLAG: dict[str, Any] = {"action": "store_true"}
