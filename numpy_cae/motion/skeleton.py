@@ -1,8 +1,12 @@
 """A skeleton: a tree of named joints, each at an offset from its parent in the rest pose."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
+
+Joint = TypeVar("Joint")
 
 
 @dataclass(frozen=True)
@@ -87,3 +91,18 @@ class Skeleton:
         while self.parents[path[-1]] >= 0:
             path.append(self.parents[path[-1]])
         return path
+
+
+def depth_first(root: Joint, children: Mapping[Joint, list[Joint]]) -> list[Joint]:
+    """The joints of a tree, each followed by everything below it.
+
+    Examples
+    --------
+    >>> depth_first("hips", {"hips": ["spine", "leg"], "spine": ["head"]})
+    ['hips', 'spine', 'head', 'leg']
+    """
+    order, waiting = [], [root]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += reversed(children.get(order[-1], []))
+    return order

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.motion.formats.asf import AcclaimSkeleton, read_asf, statements
+from numpy_cae.motion.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf, statements
 from numpy_cae.motion.formats.channels import Channels, read_pose
 from numpy_cae.motion.formats.text_file import (
     HEADER_SIZE,
@@ -128,11 +128,8 @@ def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channel
         keyword = words[0].lower()
         if not keyword.startswith(":"):
             return channels, rate, line - 1
-        if keyword in (":degrees", ":radians"):
-            degrees = keyword == ":degrees"
-            channels = acclaim.channels
-            if degrees != channels[0].degrees:  # limits are in the angles of the skeleton
-                channels = [replace(c, degrees=degrees, limits=None) for c in channels]
+        if keyword[1:] in ANGLE_UNITS:
+            channels = [replace(c, angle_unit=ANGLE_UNITS[keyword[1:]]) for c in channels]
         elif keyword == ":samples-per-second":
             (rate,) = file.numbers(line, words[1:], 1, keyword)
             if rate < MIN_RATE:

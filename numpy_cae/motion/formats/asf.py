@@ -11,7 +11,7 @@ pose the local axes of all its joints are the world's. A joint here is named for
 the bone's base: lfemur is at the hip, ltibia at the knee.
 """
 
-import re
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,13 +20,13 @@ import numpy as np
 
 from numpy_cae.motion.formats.channels import Channels
 from numpy_cae.motion.formats.text_file import TextFile, quoted
-from numpy_cae.motion.quaternions import from_angles
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.skeleton import Skeleton, depth_first
 from numpy_cae.motion.units import INCH, require_unit
 
 MAX_BYTES = 1_000_000
 """MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""
-_NUMBER = re.compile(r"[+-]?(\d|\.\d|inf\b)")
+ANGLE_UNITS = {"deg": np.radians(1.0), "degrees": np.radians(1.0), "rad": 1.0, "radians": 1.0}
+"""ANGLE_UNITS: radians in one unit of the angles of a file, by the name of the unit."""
 _ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -54,11 +54,6 @@ class _Block:
     line: int
     statements: dict[str, tuple[int, list[str]]]
 
-    @property
-    def name(self) -> str:
-        """The name of the bone."""
-        return " ".join(self.words("name")[1])
-
     def words(self, keyword: str, default: str | None = None) -> tuple[int, list[str]]:
         """The statement with a keyword, or else `default`; MotionFileError if there is neither."""
         if keyword in self.statements:
@@ -71,15 +66,15 @@ class _Block:
         """The `count` numbers of a statement."""
         return self.file.numbers(*self.words(keyword, default), count, keyword)
 
-    def rotation(self, angles: list[float], order: list[str], degrees: bool) -> np.ndarray:
+    def rotation(self, angles: list[float], order: list[str], angle_unit: float) -> np.ndarray:
         """The rotation by three angles about the world's x, y and z, applied in `order`."""
-        letters = "".join(order).upper()
-        if sorted(letters) != ["X", "Y", "Z"]:
-            problem = f"axis order {quoted(letters)}, expected X, Y and Z, such as XYZ"
+        letters = "".join(order).lower()
+        if sorted(letters) != ["x", "y", "z"]:
+            problem = f"axis order {quoted(letters.upper())}, expected X, Y and Z, such as XYZ"
             raise self.file.error(self.words("axis", "")[0], problem)
-        letters = letters[::-1]  # fixed axes in this order are own axes in reverse order
-        values = np.array([[angles["XYZ".index(axis)] for axis in letters]])
-        return from_angles(letters, np.radians(values) if degrees else values)[0]
+        names = tuple("r" + letter for letter in letters)
+        values = np.array([[angles["xyz".index(letter)] for letter in letters]])
+        return Channels(names, 0, 1.0, angle_unit=angle_unit).rotations(values)[0]
 
     def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
         """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
@@ -138,28 +133,38 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     if length < 1e-9:
         raise file.error(units.words("length")[0], f"length {length:g}, expected a number above 0")
     line, words = units.words("angle", "deg")
-    angle = " ".join(words).lower()
-    if angle not in ("deg", "rad", "degrees", "radians"):
-        raise file.error(line, f"angle {quoted(angle)}, expected deg or rad")
-    degrees = angle.startswith("deg")
+    angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
+    if angle_unit is None:
+        raise file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
     unit = INCH / length if unit is None else require_unit(unit)
 
     names = root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
     angles = root.numbers("orientation", 3, "0 0 0")
-    orientation = root.rotation(angles, root.words("axis", "XYZ")[1], degrees)
-    channels = {"root": Channels(names, 0, unit, orientation=orientation, degrees=degrees)}
+    orientation = root.rotation(angles, root.words("axis", "XYZ")[1], angle_unit)
+    channels = {"root": Channels(names, 0, unit, orientation=orientation, angle_unit=angle_unit)}
     tips = {"root": np.zeros(3)}
     for bone in bones:
-        if bone.name in tips:
-            raise file.error(bone.line, f"bone name {bone.name!r} appears a second time")
-        tips[bone.name], channels[bone.name] = _read_bone(bone, unit, degrees)
+        name = " ".join(bone.words("name")[1])
+        if name in tips:
+            raise file.error(bone.line, f"bone name {name!r} appears a second time")
+        tips[name] = unit * bone.numbers("length", 1)[0] * np.array(bone.numbers("direction", 3))
+        line, words = bone.words("axis")
+        axes = bone.rotation(file.numbers(line, words[:3], 3, "axis"), words[3:], angle_unit)
+        names = bone.channels("dof", _ROOT_CHANNELS[3:], "")
+        channels[name] = Channels(names, 0, unit, axes=axes, angle_unit=angle_unit)
 
-    order = _depth_first(file, bones, hierarchy)
-    joints, parents = list(order), tuple(order.values())
+    parent_of = _parents(file, list(tips), hierarchy)
+    children = defaultdict(list)
+    for name, parent in parent_of.items():
+        children[parent].append(name)
+    joints = depth_first("root", children)
+    for name, bone in zip(list(tips)[1:], bones, strict=True):
+        if name not in joints:
+            raise file.error(bone.line, f"bone {name!r} is not below the root")
     position = unit * np.array(root.numbers("position", 3, "0 0 0"))
-    offsets = [position, *(tips[joints[parent]] for parent in parents[1:])]
-    leaves = sorted(set(range(len(joints))) - set(parents))
-    end_sites = {leaf: tips[joints[leaf]] for leaf in leaves}
+    offsets = [position, *(tips[parent_of[name]] for name in joints[1:])]
+    parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
+    end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in children}
     placed, first = [], 0
     for name, offset in zip(joints, offsets, strict=True):
         # The root's translation is added to its preset position, which is its offset.
@@ -200,8 +205,6 @@ def _read_sections(
             raise file.error(line, f"expected {expected}, found {quoted(words[0])}")
         elif keyword == "end":
             bone = None
-        elif "limits" in bone.statements and _NUMBER.match(keyword):
-            bone.statements["limits"][1].extend(words)
         else:
             bone.statements[keyword] = line, rest
     if bone is not None or not {":bonedata", ":hierarchy"} <= set(sections):
@@ -212,44 +215,16 @@ def _read_sections(
     return sections.get(":units", missing), sections.get(":root", missing), bones, hierarchy
 
 
-def _read_bone(bone: _Block, unit: float, degrees: bool) -> tuple[np.ndarray, Channels]:
-    """The end of a bone relative to its base in metres, and its channels."""
-    direction, (length,) = bone.numbers("direction", 3), bone.numbers("length", 1)
-    line, words = bone.words("axis")
-    angles = bone.file.numbers(line, words[:3], 3, "axis")
-    axes = bone.rotation(angles, words[3:], degrees)
-    names = bone.channels("dof", _ROOT_CHANNELS[3:], "")
-    try:
-        limits = np.array(bone.words("limits", "")[1], dtype=float)
-    except ValueError:  # damaged limits are ignored
-        limits = np.zeros(0)
-    fitting = limits.reshape(-1, 2) if names and limits.size == 2 * len(names) else None
-    tip = unit * length * np.array(direction)
-    return tip, Channels(names, 0, unit, axes=axes, degrees=degrees, limits=fitting)
-
-
-def _depth_first(
-    file: TextFile, bones: list[_Block], hierarchy: list[tuple[int, list[str]]]
-) -> dict[str, int]:
-    """The root and the bones of `:hierarchy`, parents before children, each with the index of its
-    parent in this order (-1 for the root)."""
-    names_of_bones = {"root", *(bone.name for bone in bones)}
-    children: dict[str, list[str]] = {name: [] for name in names_of_bones}
-    free = names_of_bones - {"root"}
-    for line, (parent, *names) in hierarchy:
-        wrong = [name for name in names if name not in free or names.count(name) > 1]
-        if wrong or parent not in names_of_bones:
-            expected = "expected bones of :bonedata, each as a child of one other"
-            raise file.error(line, f":hierarchy, {quoted([*wrong, parent][0])}: {expected}")
-        free -= set(names)
-        children[parent] += names
-    order: dict[str, int] = {}
-    waiting = [("root", -1)]
-    while waiting:
-        name, parent_index = waiting.pop()
-        waiting += [(child, len(order)) for child in reversed(children[name])]
-        order[name] = parent_index
-    for bone in bones:
-        if bone.name not in order:
-            raise file.error(bone.line, f"bone {bone.name!r} is not below the root")
-    return order
+def _parents(
+    file: TextFile, names: list[str], hierarchy: list[tuple[int, list[str]]]
+) -> dict[str, str]:
+    """The parent of each bone in the lines of `:hierarchy`, in their order."""
+    parent_of: dict[str, str] = {}
+    for line, (parent, *children) in hierarchy:
+        for place, name in enumerate((parent, *children)):
+            if name not in names or (place and name in ("root", *parent_of)):
+                expected = "expected bones of :bonedata, each as a child of one other"
+                raise file.error(line, f":hierarchy, {quoted(name)}: {expected}")
+            if place:
+                parent_of[name] = parent
+    return parent_of

@@ -65,13 +65,15 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
     rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
     del values
-    height = stature(_skeleton(joints, 1.0), _lengths(joints, translations))
+    # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
+    lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
+    height = stature(_skeleton(joints, 1.0), lengths)
     if unit is not None:
         note = stated_unit(unit, "as given", unit * height)
     else:
         unit, note = guess_unit(height)
-        level = logging.INFO if is_plausible(unit * height) else logging.WARNING
-        log.log(level, "%s: lengths taken as %s", path, note)
+        report = log.info if is_plausible(unit * height) else log.warning
+        report("%s: lengths taken as %s", path, note)
     translations *= unit
     return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
 
@@ -85,9 +87,8 @@ def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
 def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
     channels, first = [], 0
     for joint in joints:
-        names = tuple(f"{'rt'[name[1:] == 'position']}{name[0]}" for name in joint.channels or [])
-        channels.append(Channels(names, first, unit))
-        first += len(names)
+        channels.append(Channels(tuple(joint.channels or ()), first, unit))
+        first += len(joint.channels or ())
     return channels
 
 
@@ -99,15 +100,6 @@ def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
         offsets=unit * np.array([joint.offset for joint in joints]),
         end_sites={index: unit * np.array(tip) for index, tip in tips.items()},
     )
-
-
-def _lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
-    """Bone lengths in the motion. Where a joint has position channels, its offset may be wrong."""
-    lengths = np.linalg.norm(translations[0], axis=-1)
-    for index, joint in enumerate(joints):
-        if any(channel.endswith("position") for channel in joint.channels or []):
-            lengths[index] = np.median(np.linalg.norm(translations[:, index], axis=-1))
-    return lengths
 
 
 def _read_motion(

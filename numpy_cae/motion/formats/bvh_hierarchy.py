@@ -21,10 +21,10 @@ from dataclasses import dataclass
 
 from numpy_cae.motion.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 
-CHANNELS = {
-    f"{axis}{kind}".lower(): f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ"
-}
-"""CHANNELS: lower case -> usual spelling of each channel; files differ in upper and lower case."""
+CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
+CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
+"""CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
+_LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
 
 
 @dataclass
@@ -32,8 +32,8 @@ class BvhJoint:
     """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
 
     `parent` is the index of the parent joint, or of the joint that an End Site ends. `channels` are
-    names such as "Xposition" or "Zrotation", in the order of the file. `tip` is the offset of the
-    joint's End Site.
+    names such as "tX" or "rZ", in the order of the file. `tip` is the offset of the joint's End
+    Site.
     """
 
     name: str
@@ -123,13 +123,10 @@ def _statements(file: TextFile) -> Iterator[tuple[int, str, str]]:
 
 def _channels(file: TextFile, line: int, value: str) -> list[str]:
     count, *names = value.split() or [""]
-    channels = [CHANNELS.get(name.lower(), "") for name in names]
-    different = len(set(channels)) == len(names) and "" not in channels
-    if not different or whole_number(count) != len(names):
-        problem = "expected the number of channels and different names of"
-        raise file.error(
-            line, f"CHANNELS {quoted(value)}: {problem} {', '.join(CHANNELS.values())}"
-        )
+    channels = [_LOWER_CASE.get(name.lower(), "") for name in names]
+    if "" in channels or len(set(channels)) < len(names) or whole_number(count) != len(names):
+        expected = f"the number of channels and different names of {', '.join(CHANNELS)}"
+        raise file.error(line, f"CHANNELS {quoted(value)}: expected {expected}")
     return channels
 
 

@@ -20,7 +20,7 @@ class Channels:
     `names` are in the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed
     ones). `unit` is metres in one unit of the file; `offset` (3,) in metres is added to the
     translation. The joint's rotation is orientation · axes · R(angles) · axes⁻¹, quaternions (4,).
-    `limits` (number of angles, 2) are the smallest and largest angles in the unit of the file.
+    `angle_unit` is radians in one unit of the file's angles.
     """
 
     names: tuple[str, ...]
@@ -29,8 +29,7 @@ class Channels:
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
     axes: np.ndarray | None = None
     orientation: np.ndarray | None = None
-    degrees: bool = True
-    limits: np.ndarray | None = None
+    angle_unit: float = np.radians(1.0)
 
     def columns(self, kind: str) -> list[int]:
         """The columns of the joint's translations ("t") or rotations ("r") in a frame."""
@@ -52,7 +51,7 @@ class Channels:
 
     def rotations(self, values: np.ndarray) -> np.ndarray:
         """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
-        order, angles = self.order, values * (np.radians(1.0) if self.degrees else 1.0)
+        order, angles = self.order, values * self.angle_unit
         if order.islower():  # fixed axes in this order are own axes in reverse order
             order, angles = order[::-1].upper(), angles[:, ::-1]
         rotations = quaternions.from_angles(order, angles)
@@ -85,7 +84,6 @@ class Channels:
             inverse = quaternions.inverse(self.axes)
             local = quaternions.product(quaternions.product(inverse, local), self.axes)
         angles = nearest_angles(local, self.order)
-        unit = np.radians(1.0) if self.degrees else 1.0
         jump = 0 if before is None else len(angles)
         if before is None and after is None:
             before, jump = present[0], len(angles)
@@ -94,15 +92,10 @@ class Channels:
             jump = int(np.argmax(steps.max(axis=1)))
         parts = []
         if jump > 0 and before is not None:
-            parts.append(continuous_angles(angles[:jump], unit * before))
+            parts.append(continuous_angles(angles[:jump], self.angle_unit * before))
         if jump < len(angles) and after is not None:
-            parts.append(continuous_angles(angles[jump:][::-1], unit * after)[::-1])
-        angles = np.concatenate(parts) / unit
-        if self.limits is None:
-            return angles
-        # Some files exceed their limits: new angles may too, as far as the neighbouring frames.
-        around = [self.limits.T, *(end[None] for end in (before, after) if end is not None)]
-        return np.clip(angles, np.vstack(around).min(axis=0), np.vstack(around).max(axis=0))
+            parts.append(continuous_angles(angles[jump:][::-1], self.angle_unit * after)[::-1])
+        return np.concatenate(parts) / self.angle_unit
 
 
 def read_pose(

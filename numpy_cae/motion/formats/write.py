@@ -17,7 +17,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.motion.axes import as_in_file, without_added
 from numpy_cae.motion.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.skeleton import Skeleton, depth_first
 from numpy_cae.motion.units import require_unit
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
@@ -69,7 +69,8 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     for name in motion.skeleton.names:
         if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
             raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
-    order = _depth_first(motion.skeleton)
+    joints = range(len(motion.skeleton.names))
+    order = depth_first(0, {joint: motion.skeleton.children(joint) for joint in joints})
     distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
     moving = {joint for joint in order if joint == 0 or distance[joint] > RESOLUTION}
     lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
@@ -91,14 +92,6 @@ def require_writable(motion: Motion) -> None:
                 f"{values} have a value that is not finite: frame {frame}, "
                 f"joint {motion.skeleton.names[joint]!r}"
             )
-
-
-def _depth_first(skeleton: Skeleton) -> list[int]:
-    order, waiting = [], [0]
-    while waiting:
-        order.append(waiting.pop())
-        waiting += reversed(skeleton.children(order[-1]))
-    return order
 
 
 def _length_format(unit: float) -> str:

@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 _BLOCK = 4096
 """_BLOCK: the number of frames that are processed at a time."""
 _NOTICEABLE = 0.5
-"""_NOTICEABLE: a rotation that channels or limits change by more than this (°) is reported."""
+"""_NOTICEABLE: a rotation that channels change by more than this (°) is reported."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """_GAPS: white space and comments, which separate words."""
 
@@ -53,8 +53,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
 
     Numbers are replaced where a joint's rotation or translation differs between the two. They have
     as many decimals as the file's, and angles continue those of neighbouring frames without
-    avoidable jumps. If a joint's channels or limits do not allow its rotation, the nearest rotation
-    that they allow is written, with a warning. If the suffixes of `path` and `source` differ, or
+    avoidable jumps. If a joint's channels do not allow its rotation, the nearest rotation that they
+    allow is written, with a warning. If the suffixes of `path` and `source` differ, or
     the two motions differ in the number of frames, `write_motion` writes the motion instead.
 
     Parameters
@@ -119,7 +119,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
             raise MotionFileError(source, None, "has changed since it was read")
     if misses:
         worst = ", ".join(f"{name} {miss:.0f}°" for name, miss in misses.items())
-        log.warning("%s: rotations that the channels or limits do not allow: %s", path, worst)
+        log.warning("%s: rotations that the channels do not allow: %s", path, worst)
 
 
 def _replaced(
@@ -212,7 +212,7 @@ def _put_angles(
         wanted, present = rotations[first:end], values[first:end, columns]
         angles = channels.rotation_values(wanted, present, before, after)
         values[first:end, columns] = angles
-        if len(columns) < 3 or channels.limits is not None:
+        if len(columns) < 3:
             off = angle(product(inverse(channels.rotations(angles)), wanted))
             miss = max(miss, float(np.degrees(off.max())))
     return miss
