@@ -10,7 +10,6 @@ import logging
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatch
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -29,6 +28,7 @@ from numpy_cae.motion import (
     load_body,
     load_motion,
 )
+from numpy_cae.motion.read.load import is_test
 from numpy_cae.motion.retarget.rigs import Mappings
 
 if TYPE_CHECKING:
@@ -116,11 +116,6 @@ def evenly(takes: Sequence[Take], count: int) -> list[Take]:
     """At most `count` takes, spread evenly over all."""
     chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
     return [takes[index] for index in chosen]
-
-
-def is_test(path: Path, patterns: Sequence[str]) -> bool:
-    """Whether a file's name matches one of the patterns, such as "*_005.bvh"."""
-    return any(fnmatch(path.name, pattern) for pattern in patterns)
 
 
 def read_material(

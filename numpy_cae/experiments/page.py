@@ -22,12 +22,7 @@ _LEGEND = json.loads((files("numpy_cae.experiments") / "legend.json").read_text(
 """Part of a method's name to its meaning."""
 
 
-def page(
-    results: Mapping[str, Result],
-    provenance: Mapping[str, str],
-    title: str = TITLE,
-    introduction: str = INTRODUCTION,
-) -> str:
+def page(results: Mapping[str, Result], provenance: Mapping[str, str]) -> str:
     """The page's HTML, of results by name; `provenance`, what must be known to reproduce the
     figures, is at the top."""
     links = {
@@ -36,8 +31,8 @@ def page(
     claims = [(links[name], claim) for name, result in results.items() for claim in result.claims]
     ordered = sorted(claims, key=lambda pair: not pair[1].confirmed)
     return _PAGE.substitute(
-        title=escape(title),
-        introduction=escape(introduction),
+        title=escape(TITLE),
+        introduction=escape(INTRODUCTION),
         count=f"{sum(each.confirmed for each in results.values())} of {len(claims)} claims are "
         "confirmed on this data.",
         provenance=_definitions(provenance),

@@ -172,7 +172,7 @@ compare WALK -m MODEL                                       | one motion alone
 compare WALK BASE/no.bvh -m MODEL                           | no such file
 show BASE/cut.bvh -o OUT                                    | cut.bvh
 study --data FOLDER -o OUT --quiet                          | leaves nothing of motions to test
-report -o OUT                                               | give --data
+report -o OUT                                               | required: --data
 report --data FOLDER -o OUT --only nonsense                 | argument --only: invalid choice
 """.strip().splitlines()
 

@@ -23,7 +23,7 @@ def model(folder, tmp_path_factory, train):
 def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys, run):
     out = tmp_path / "new"
     words = ["report", "--data", folder, "-m", model, "-o", out]
-    run(*words, "--only", "sampling", "filters")
+    run(*words, "--only", "sampling", "interpolation")
     captured = capsys.readouterr()
     assert "[2/2]" in captured.err
     assert "claims confirmed" in captured.out

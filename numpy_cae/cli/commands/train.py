@@ -18,11 +18,12 @@ from typing import Any
 from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import note, require_place
 from numpy_cae.cli.shared.takes import minutes_of, read_takes
-from numpy_cae.experiments.material import is_test, unlabelled
+from numpy_cae.experiments.material import unlabelled
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
 from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.angles import ANGLE_RATE
+from numpy_cae.motion.read.load import is_test
 from numpy_cae.training import Checkpoint, ProgressPrinter
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from data_synth import plan_takes
 from numpy_cae import ops
 from numpy_cae.evaluation import angle_distance
-from numpy_cae.experiments.material import each_usable, is_test
+from numpy_cae.experiments.material import each_usable
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
@@ -31,6 +31,7 @@ from numpy_cae.motion import (
     load_angles,
 )
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
+from numpy_cae.motion.read.load import is_test
 from numpy_cae.motion.retarget.rigs import Mappings
 from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
 

@@ -2,9 +2,10 @@
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
@@ -297,3 +298,8 @@ def find_motion_files(folder: str | Path) -> list[Path]:
     if not paths:
         raise MotionFileError(folder, None, f"holds no motion file; {SUPPORTED}")
     return paths
+
+
+def is_test(path: Path, patterns: Sequence[str]) -> bool:
+    """Whether a file's name matches one of the patterns, such as "*_005.bvh"."""
+    return any(fnmatch(path.name, pattern) for pattern in patterns)
