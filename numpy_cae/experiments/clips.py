@@ -57,14 +57,6 @@ class Clips:
         each = [jitter(features_to_positions(clip), rate) for clip in clips]
         return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
 
-    def typical(self) -> int:
-        """The number of the window whose distance from the mean pose is the median of the windows
-        with the most real frames."""
-        frames = np.count_nonzero(self.real, axis=1)
-        distance = np.mean(np.square(self.x), axis=(1, 2))
-        long = np.flatnonzero(frames == frames.max())
-        return int(long[np.argsort(distance[long])[len(long) // 2]])
-
     def features(self, x: np.ndarray, window: int) -> np.ndarray:
         """The real frames of one of the windows x, as features (F, 63) in metres."""
         return self.manifold.denormalise(x[window][self.real[window]])

@@ -11,6 +11,7 @@ as G does.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -79,14 +80,13 @@ def _claims(average: Scores) -> list[Claim]:
     ]
     for other in (RAW_EXTREMES, UNTRAINED):
         gaps = {label: x[EQUATION_4] - x[other] for label, x in average.items()}
+        listed = "; ".join(f"{label} {gap:+.2f}" for label, gap in gaps.items())
         claims.append(
             Claim(
                 "The learned manifold, not its pooling alone, matches high-level features "
                 f"(implied by holden2015, section 7): G finds more than {other}.",
                 all(gap > 0 for gap in gaps.values()),
-                f"mean average precision of G minus that of {other}: "
-                + "; ".join(f"{label} {gap:+.2f}" for label, gap in gaps.items())
-                + ".",
+                f"mean average precision of G minus that of {other}: {listed}.",
             )
         )
     return claims
@@ -117,13 +117,9 @@ def labels_of_pairs(
         for label in (CONTENT, STYLE)
     )
     both, nothing = content & style, np.zeros_like(content)
-    return {
-        CONTENT: (content, nothing),
-        STYLE: (style, nothing),
-        BOTH: (both, nothing),
-        OTHER_STYLE: (content, both),
-        OTHER_CONTENT: (style, both),
-    }
+    labels = {CONTENT: content, STYLE: style, BOTH: both}
+    alike = {label: (same, nothing) for label, same in labels.items()}
+    return alike | {OTHER_STYLE: (content, both), OTHER_CONTENT: (style, both)}
 
 
 def distances(rows: Rows, clips: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> np.ndarray:
@@ -161,4 +157,4 @@ def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
     taps, features, _ = layers[0].w.shape
     filters, rng = [layer.b.size for layer in layers], np.random.default_rng(seed)
     network = ConvAutoencoder(features, filters, taps, layers[0].bound, rng)
-    return MotionManifold(accelerate(network), manifold.mean_pose, manifold.scale, manifold.lengths)
+    return replace(manifold, network=accelerate(network), rescales=False)

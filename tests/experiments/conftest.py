@@ -3,27 +3,31 @@
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
+from itertools import product
 
 import pytest
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.registry import EXPERIMENTS
-from numpy_cae.experiments.repair import repair_sweep
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.motion import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
 
-CONTENTS = {"walk": ("neutral", "old"), "wave": ("neutral", "tired"), "press_ups": (None,)}
+CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
+WRIST = {"wrist": ("left_wrist",)}
 SMALL = {
-    "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
-    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "HOLES": (15, 45)},
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45), "POLYNOMIALS": ((5, 0), (9, 2))},
+    "damage": {
+        "TAKES": 1,
+        "HOLE_TAKES": 1,
+        "HOLES": (15, 45),
+        "HOLE_JOINTS": {"wrist": ("left_wrist",)},
+    },
     "sampling": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
 """Constants of experiments that would take long."""
-FEW_SETTINGS = {"AXES": (3, 15, 45), "POLYNOMIALS": ((5, 0), (9, 2))}
-"""Of the baselines of repair."""
 
 
 @pytest.fixture(scope="session")
@@ -33,14 +37,11 @@ def labelled(tmp_path_factory):
 
     def takes(seeds):
         made = []
-        for kind, styles in CONTENTS.items():
-            for style in styles:
-                for seed in seeds:
-                    take = make_take(kind, seed, 3.0, 30.0, style)
-                    path = folder / f"{kind}_{style}_{seed}.bvh"
-                    write_bvh(take.motion, path, unit=0.01)
-                    body = body_of(take.motion)
-                    made.append(LabelledTake(path, body, "bandai", kind, style or ""))
+        for (kind, style), seed in product([each.split(" ") for each in CONTENTS], seeds):
+            motion = make_take(kind, seed, 3.0, 30.0, style or None).motion
+            path = folder / f"{kind}_{style}_{seed}.bvh"
+            write_bvh(motion, path, unit=0.01)
+            made.append(LabelledTake(path, body_of(motion), "bandai", kind, style))
         return made
 
     return Material(takes([1, 2]), takes([3]))
@@ -64,8 +65,6 @@ def result_of(small_manifold, labelled):
         with pytest.MonkeyPatch.context() as patch:
             for constant, value in SMALL.get(name, {}).items():
                 patch.setattr(module, constant, value)
-            for constant, value in FEW_SETTINGS.items():
-                patch.setattr(repair_sweep, constant, value)
             result = module.run(small_manifold, labelled, 0)
             figure = result.figure()
             return replace(result, figure=lambda: figure)

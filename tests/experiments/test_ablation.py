@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.experiments import ablation
-from numpy_cae.experiments.ablation import (
-    HALF_REMOVED,
-    MEASURES,
-    RECONSTRUCTION,
-    Evaluation,
-    ablation_result,
-    all_rows,
-    measure_rows,
-)
+from numpy_cae.experiments.ablation import HALF_REMOVED, MEASURES, all_rows
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import DivergedError
 
@@ -31,22 +23,22 @@ def test_equal_sizes_are_equal_and_every_row_trains_its_own_network():
 
 
 def test_every_row_is_measured_from_every_seed(labelled, monkeypatch):
-    evaluation = Evaluation(labelled)
+    evaluation = ablation.Evaluation(labelled)
     lines: list[str] = []
     rows = [replace(row, filters=(1,)) for row in all_rows(0, 1)[:2]]
-    measure_rows(evaluation, rows, range(2), lines.append)
+    ablation.measure_rows(evaluation, rows, range(2), lines.append)
     assert len(lines) == 2 * len(rows)
     for row in rows:
         assert np.isfinite(row.values(HALF_REMOVED)).all()
         assert np.ptp(row.values(HALF_REMOVED)) > 0  # the seeds differ
     unchanged = evaluation.measure(lambda x: x, 0)
-    assert 0 == unchanged[RECONSTRUCTION] < unchanged[HALF_REMOVED]
+    assert 0 == unchanged[ablation.RECONSTRUCTION] < unchanged[HALF_REMOVED]
 
     def diverges(*args, **kwargs):
         raise DivergedError("layer 1", "the loss is nan", "w1", "nothing was saved", "lower it")
 
     monkeypatch.setattr(ablation, "train_autoencoder", diverges)
-    measure_rows(evaluation, rows[:1], range(1))
+    ablation.measure_rows(evaluation, rows[:1], range(1))
     assert rows[0].cell(HALF_REMOVED).endswith("(1 diverged)")
 
 
@@ -62,7 +54,7 @@ def test_a_claim_is_confirmed_if_every_seed_agrees():
         default = (1.0, 2.0) if row is rows[0] else (1.5, 2.5)
         of_seeds = next((e for name, e in errors.items() if row.name.startswith(name)), default)
         row.measured.extend(dict.fromkeys(MEASURES, 1.0) | {HALF_REMOVED: e} for e in of_seeds)
-    result = ablation_result(rows, "sample")
+    result = ablation.ablation_result(rows, "sample")
     confirmed = [claim.confirmed for claim in result.claims]
     assert confirmed == [False, True, False, True, True, True, False]
     text, figures = result.text(), [claim.figures for claim in result.claims]

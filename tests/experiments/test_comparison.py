@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.experiments import comparison
-from numpy_cae.experiments.comparison import (
-    EQUATION_4,
-    EUCLIDEAN,
-    RANDOM,
-    RAW_EXTREMES,
-    UNTRAINED,
-    distances,
-)
+from numpy_cae.experiments.comparison import EQUATION_4, EUCLIDEAN, RANDOM, distances
 from numpy_cae.experiments.material import Material
 from numpy_cae.manifold import G, hidden_units
 
@@ -53,8 +46,9 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
 
 
 def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
-    names = (EQUATION_4, EUCLIDEAN, RAW_EXTREMES, UNTRAINED)
-    average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, UNTRAINED: 0.75}}
+    untrained = comparison.UNTRAINED
+    names = (EQUATION_4, EUCLIDEAN, comparison.RAW_EXTREMES, untrained)
+    average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, untrained: 0.75}}
     claims = comparison._claims(average)
     assert [claim.confirmed for claim in claims] == [True, True, False]
     assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures

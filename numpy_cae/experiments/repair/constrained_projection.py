@@ -18,6 +18,7 @@ TAKES = 6
 MAX_FRAMES = 320
 P = 0.5
 PLAIN_ROW, KEPT_ROW, TRUE = "plain projection", "constrained projection", "truth"
+COLOURS = {TRUE: TRUTH, PLAIN_ROW: PLAIN, KEPT_ROW: PROJECTED}
 HEADER = ("method", "position, cm", "bone length, cm", "of it, %", "sliding, cm/s")
 FORMATS = ("", ".2f", ".3f", ".3f", ".2f")
 Measured = dict[str, np.ndarray]
@@ -36,17 +37,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         for lost, state in ((0.0, "as they are"), (P, "with half of the values removed")):
             rng = np.random.default_rng(seed)
             each = [_measured(manifold, take, lost, rng) for take in takes]
-            measured = {
-                method: np.mean([values[method] for values, _ in each], axis=0)
-                for method in (TRUE, PLAIN_ROW, KEPT_ROW)
-            }
+            of_takes = [values for values, _ in each]
+            measured = {name: np.mean([of[name] for of in of_takes], axis=0) for name in COLOURS}
             name = f"{source}, {len(takes)} takes {state}"
             rows = [[method, *values] for method, values in measured.items()]
             tables.append(Table(f"{name}:", HEADER, rows, FORMATS))
             claims.append(_constraint_claim(name, measured))
             motions = motions or each[0][1]
-    colours = {TRUE: TRUTH, PLAIN_ROW: PLAIN, KEPT_ROW: PROJECTED}
-    drawn = {name: (x, colours[name]) for name, x in motions.items()}
+    drawn = {name: (x, COLOURS[name]) for name, x in motions.items()}
     return Result(
         "Constrained projection: bones, feet and ground",
         tables,

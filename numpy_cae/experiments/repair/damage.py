@@ -8,6 +8,7 @@ the mean distance of a joint from its true position over the damaged joints and 
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -54,12 +55,15 @@ share EXPLAINED of the variance."""
 Values = dict[str, dict[str, list[float]]]
 """Row to column to one number for each take; where a method does not apply there is no column."""
 Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Repairs features (F, 63), a spline where they are missing, given a mask (F, 20)."""
+"""Repairs features (F, 63), a spline where they are missing, given a mask (F, 20). The spline is
+`fill` without projections, PCHIP of the features."""
 FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _window(0.3, rate), 2, axis=0),
     "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _window(0.7, rate), 2, axis=0),
-    "Butterworth, 6 Hz": lambda x, rate: _butterworth(x, 6.0, rate),
-    "Butterworth, 3 Hz": lambda x, rate: _butterworth(x, 3.0, rate),
+    # Of second order, applied forwards and backwards, so that it does not delay.
+    "Butterworth, 3 Hz": lambda x, rate: sosfiltfilt(
+        butter(2, 3.0, fs=rate, output="sos"), x, axis=0
+    ),
     "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
 }
 """Name to a function of curves (F, C) and their frames a second."""
@@ -67,7 +71,10 @@ FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Damage test takes of each source and repair them; `seed` draws the damage."""
-    fillings = {SPLINE: spline_filling(manifold), LINEAR: pca_filling(manifold, material.training)}
+    fillings = {
+        SPLINE: partial(fill, manifold, repeats=0),
+        LINEAR: pca_filling(manifold, material.training),
+    }
     tables, claims, trials = [], [], {}
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
@@ -166,15 +173,16 @@ class _Trial:
             f"{name}: error, cm. Methods with the mask given know the damaged joints and frames; "
             "`repair` smooths where the damage is jitter"
         )
-        holes = _table(f"{name}: holes in takes without damage, cm", self.holes, (SPLINE, GIVEN))
-        ratios = self.ratios()
-        rows = [[*row, ratios[str(row[0])]] for row in holes.rows]
+        for hole, ratio in self.ratios().items():
+            self.holes[hole]["ratio"] = [ratio]
         return [
             _table(errors, self.errors, DAMAGES),
             _table(f"{name}: change of everything else, cm", self.elsewhere, DAMAGES),
             _table(f"{name}: joints and frames that repair touches, %", self.touched, DAMAGES),
             _table(f"{name}: without damage", self.clean, CLEAN),
-            Table(holes.caption, [*holes.header, "ratio"], rows),
+            _table(
+                f"{name}: holes in takes without damage, cm", self.holes, (SPLINE, GIVEN, "ratio")
+            ),
         ]
 
     def claims(self, source: str) -> list[Claim]:
@@ -259,11 +267,6 @@ def _window(seconds: float, rate: float) -> int:
     return 2 * round(seconds * rate / 2) + 1
 
 
-def _butterworth(x: np.ndarray, cut_off: float, rate: float) -> np.ndarray:
-    """Of second order, applied forwards and backwards, so that it does not delay."""
-    return sosfiltfilt(butter(2, cut_off, fs=rate, output="sos"), x, axis=0)
-
-
 def filtered(motion: Motion, name: str) -> Motion:
     """The motion with its curves of translations and rotations (quaternions) filtered."""
 
@@ -277,11 +280,6 @@ def filled(body: Body, mask: np.ndarray, filling: Filling) -> Motion:
     """The body's motion with the joints of a mask (frames, 20) filled in."""
     holes = Holes(body, mask)
     return holes.filled(filling(holes.features, holes.mask)).motion
-
-
-def spline_filling(manifold: MotionManifold) -> Filling:
-    """PCHIP of the features."""
-    return lambda features, missing: fill(manifold, features, missing, repeats=0)
 
 
 def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:

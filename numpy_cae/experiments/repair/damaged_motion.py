@@ -40,7 +40,8 @@ def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
     for name in ("shoulder", "elbow"):
         joint = rig[JOINTS.index(f"{side}_{name}")]
         rotations[frames, joint] = rotations[frames.start, joint]
-    return replace(motion, rotations=rotations), _limb(motion, f"{side}_arm", frames)
+    mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
+    return replace(motion, rotations=rotations), mask
 
 
 def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
@@ -53,7 +54,7 @@ def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     chain = positions[frames, shoulder], positions[frames, elbow], positions[frames, wrist]
     bent = _bend(*chain, positions[frames.start, wrist])
     positions[frames, elbow], positions[frames, wrist] = bent
-    mask = _limb(motion, f"{side}_arm", frames)
+    mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
     return retarget(motion, positions, mask), mask
 
 
@@ -117,20 +118,11 @@ DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
 }
 
 
-def _limb(motion: Motion, limb: str, frames: slice) -> np.ndarray:
-    return joint_mask(len(motion), LIMBS[limb], frames)
-
-
 def _turned(
-    motion: Motion,
-    frames: slice,
-    degrees: float,
-    rng: Rng,
-    limb: str | None = None,
+    motion: Motion, frames: slice, degrees: float, rng: Rng, limb: str | None = None
 ) -> Damaged:
     """Turn a limb at its hip or shoulder about a random axis perpendicular to the bone."""
-    limb = limb or str(rng.choice(list(LIMBS)))
-    names = LIMBS[limb]
+    names = LIMBS[limb or str(rng.choice(list(LIMBS)))]
     rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     first = JOINTS.index(names[0])
     joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another

@@ -8,13 +8,7 @@ repeats every 15th frame, the paper finds smooth transitions. With the mask give
 
 import numpy as np
 
-from numpy_cae.experiments.clips import (
-    NETWORK,
-    REPEATED,
-    Clips,
-    project_repeated,
-    testing_of,
-)
+from numpy_cae.experiments.clips import NETWORK, REPEATED, Clips, project_repeated, testing_of
 from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
@@ -37,10 +31,12 @@ STEPPED = (
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Remove each wrist from test windows; hold every 15th frame of them; project both."""
     testing, sample = testing_of(manifold, material)
-    wrists = {
-        joint: [testing.error(x, joint) for x in _without(manifold, testing, joint)]
-        for joint in WRISTS
-    }
+    wrists = {}
+    for joint in WRISTS:
+        lost = testing.x.copy()
+        lost[..., joint_slice(joint)] = 0  # where it is in the mean pose
+        projected = project_repeated(manifold, lost)
+        wrists[joint] = [testing.error(x, joint) for x in (lost, projected)]
     stepped = _up_to_last_key(testing)
     frames = np.arange(stepped.x.shape[1])
     held = stepped.x[:, frames - frames % EVERY]
@@ -49,7 +45,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     measured = {
         name: (stepped.error(x), delayed.error(x), stepped.jitter(x)) for name, x in filled.items()
     }
-    window = stepped.typical()
+    window = len(stepped) // 2
     colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
     motions = {name: (stepped.features(filled[name], window), colours[name]) for name in filled}
     rows = [[name, *values] for name, values in measured.items()]
@@ -67,13 +63,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         *moving(motions, manifold.rate),
         sample,
     )
-
-
-def _without(manifold: MotionManifold, clips: Clips, joint: str) -> tuple[np.ndarray, np.ndarray]:
-    """Windows with a joint where it is in the mean pose, and as it is projected from there."""
-    lost = clips.x.copy()
-    lost[..., joint_slice(joint)] = 0
-    return lost, project_repeated(manifold, lost)
 
 
 def _up_to_last_key(clips: Clips) -> Clips:

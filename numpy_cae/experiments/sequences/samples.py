@@ -15,12 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import (
-    diversity,
-    gait_frequency,
-    nearest_distance,
-    nearest_neighbour_accuracy,
-)
+from numpy_cae import evaluation
+from numpy_cae.evaluation import diversity, nearest_distance
 from numpy_cae.experiments.result import Animation, Claim, Result, Table
 from numpy_cae.experiments.sequences.study import CLIPS, Study
 from numpy_cae.motion.joints import PARENTS
@@ -114,16 +110,10 @@ def _rows(study: Study, seed: int) -> list[list]:
     for source in (FITTED, PRIOR, REAL):
         clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
         strides = _strides(study, clips)
-        rows.append(
-            [
-                f"{study.action.name}: {source}",
-                nearest_distance(clips, held_out) / real_near,
-                nearest_neighbour_accuracy(held_out, clips),
-                diversity(clips) / real_diversity,
-                strides / real_strides,
-                strides,
-            ]
-        )
+        near, spread = nearest_distance(clips, held_out), diversity(clips)
+        accuracy = evaluation.nearest_neighbour_accuracy(held_out, clips)
+        measured = near / real_near, accuracy, spread / real_diversity, strides / real_strides
+        rows.append([f"{study.action.name}: {source}", *measured, strides])
     return rows
 
 
@@ -131,5 +121,7 @@ def _strides(study: Study, clips: np.ndarray) -> float:
     """Median strides a second over the clips with a stride; nan if no clip has one."""
     if study.action.name not in WALKING:
         return float("nan")
-    strides = [gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips]
+    strides = [
+        evaluation.gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips
+    ]
     return float(np.nanmedian(strides)) if np.isfinite(strides).any() else float("nan")

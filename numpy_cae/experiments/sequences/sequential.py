@@ -16,15 +16,9 @@ from scipy.sparse.linalg import svds
 
 from numpy_cae.evaluation import PCA, angle_distance
 from numpy_cae.experiments.result import Claim, Result, Table
+from numpy_cae.experiments.sequences import study as training
 from numpy_cae.experiments.sequences.samples import COLOURS, figure_3, samples
-from numpy_cae.experiments.sequences.study import (
-    CLIPS,
-    Action,
-    Study,
-    discrepancy,
-    figure_2,
-    train_study,
-)
+from numpy_cae.experiments.sequences.study import CLIPS, Action, Study, discrepancy
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.training import SequenceSchedule
 
@@ -48,10 +42,10 @@ def sequential(
     trained with the regulariser by action.
     """
     free = replace(schedule, weight=0.0)
-    studies = [train_study(action, schedule, seed, **options) for action in actions]
-    without = [train_study(action, free, seed, **options) for action in actions]
+    studies = [training.train_study(action, schedule, seed, **options) for action in actions]
+    without = [training.train_study(action, free, seed, **options) for action in actions]
     results = {
-        "figure_2": figure_2(studies),
+        "figure_2": training.figure_2(studies),
         "reconstruction": reconstruction(studies, seed),
         "samples": samples(studies, seed),
         "regulariser": regulariser(studies, without, seed),
@@ -149,8 +143,8 @@ def _regulariser_claims(rows: Sequence[Sequence]) -> list[Claim]:
 def prior_discrepancy(latent: int, seed: int = 0) -> float:
     """The mean discrepancy between two draws of the prior: the least that can be expected."""
     rng = np.random.default_rng(seed)
-    draws = (rng.standard_normal((CLIPS, latent)) for _ in range(REPEATS))
-    return float(np.mean([discrepancy(z, rng) for z in draws]))
+    sizes = REPEATS * [(CLIPS, latent)]
+    return float(np.mean([discrepancy(rng.standard_normal(size), rng) for size in sizes]))
 
 
 def _mean_discrepancy(study: Study, seed: int) -> float:

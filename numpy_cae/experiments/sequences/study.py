@@ -137,7 +137,7 @@ def train_study(
     rng, rng_of_errors = np.random.default_rng(seed), np.random.default_rng([seed, 1])
     manifold = untrained_sequences(action.training, rng, **network)
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
-    measured: list[tuple[int, float, float]] = []
+    curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
 
     def measure(step: int) -> None:
         # Both errors use the same fresh clips: all test clips would take a third of the training.
@@ -146,7 +146,9 @@ def train_study(
         z = manifold.network.encode(x)
         x_hat = manifold.network.decode(z, x.shape[1])
         error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
-        measured.append((step, error, discrepancy(z, rng_of_errors)))
+        values = step, error, discrepancy(z, rng_of_errors)
+        for column, value in zip(curve.values(), values, strict=True):
+            column.append(value)
 
     def report_and_measure(state: TrainingState) -> None:
         if report is not None:
@@ -158,8 +160,7 @@ def train_study(
     measure(0)
     train_on_sequences(manifold, action.training, schedule, rng, report_and_measure)
     manifold.settings = {"seed": seed} | manifold.settings
-    names, columns = ("steps", "error", "discrepancy"), map(np.array, zip(*measured, strict=True))
-    return Study(action, manifold, dict(zip(names, columns, strict=True)))
+    return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
 
 
 def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
@@ -173,23 +174,17 @@ def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
 def figure_2(studies: Sequence[Study]) -> Result:
     """Compare the first and the last tenth of each curve."""
     curves = {study.action.name: study.curve for study in studies}
-    rows = [
-        [f"{action}: {name}", *_first_and_last(curve[measure])]
-        for action, curve in curves.items()
-        for measure, name in MEASURES.items()
-    ]
-    rows = [[name, first, last, last / first] for name, first, last in rows]
+    rows = []
+    for action, curve in curves.items():
+        for measure, name in MEASURES.items():
+            tenth = max(1, len(curve[measure]) // 10)
+            first, last = curve[measure][:tenth].mean(), curve[measure][-tenth:].mean()
+            rows.append([f"{action}: {name}", first, last, last / first])
     formats = ("", ".3f", ".3f", ".2f")
     table = Table("", ["curve", "first tenth", "last tenth", "ratio"], rows, formats)
     claims = [_claim(table, name, list(curves)) for name in MEASURES.values()]
     title = "Figure 2 of jang2018: errors against iterations"
     return Result(title, [table], claims, lambda: _draw(curves))
-
-
-def _first_and_last(values: np.ndarray) -> tuple[float, float]:
-    """The means of a curve over its first and its last tenth."""
-    tenth = max(1, len(values) // 10)
-    return float(values[:tenth].mean()), float(values[-tenth:].mean())
 
 
 def _claim(table: Table, name: str, actions: Sequence[str]) -> Claim:
