@@ -30,7 +30,7 @@ def modules():
             yield module.name
 
 
-@pytest.mark.parametrize("value", public_names())
+@pytest.mark.parametrize("value", list(public_names()))
 def test_a_public_name_has_its_sections(value):
     text = inspect.getdoc(value) or ""
     assert re.search(r"^Examples\n-{8}\n", text, re.MULTILINE) and ">>>" in text
@@ -42,7 +42,7 @@ def test_a_public_name_has_its_sections(value):
             assert re.search(r"^(Returns\n-{7}|Yields\n-{6})\n", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", modules())
+@pytest.mark.parametrize("name", list(modules()))
 def test_the_examples_of_a_module_run(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
