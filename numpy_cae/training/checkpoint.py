@@ -9,12 +9,11 @@ import hashlib
 import json
 import time
 from collections.abc import Iterable
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import ModelFileError, json_object, load_arrays, save_arrays
+from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.training.state import History, TrainingState
 
@@ -53,14 +52,23 @@ class Checkpoint:
             return
 
         try:
-            same_run = load_arrays(self.path, {FORMAT: partial(_load, state, run)})
+            arrays = load_arrays(self.path, {FORMAT: dict})
         except ModelFileError as error:
             advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
             raise CheckpointError(f"{error}; {advice}") from None
-        if not same_run:
-            advice = "give the same again or remove the file"
+        about = json.loads(str(arrays["about"]))
+        if about["run"] != run:
             other = "is of a run with other motions, settings or seed"
-            raise CheckpointError(f"{self.path}: {other}; {advice}")
+            raise CheckpointError(f"{self.path}: {other}; give the same again or remove the file")
+        for name in POSITION:
+            setattr(state, name, about[name])
+        state.history = History(about["losses"], about["seconds"])
+        state.rng.bit_generator.state = about["rng"]
+        state.order = arrays["order"]
+        # The stage does not have its optimiser yet: `begin_stage` restores that.
+        state.restored = {name.removeprefix("array "): array for name, array in arrays.items()}
+        for name, weight in state.weights.items():
+            weight[...] = state.restored[name]
 
     def require_none_unless_resumed(self) -> None:
         """Raise CheckpointError if there is a file and `resume` is False."""
@@ -107,22 +115,6 @@ def _arrays_of(state: TrainingState, run: str) -> dict[str, np.ndarray]:
     arrays = {f"array {name}": a for name, a in (state.weights | state.optimiser.state).items()}
     words = {"format": np.array(FORMAT), "about": np.array(json.dumps(about))}
     return arrays | words | {"order": state.order}
-
-
-def _load(state: TrainingState, run: str, arrays: dict[str, np.ndarray]) -> bool:
-    """Set the state to what `_arrays_of` was given; False, and no change, if the run is another."""
-    about = json_object(arrays, "about")
-    if about["run"] != run:
-        return False
-    for name in POSITION:
-        setattr(state, name, about[name])
-    state.history = History(about["losses"], about["seconds"])
-    state.rng.bit_generator.state = about["rng"]
-    state.order = arrays["order"]
-    state.restored = {name.removeprefix("array "): array for name, array in arrays.items()}
-    for name, weight in state.weights.items():
-        weight[...] = state.restored[name]
-    return True
 
 
 def fingerprint(arrays: Iterable[np.ndarray], *settings: object) -> str:

@@ -36,29 +36,23 @@ def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) 
     return x * (rng.random(x.shape, dtype=np.float32) >= p)
 
 
-def corrupt(
-    x: np.ndarray, zeroed: float | tuple[float, float], rescaled: bool, rng: np.random.Generator
-) -> np.ndarray:
-    """X_c of a batch of windows, with one p or a p for each window.
+def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.ndarray:
+    """X_c of a batch of windows (B, T, C), with all the corruption of a stage of training.
 
         X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
 
-    `zeroed` is p, or the two numbers between which each window's p is drawn; below 1 if `rescaled`.
-    Zeroing values with probability p multiplies their expected sum by 1 - p. Dividing by 1 - p
-    restores the sum for every p, so the filters are not fitted to one p.
+    `stage.zeroed` is p, or the two numbers between which each window's p is drawn; below 1 if
+    `stage.rescaled`. Zeroing values with probability p multiplies their expected sum by 1 - p.
+    Dividing by 1 - p restores the sum for every p, so the filters are not fitted to one p.
     """
     p: float | np.ndarray
-    if isinstance(zeroed, (int, float)):
-        p = zeroed
+    if isinstance(stage.zeroed, tuple):
+        p = rng.uniform(*stage.zeroed, size=(len(x), 1, 1)).astype(x.dtype)
     else:
-        p = rng.uniform(*zeroed, size=(len(x), 1, 1)).astype(x.dtype)
+        p = stage.zeroed
     corrupted = zero_values(x, p, rng)
-    return corrupted / (1 - p) if rescaled else corrupted
-
-
-def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.ndarray:
-    """X_c of a batch of windows (B, T, C), with all the corruption of a stage of training."""
-    corrupted = corrupt(x, stage.zeroed, stage.rescaled, rng)
+    if stage.rescaled:
+        corrupted = corrupted / (1 - p)
     if stage.chains:
         corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
     if stage.noise:
@@ -84,37 +78,32 @@ def damage_stretches(
     damaged, frames = x.copy(), x.shape[1]
     for window in damaged:
         for _ in range(rng.integers(4)):
-            base, *points = chains[int(rng.integers(len(chains)))]
+            chain = chains[int(rng.integers(len(chains)))]
             length = min(int(LONGEST ** rng.random()), frames)
             start = int(rng.integers(frames - length + 1))
-            _damage(window, base, points, start, start + length, size, rng)
+            _damage(window, chain, slice(start, start + length), size, rng)
     return damaged
 
 
 def _damage(
-    x: np.ndarray,
-    base: int,
-    points: Sequence[int],
-    start: int,
-    stop: int,
-    size: float,
-    rng: np.random.Generator,
+    x: np.ndarray, chain: Sequence[int], where: slice, size: float, rng: np.random.Generator
 ) -> None:
-    """Damage the frames `start` to `stop` of one window (T, C) in place."""
+    """Damage some frames of one window (T, C) in place."""
+    base, *points = chain
+    before, after = max(where.start - 1, 0), min(where.stop, len(x) - 1)
     kind = rng.integers(5)
     shift = size * rng.standard_normal(3) * rng.random() * 2
-    t = np.linspace(0, 1, stop - start + 2)[1:-1, None]
-    after = min(stop, len(x) - 1)
+    t = np.linspace(0, 1, where.stop - where.start + 2)[1:-1, None]
     for number, point in enumerate(points, start=1):
-        value = x[start:stop, point : point + 3]
-        first, last = x[max(start - 1, 0), point : point + 3], x[after, point : point + 3]
+        value = x[where, point : point + 3]
+        first, last = x[before, point : point + 3], x[after, point : point + 3]
         if kind == 0:
             value[...] = 0
         elif kind == 1:
             value[...] = first.copy()
         elif kind == 2:
             at_base = x[:, base : base + 3]
-            value[...] = at_base[start:stop] + (first - at_base[max(start - 1, 0)])
+            value[...] = at_base[where] + (first - at_base[before])
         elif kind == 3:
             value[...] = (1 - t) * first + t * last
         else:

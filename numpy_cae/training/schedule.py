@@ -59,10 +59,8 @@ class Schedule:
 
         A stage of 0 epochs is left out.
         """
-        stages: list[tuple[str, int | None, Stage]] = [
-            *((f"layer {n + 1}", n, self.layer) for n in range(layers)),
-            ("fine tuning", None, self.fine_tuning),
-        ]
+        of_layers = ((f"layer {n + 1}", n, self.layer) for n in range(layers))
+        stages = (*of_layers, ("fine tuning", None, self.fine_tuning))
         return [(name, layer, stage) for name, layer, stage in stages if stage.epochs]
 
 

@@ -9,7 +9,6 @@ from numpy_cae.training import Stage, zero_values
 from numpy_cae.training.corruption import (
     LONGEST,
     _damage,
-    corrupt,
     corrupted_copy,
     damage_stretches,
 )
@@ -69,7 +68,7 @@ def test_each_kind_of_damage(start, stop):
     )
     for kind, right in enumerate(expected):
         damaged = x.copy()
-        _damage(damaged, 3, [6, 9], start, stop, 0.2, Drawn(kind))
+        _damage(damaged, [3, 6, 9], slice(start, stop), 0.2, Drawn(kind))
         inside = damaged[start:stop, 6:].reshape(-1, 2, 3)
         np.testing.assert_allclose(inside, right, atol=1e-12, err_msg=f"kind {kind}")
         damaged[start:stop, 6:] = x[start:stop, 6:]
@@ -127,11 +126,11 @@ def test_rescaled_input_has_the_mean_of_the_clean_input(zeroed):
     assert corrupted.dtype == np.float32
     # 1440 values a window, at p = 0.9 of which a tenth is kept, ten times as large.
     np.testing.assert_allclose(corrupted.mean(axis=(1, 2)), 1, atol=5 * 3 / np.sqrt(1440))
-    plain = corrupt(ones, zeroed, False, np.random.default_rng(0))
+    plain = corrupted_copy(ones, Stage(zeroed=zeroed), np.random.default_rng(0))
     np.testing.assert_array_equal(corrupted == 0, plain == 0)
 
 
 @pytest.mark.parametrize("p", [1.5, (1.2, 1.5)])
 def test_a_probability_above_one_is_an_error(p):
     with pytest.raises(ValueError, match="expected a probability"):
-        corrupt(X, p, False, np.random.default_rng(0))
+        corrupted_copy(X, Stage(zeroed=p), np.random.default_rng(0))

@@ -7,6 +7,7 @@ first and last, counted from 0. Without a joint or limb all joints are meant, wi
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,21 +56,16 @@ def chosen_mask(args: argparse.Namespace, motion: Motion) -> np.ndarray | None:
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     if args.joint or args.limb or args.frames:
         mask |= _mask(args.joint, args.limb, args.frames, motion)
-    if args.mask:
-        for number, entry in enumerate(_entries(args.mask), start=1):
-            try:
-                joints, limbs = ([entry[key]] if key in entry else [] for key in ("joint", "limb"))
-                mask |= _mask(joints, limbs, entry.get("frames"), motion)
-            except ValueError as error:
-                raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
+    for number, entry in enumerate(_entries(args.mask) if args.mask else (), start=1):
+        try:
+            mask |= _mask(*_parts(entry), motion)
+        except ValueError as error:
+            raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
     return mask
 
 
 def _mask(
-    joints: list[str],
-    limbs: list[str],
-    frames: list[int] | None,
-    motion: Motion,
+    joints: list[str], limbs: list[str], frames: list[int] | None, motion: Motion
 ) -> np.ndarray:
     chosen = [JOINTS[joint_index(name, motion.skeleton)] for name in joints]
     if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
@@ -85,19 +81,26 @@ def _mask(
     return joint_mask(len(motion), chosen or JOINTS, slice(first, last + 1))
 
 
-def _entries(path: Path) -> list[dict]:
-    """The objects of a mask file."""
+def _entries(path: Path) -> list:
+    """The entries of a mask file."""
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
         raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
     if not isinstance(entries, list) or not entries:
         raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
-    for number, entry in enumerate(entries, start=1):
-        valid = isinstance(entry, dict) and set(entry) <= {"joint", "limb", "frames"}
-        valid = valid and all(isinstance(entry.get(key, ""), str) for key in ("joint", "limb"))
-        frames = entry.get("frames", [0, 0]) if valid else None
-        valid = valid and isinstance(frames, list) and [type(n) for n in frames] == [int, int]
-        if not valid:
-            raise MotionFileError(path, None, f"entry {number}: expected one such as in {EXAMPLE}")
     return entries
+
+
+def _parts(entry: Any) -> tuple[list[str], list[str], list[int] | None]:
+    """The joints, the limbs and the frames of an entry of a mask file."""
+    if isinstance(entry, dict):
+        match {"joint": None, "limb": None, "frames": None} | entry:
+            case {
+                "joint": None | str() as joint,
+                "limb": None | str() as limb,
+                "frames": None | [int(), int()] as frames,
+                **others,
+            } if not others:
+                return [joint] if joint else [], [limb] if limb else [], frames
+    raise ValueError(f"expected one such as in {EXAMPLE}")
