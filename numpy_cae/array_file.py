@@ -73,10 +73,8 @@ def load_arrays(
     stated = str(arrays.get("format"))
     if stated not in readers:
         expected = " or ".join(map(repr, readers))
-        advice = "make the file again with this version"
-        raise ModelFileError(
-            f"{path}: its format is {stated[:80]!r}, expected {expected}; {advice}"
-        )
+        problem = f"its format is {stated[:80]!r}, expected {expected}"
+        raise ModelFileError(f"{path}: {problem}; make the file again with this version")
     try:
         return readers[stated](arrays)
     except KeyError as error:

@@ -9,25 +9,15 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from numpy_cae import notebook
+from numpy_cae import notebook, viz
 from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
 from numpy_cae.manifold.repair import repair as repair_motion
-from numpy_cae.motion import JOINTS, Motion, find_motion_files
+from numpy_cae.motion import JOINTS, RATE, Motion, find_motion_files
 from numpy_cae.motion import load_motion as load
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.read.many import read_bodies
 from numpy_cae.motion.retarget.rigs import joint_index
 from numpy_cae.training import RECIPES, ProgressPrinter
-from numpy_cae.viz import (
-    CORRUPTED,
-    PLAIN,
-    PROJECTED,
-    TRUTH,
-    in_notebook,
-    motion_actor,
-    save_viewer,
-)
 from numpy_cae.viz.viewer import Player
 
 __all__ = ["fill", "learn", "load", "repair", "show"]
@@ -119,15 +109,17 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
         The viewer, in a notebook; else None.
     """
     rate = min([RATE, *(motion.rate for motion in motions)])
-    colours = (CORRUPTED, PROJECTED, TRUTH, PLAIN) if len(motions) > 1 else (PROJECTED,)
+    colours = [viz.PROJECTED]
+    if len(motions) > 1:
+        colours = [viz.CORRUPTED, viz.PROJECTED, viz.TRUTH, viz.PLAIN]
     actors = [
-        motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
+        viz.motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
         for number, motion in enumerate(motions)
     ]
     if path is None and notebook.shell():
-        return in_notebook(actors, rate)
+        return viz.in_notebook(actors, rate)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
-    save_viewer(actors, page, rate)
+    viz.save_viewer(actors, page, rate)
     if path is None:
         webbrowser.open(page.as_uri())
     return None

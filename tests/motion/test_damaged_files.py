@@ -73,8 +73,8 @@ DAMAGES = [
     ("02.asf", "root hip stump", "root hip tail", 52, "'tail': expected bones of :bonedata"),
     ("02.asf", "hip femur", "hip femur stump", 53, "'stump': expected bones"),
     ("02.asf", "root hip stump", "root hip", 43, "'stump' is not below the root"),
-    ("a.txt", ".00,", "", 1, "the line has 98 values, expected 117 (CMU) or 99"),
-    ("a.txt", ".10,", "", 2, "98 values, expected 99 as in the lines above"),
+    ("a.txt", ".00,", "", 1, "98 values, expected 117 (CMU) or 99"),
+    ("a.txt", ".10,", "", 2, "98 values, expected 99: as in the first line"),
     ("a.txt", ".10,", ",", 2, "'' is not a number"),
 ]
 

@@ -9,7 +9,6 @@ The first frame of CMU's text confirms it: the T-pose rotates the left thigh by 
 BVH, and the text has +0.3665.
 """
 
-from array import array
 from pathlib import Path
 
 import numpy as np
@@ -89,24 +88,14 @@ def is_expmap_text(path: str | Path) -> bool:
 
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     """The layout of a file and its numbers (frames, width)."""
-    rig, rows = None, array("d")
-    for line, text in file.numbered():
-        if not text.strip():
-            continue
-        words = [word.strip() for word in text.split(",")]
-        problem = f"the line has {len(words)} value{'s' * (len(words) != 1)}"
-        if rig is None:
-            rig = next((rig for rig in EXPMAP_RIGS if rig.width == len(words)), None)
-        if rig is None:
-            widths = " or ".join(f"{rig.width} ({rig.name})" for rig in EXPMAP_RIGS)
-            raise file.error(line, f"{problem}, expected {widths}, separated by commas")
-        if len(words) != rig.width:
-            raise file.error(line, f"{problem}, expected {rig.width} as in the lines above")
-        rows.extend(file.numbers(line, words))
-        file.require_frames(len(rows) // rig.width, len(rig.rows), rig.rate)
+    line, first = next((each for each in file.numbered() if each[1].strip()), (1, ""))
+    width = first.count(",") + 1
+    rig = next((rig for rig in EXPMAP_RIGS if rig.width == width), None)
     if rig is None:
-        raise file.error(None, "the file has no frames")
-    return rig, np.frombuffer(rows).reshape(-1, rig.width)
+        widths = " or ".join(f"{rig.width} ({rig.name})" for rig in EXPMAP_RIGS)
+        raise file.error(line, f"{width} values, expected {widths}, separated by commas")
+    file.require_frames(file.count, len(rig.rows), rig.rate)
+    return rig, file.table(0, width, file.count, "as in the first line", separator=",")[0]
 
 
 def cmu_root(text: np.ndarray) -> np.ndarray:

@@ -121,13 +121,20 @@ class TextFile:
         return values
 
     def table(
-        self, after: int, width: int, frames: int, expected: str, step: int
+        self,
+        after: int,
+        width: int,
+        frames: int,
+        expected: str,
+        step: int = 1,
+        separator: str | None = None,
     ) -> tuple[np.ndarray, int]:
         """The numbers in the lines below line `after`, (rows, width) of float64, and the number of
         these lines that are not blank.
 
         Every `step`-th of the first `frames` lines is returned. The last of them is parsed too, as
         it may be cut off; the others are only counted. `expected` describes a line in an error.
+        Numbers are separated by `separator`, None for white space.
         """
         rows, lines = array("d"), 0
         for first, texts in self._blocks():
@@ -137,24 +144,27 @@ class TextFile:
             within = enumerate(filled[: max(frames - lines, 0)], lines)
             parsed = [numbered for row, numbered in within if row % step == 0 or row == frames - 1]
             if parsed:
-                rows.frombytes(self._rows(parsed, width, expected).tobytes())
+                rows.frombytes(self._rows(parsed, width, expected, separator).tobytes())
             lines += len(filled)
         kept = -(-min(lines, frames) // step)
         return np.frombuffer(rows).reshape(-1, width)[:kept], lines
 
-    def _rows(self, lines: list[tuple[int, str]], width: int, expected: str) -> np.ndarray:
+    def _rows(
+        self, lines: list[tuple[int, str]], width: int, expected: str, separator: str | None
+    ) -> np.ndarray:
         """The numbers (lines, width) in lines given as (line number, text)."""
         with suppress(ValueError):
-            values = np.loadtxt([text for _, text in lines], comments=None, ndmin=2)
+            texts = [text for _, text in lines]
+            values = np.loadtxt(texts, comments=None, ndmin=2, delimiter=separator)
             if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
                 return values
         # A line is damaged, or its digits are not ASCII: float() reads those, np.loadtxt does not.
         rows = []
         for line, text in lines:
-            words = text.split()
+            words = text.split(separator)
             if len(words) != width:
                 raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
-            rows.append(self.numbers(line, words))
+            rows.append(self.numbers(line, [word.strip() for word in words]))
         return np.array(rows)
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
@@ -166,9 +176,9 @@ class TextFile:
         count = frames * joints * max(1.0, RATE / rate)
         most = min(100_000 + 4 * len(self.data), 1_000_000 + len(self.data) // 12)
         if count > most:
-            problem = f"{frames} frames of {joints} joints at {rate:.4g} a second are {count:.0f}"
-            expected = f"at {RATE:g} a second or more, expected at most {most}"
-            raise self.error(None, f"{problem} joint rotations {expected} in a file of this size")
+            problem = f"{frames} frames of {joints} joints are {count:.0f} joint rotations"
+            expected = f"expected at most {most} in a file of this size"
+            raise self.error(None, f"{problem} at {RATE:g} a second or more, {expected}")
 
 
 def whole_number(text: str) -> int | None:

@@ -6,7 +6,6 @@ text is processed in blocks of frames, so that a long file needs little memory.
 
 import logging
 import re
-from array import array
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -39,12 +38,12 @@ _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 class _Format:
     """How a file format stores frames.
 
-    `frames` splits a file's lines into parts, each with True if it is a frame. `numbers` returns
-    the indices of a frame's numbers among its words, in the order of the columns of `channels`.
+    `begins` matches the line with which a frame begins. `numbers` returns the indices of a frame's
+    numbers among its words, in the order of the columns of `channels`.
     """
 
     channels: list[Channels]
-    frames: Callable[[Iterable[str]], Iterator[tuple[str, bool]]]
+    begins: re.Pattern[str]
     numbers: Callable[[list[str]], Sequence[int]]
 
 
@@ -101,20 +100,16 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
         _text(temporary, "w") as output,
     ):
         last = None
-        parts_of_text = file_format.frames(lines)
-        while block := list(islice(parts_of_text, _BLOCK)):
-            places = [place for place, (_, is_frame) in enumerate(block) if is_frame]
-            frames = slice(count, count + len(places))
-            count += len(places)
+        parts = _parts(lines, file_format.begins)
+        output.write(next(parts))
+        while texts := list(islice(parts, _BLOCK)):
+            frames = slice(count, count + len(texts))
+            count += len(texts)
             if count > len(before):
                 break
-            texts = [block[place][0] for place in places]
-            if places:
-                parts = before.at(frames), after.at(frames)
-                texts, last = _replaced(texts, last, *parts, file_format, misses)
-            for place, text in zip(places, texts, strict=True):
-                block[place] = text, True
-            output.writelines(text for text, _ in block)
+            block = before.at(frames), after.at(frames)
+            texts, last = _replaced(texts, last, *block, file_format, misses)
+            output.writelines(texts)
         if count != len(before):
             raise MotionFileError(source, None, "has changed since it was read")
     if misses:
@@ -141,26 +136,17 @@ def _replaced(
     # Changed frames, their neighbours and the last frame are parsed.
     parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
     parsed[-1] = True
-    columns = [
-        column
-        for kind, is_new in (("t", moved.any(axis=0)), ("r", turned.any(axis=0)))
-        for joint in np.flatnonzero(is_new)
-        for column in file_format.channels[joint].columns(kind)
-    ]
     width = sum(len(channels.names) for channels in file_format.channels)
-    read = array("d")
+    values = np.zeros((len(texts), width))
     places_in: dict[int, list[int]] = {}  # frame -> the places of its numbers among its pieces
     for frame in np.flatnonzero(parsed).tolist():
         # Frames are split a second time below: the words of all of them do not fit in the cache.
         pieces, words = _split(texts[frame])
         order = file_format.numbers([pieces[word] for word in words])
-        places = places_in[frame] = [words[index] for index in order]
-        if len(places) != width:
-            raise ValueError(f"a frame has {len(places)} numbers, but had {width} when it was read")
-        read.extend([float(pieces[places[column]]) for column in columns])
-    values = np.zeros((len(texts), width))
-    values[np.ix_(parsed, np.array(columns, int))] = np.reshape(read, (parsed.sum(), len(columns)))
-    values[-1] = [float(pieces[place]) for place in places]
+        places_in[frame] = [words[index] for index in order]
+        if len(order) != width:
+            raise ValueError(f"a frame has {len(order)} numbers, but had {width} when it was read")
+        values[frame] = [float(pieces[place]) for place in places_in[frame]]
     old = values.copy()
     for joint, channels in enumerate(file_format.channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
@@ -233,34 +219,27 @@ def _text(path: Path, mode: str):
     return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
 
 
-def _bvh_format(source: Path, motion: Motion) -> _Format:
-    def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
-        header = True
-        for line in lines:
-            yield line, not header and not line.isspace()
-            header = header and not re.match(r"\s*frame\s*time", line, re.IGNORECASE)
+def _parts(lines: Iterable[str], begins: re.Pattern[str]) -> Iterator[str]:
+    """The text above the first frame, then the text of each frame."""
+    part: list[str] = []
+    for line in lines:
+        if begins.match(line):
+            yield "".join(part)
+            part = []
+        part.append(line)
+    yield "".join(part)
 
-    return _Format(bvh_channels(source, motion.unit), frames, lambda words: list(range(len(words))))
+
+def _bvh_format(source: Path, motion: Motion) -> _Format:
+    # Every line of the header begins with a keyword or a brace.
+    begins = re.compile(r"\s*[-+.\d]")
+    return _Format(bvh_channels(source, motion.unit), begins, lambda words: range(len(words)))
 
 
 def _amc_format(source: Path, motion: Motion) -> _Format:
     channels = amc_channels(source, motion.unit)
     counts = [len(of_joint.names) for of_joint in channels]
     index = {name: joint for joint, name in enumerate(motion.skeleton.names)}
-
-    def frames(lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
-        frame: list[str] = []
-        for line in lines:
-            begins = line.partition("#")[0].strip().isdecimal()
-            if begins and frame:
-                yield "".join(frame), True
-                frame = []
-            if begins or frame:
-                frame.append(line)
-            else:
-                yield line, False
-        if frame:
-            yield "".join(frame), True
 
     def numbers(words: list[str]) -> list[int]:
         places = [0] * sum(counts)
@@ -272,4 +251,4 @@ def _amc_format(source: Path, motion: Motion) -> _Format:
             place += 1 + count
         return places
 
-    return _Format(channels, frames, numbers)
+    return _Format(channels, re.compile(r"\s*\d+\s*(#|$)"), numbers)

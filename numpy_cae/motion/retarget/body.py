@@ -147,16 +147,13 @@ class Body:
         normalised = change_lengths(self.positions, self.lengths, self.mean_lengths)
         return positions_to_features(normalised, RATE)
 
-    def on_own_bones(self, positions: np.ndarray) -> np.ndarray:
-        """Positions (F, 20, 3) of the mean skeleton on the motion's own bones, in metres."""
-        return change_lengths(positions, self.mean_lengths, self.lengths)
-
     def positions_of(self, features: np.ndarray, root: RootTransform | None = None) -> np.ndarray:
         """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres.
 
         `root` is the transform of the first frame; None means the motion's own.
         """
-        return self.on_own_bones(features_to_positions(features, root or self.root))
+        on_mean_bones = features_to_positions(features, root or self.root)
+        return change_lengths(on_mean_bones, self.mean_lengths, self.lengths)
 
     def in_file_frames(self, positions: np.ndarray) -> np.ndarray:
         """Positions (F, N, 3) at 30 frames a second, resampled to the frames of the file."""

@@ -62,7 +62,9 @@ def angles_of(motion: Motion) -> AngleSequence:
     >>> walk.numbers.shape  # two seconds at 25 frames a second
     (50, 54)
     """
-    table = table_for(motion.skeleton)
+    # Human3.6M's own table for its text, seventeen joints for every other rig.
+    is_human36m = motion.skeleton.names == HUMAN36M.skeleton.names
+    table = HUMAN36M_TABLE if is_human36m else SEVENTEEN
     found = joints_in(table, motion.skeleton)
     motion = without_t_pose(motion).resampled(ANGLE_RATE)
     positions, rotations = motion.forward_kinematics()
@@ -78,11 +80,6 @@ def angles_of(motion: Motion) -> AngleSequence:
         vectors[:, joint] = quaternions.to_vector(local)
     angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
     return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
-
-
-def table_for(skeleton: Skeleton) -> AngleTable:
-    """The table for a rig: Human3.6M's own for its text, seventeen joints for every other rig."""
-    return HUMAN36M_TABLE if skeleton.names == HUMAN36M.skeleton.names else SEVENTEEN
 
 
 def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:

@@ -107,12 +107,10 @@ def retarget(
     joints = find_joints(motion.skeleton)
     shape = len(motion), len(JOINTS)
     touched = np.ones(shape, dtype=bool) if touched is None else touched
-    for name, array, expected in (
-        ("positions", positions, (*shape, 3)),
-        ("touched", touched, shape),
-    ):
-        if not callable(array) and np.shape(array) != expected:
-            raise ValueError(f"{name} have shape {np.shape(array)}, expected {expected}")
+    if not callable(positions) and np.shape(positions) != (*shape, 3):
+        raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
+    if touched.shape != shape:
+        raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
     bones = _bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
     rotations, translations = motion.rotations.copy(), motion.translations
