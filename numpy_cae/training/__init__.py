@@ -15,12 +15,10 @@ from numpy_cae.training.schedule import (
     Schedule,
     SequenceSchedule,
     Stage,
-    decayed_rate,
-    one_cycle,
     recipe,
 )
 from numpy_cae.training.sequential import train_sequential
-from numpy_cae.training.sgd import clip_norm, descend, descend_with_momentum
+from numpy_cae.training.sgd import clip_norm
 from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import unit_directions
 
@@ -38,10 +36,6 @@ __all__ = [
     "Stage",
     "TrainingState",
     "clip_norm",
-    "decayed_rate",
-    "descend",
-    "descend_with_momentum",
-    "one_cycle",
     "recipe",
     "train_autoencoder",
     "train_sequential",

@@ -63,7 +63,7 @@ def test_only_the_text_of_what_is_missing_changes(folder, tmp_path, capsys, run)
     assert set(names) <= {"rhumerus", "rradius", "rwrist"}
 
 
-def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
+def test_limbs_and_a_mask_file(folder, tmp_path, capsys, run):
     out = tmp_path / "m.bvh"
     run(*fill(folder, "walk.bvh", out, "--limb", "left_arm", "--frames", 3, 3))
     assert "left_elbow, left_wrist: frame 3: " in capsys.readouterr().out
@@ -71,10 +71,6 @@ def test_limbs_a_mask_file_and_keyframes(folder, tmp_path, capsys, run):
     mask.write_text('[{"joint": "left_wrist", "frames": [9, 9]}, {"frames": [5, 6]}]')
     run(*fill(folder, "walk.bvh", out, "--mask", mask))
     assert "left_wrist: frames 5 to 6, 9: " in capsys.readouterr().out
-    run(*fill(folder, "walk.bvh", out, "--keyframes", 15))
-    came, filled = (load_motion(path).rotations for path in (folder / "walk.bvh", out))
-    np.testing.assert_array_equal(filled[::15], came[::15])
-    np.testing.assert_array_equal(filled[105:], came[105:])  # after the last keyframe
 
 
 def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, run):

@@ -1,5 +1,7 @@
 """The command `report` on a folder of synthetic takes and a tiny network."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -20,38 +22,26 @@ def model(folder, tmp_path_factory, train):
     return train(folder, tmp_path_factory.mktemp("model") / "model.npz", "--test", "*_01.bvh")
 
 
-def test_it_writes_a_page_and_a_text(folder, model, tmp_path, capsys, run):
-    out = tmp_path / "new"
-    words = ["report", "--data", folder, "-m", model, "-o", out]
-    run(*words, "--only", "sampling", "interpolation")
-    captured = capsys.readouterr()
-    assert "[2/2]" in captured.err
-    assert "claims confirmed" in captured.out
-    html, text = ((out / name).read_text() for name in ("report.html", "report.txt"))
-    assert html.count('<section id="') == 2
-    assert "data:image/png;base64," in html
-    assert "| fitted prior " in text
-    assert "*_01.bvh" in text
-    assert f"NumPy {np.__version__}" in text
-    assert sorted(path.name for path in out.iterdir()) == [
-        "report.html",
-        "report.json",
-        "report.txt",
-    ]
-
-
-def test_an_experiment_that_cannot_be_run_stops_no_other(folder, model, tmp_path, capsys, run):
-    few = tmp_path / "few"
+def test_it_writes_its_files_and_an_experiment_that_cannot_be_run_stops_no_other(
+    folder, model, tmp_path, capsys, run
+):
+    few, out = tmp_path / "few", tmp_path / "new"
     few.mkdir()
     for path in sorted(folder.rglob("*.bvh"))[:3]:
         (few / path.name).write_bytes(path.read_bytes())  # without labels.csv
-    words = ["report", "--data", few, "-m", model, "-o", tmp_path / "out", "--only"]
-    run(*words, "interpolation", "sampling")
+    words = ["report", "--data", few, "-m", model, "-o", out]
+    run(*words, "--only", "interpolation", "sampling")
     captured = capsys.readouterr()
-    assert "interpolation: Could not be run: " in captured.err
-    assert "sampling: " in captured.err and "claims confirmed\n" in captured.out
-    text = (tmp_path / "out" / "report.txt").read_text()
-    assert "Sampling from a prior" in text and "test takes: *_01.bvh" in text
+    assert "interpolation: Could not be run: " in captured.err and "[2/2]" in captured.err
+    assert "claims confirmed\n" in captured.out
+    html, text, data = (out / f"report.{suffix}" for suffix in ("html", "txt", "json"))
+    html, text = html.read_text(), text.read_text()
+    assert html.count('<section id="') == 2
+    assert "data:image/png;base64," in html
+    assert "| fitted prior " in text and "test takes: *_01.bvh" in text
+    assert f"NumPy {np.__version__}" in text
+    assert set(json.loads(data.read_text())["results"]) == {"interpolation", "sampling"}
+    assert len(list(out.iterdir())) == 3
 
 
 def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):

@@ -118,7 +118,7 @@ def sequence(**changes):
 
 
 def test_it_learns_to_reconstruct_sequences():
-    _, losses = trained(sequence())
+    _, losses = trained(sequence(), engine=accelerate)
     errors = losses["reconstruction"]
     assert len(errors) == len(losses["discrepancy"]) == 120
     assert np.mean(errors[-12:]) < np.mean(errors[:12]) / 2
@@ -128,7 +128,10 @@ def test_it_learns_to_reconstruct_sequences():
 
 def test_the_regulariser_brings_the_latents_to_the_prior():
     """They begin three off its centre, and only λ has a reason to bring them there."""
-    free, held = (trained(sequence(weight=w, epochs=2), off=3.0)[1] for w in (0.0, 1.0))
+    free, held = (
+        trained(sequence(weight=weight, epochs=2), off=3.0, engine=accelerate)[1]
+        for weight in (0.0, 1.0)
+    )
     assert np.mean(held["discrepancy"][-20:]) < np.mean(free["discrepancy"][-20:]) / 2
 
 

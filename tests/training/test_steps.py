@@ -4,17 +4,10 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import (
-    Adam,
-    Stage,
-    clip_norm,
-    descend,
-    descend_with_momentum,
-    one_cycle,
-    unit_directions,
-)
+from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
 from numpy_cae.training import step as module
-from numpy_cae.training.schedule import rate_at
+from numpy_cae.training.schedule import one_cycle, rate_at
+from numpy_cae.training.sgd import descend_with_momentum
 
 
 def test_unpooling_masks_are_true_with_probability_one_half():
@@ -32,15 +25,6 @@ def test_directions_have_length_one_and_no_preferred_direction():
     np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1, atol=1e-6)
     np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.05)
     np.testing.assert_allclose(drawn.T @ drawn / 2000, np.eye(3) / 3, atol=0.03)
-
-
-def test_descent_changes_parameters_in_place_against_the_gradient():
-    w, b = np.array([1.0, 2.0]), np.array([3.0])
-    descend((w, b), (np.array([0.5, -1.0]), np.array([2.0])), rate=0.1)
-    np.testing.assert_allclose(w, [0.95, 2.1])
-    np.testing.assert_allclose(b, [2.8])
-    with pytest.raises(ValueError, match="shorter"):
-        descend((w, b), (np.ones(2),), rate=0.1)
 
 
 def test_momentum_adds_up_where_the_gradient_keeps_its_sign_and_cancels_where_it_does_not():
@@ -70,14 +54,9 @@ def test_adam_is_its_definition_as_a_sum_over_all_gradients():
 def test_a_long_gradient_keeps_its_direction_and_a_short_one_its_values():
     one, two = np.array([3.0, 0.0]), np.array([[0.0, 4.0]])
     assert clip_norm([one, two], 1.0) == pytest.approx(5)
+    assert clip_norm([one, two], 2.0) == pytest.approx(1)
     np.testing.assert_allclose(one, [0.6, 0])
     np.testing.assert_allclose(two, [[0, 0.8]])
-    assert clip_norm([one, two], 2.0) == pytest.approx(1)
-    np.testing.assert_allclose(two, [[0, 0.8]])
-    gradient = np.full(5, 100, np.float32)
-    clip_norm([gradient], 2.0)
-    assert gradient.dtype == np.float32
-    assert np.linalg.norm(gradient) == pytest.approx(2, rel=1e-6)
     for bound in (0.0, -1.0, np.nan):
         with pytest.raises(ValueError, match="above 0"):
             clip_norm([np.ones(2)], bound)
@@ -92,7 +71,6 @@ def test_a_one_cycle_rate_rises_to_its_peak_and_falls_to_nearly_zero():
     stage = Stage(epochs=10, rate=0.2, rate_schedule="one-cycle")
     rates = [rate_at(stage, epoch, step, 10) for epoch in range(10) for step in range(10)]
     assert np.argmax(rates) == 30
-    assert rates[30] == one_cycle(0.2, 0.3) == pytest.approx(0.2)
-    assert rates[0] == pytest.approx(0.2 / 25)
+    assert rates[::30] == [one_cycle(0.2, share) for share in (0.0, 0.3, 0.6, 0.9)]
     assert all(np.diff(rates[:31]) > 0) and all(np.diff(rates[30:]) < 0)
     assert one_cycle(0.2, 1.0) == pytest.approx(0.2e-5)

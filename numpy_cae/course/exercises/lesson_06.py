@@ -17,7 +17,7 @@ from numpy_cae.course.exercises.exercise import (
     operation_exercise,
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
-from numpy_cae.training import decayed_rate
+from numpy_cae.training.schedule import decayed_rate
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 

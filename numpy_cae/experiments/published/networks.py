@@ -18,8 +18,8 @@ from numpy_cae.experiments.published.protocol import FOLDS, GROUPS, Fill, Learn,
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import Adam, Stage, clip_norm, one_cycle, unit_directions
-from numpy_cae.training.schedule import rate_at
+from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
+from numpy_cae.training.schedule import one_cycle, rate_at
 from numpy_cae.training.step import denoising_step, make_optimiser
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
