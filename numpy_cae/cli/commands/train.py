@@ -53,11 +53,13 @@ def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
     train_options.require_options_of_model(args)
     require_place(args.output)
-    if args.resume and args.output.exists() and not state_of(args.output).exists():
+    state = args.output.with_name(f"{args.output.stem}.checkpoint.npz")
+    checkpoint = Checkpoint(state, resume=args.resume)
+    if args.resume and args.output.exists() and not state.exists():
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
-    with one_run(args.output, args.resume) as checkpoint:
+    with interruptible(checkpoint):
         settings = {
             "seed": args.seed,
             "report": None if args.quiet else ProgressPrinter(),
@@ -123,22 +125,16 @@ def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Lear
 
 
 @contextmanager
-def one_run(output: Path, resume: bool) -> Iterator[Checkpoint]:
-    """Yield the checkpoint of the run that writes `output`.
+def interruptible(checkpoint: Checkpoint) -> Iterator[None]:
+    """A block that Ctrl-C or SIGTERM ends with a message that says where the last state is.
 
-    Raises CheckpointError if a run was interrupted, or is still running, and `resume` is False.
+    Raises CheckpointError if a run was interrupted, or is still running, and is not to be resumed.
     """
-    checkpoint = Checkpoint(state_of(output), resume=resume)
     with suppress(ValueError):  # signals can only be handled in the main thread
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as after Ctrl-C
     checkpoint.require_none_unless_resumed()
     try:
-        yield checkpoint
+        yield
     except KeyboardInterrupt:
         advice = "; continue with --resume" if checkpoint.path.exists() else ""
         raise KeyboardInterrupt(f"{checkpoint.status()}{advice}") from None
-
-
-def state_of(output: Path) -> Path:
-    """The file in which the state of a run is saved."""
-    return output.with_name(f"{output.stem}.checkpoint.npz")
