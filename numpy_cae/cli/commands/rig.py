@@ -49,9 +49,8 @@ def run(args: argparse.Namespace) -> int:
     skeleton = motion.skeleton
     joints = len(skeleton.names) - skeleton.added
     print(
-        f"{args.file}: {len(motion)} frames at {motion.rate:.5g} a second, "
-        f"{joints} joints\nunit   {motion.unit_note.split('; ')[0]}\nup     {motion.up.upper()}\n"
-        f"floor  {motion.floor:.2f} m\nrig    {rig}"
+        f"{args.file}: {motion}\nunit   {motion.unit_note.split('; ')[0]}\n"
+        f"up     {motion.up.upper()}\nfloor  {motion.floor:.2f} m\nrig    {rig}"
     )
     for joint in JOINTS:
         name = skeleton.names[indices[joint]] if joint in indices else "missing: name one"

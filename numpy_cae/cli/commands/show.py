@@ -42,11 +42,7 @@ def run(args: argparse.Namespace) -> int:
     rate = min([30.0, *(motion.rate for motion in motions)])
     actors = []
     for source, motion in zip(args.files, motions, strict=True):
-        joints = len(motion.skeleton.names) - motion.skeleton.added
-        print(
-            f"{source}: {len(motion)} frames at {motion.rate:.5g} a second "
-            f"({motion.seconds:.1f} s), {joints} joints, {motion.unit_note}"
-        )
+        print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.unit_note}")
         actors.append(motion_actor(motion, source.name, rate=rate))
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:

@@ -92,7 +92,7 @@ class ChangedFiles:
                 target.parent.mkdir(parents=True, exist_ok=True)
             assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
             repaired.motion.save(target, motion)
-            one_motion.print_written(repaired.motion, target)
+            print(f"{target}: {repaired.motion}")
             if self.args.html:
                 self._write_page(motion, repaired, target)
         print(indent(str(repaired), "  "))

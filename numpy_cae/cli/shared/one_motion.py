@@ -44,13 +44,7 @@ def load_model(args: argparse.Namespace, sequential: bool = False) -> Manifold:
 def write(motion: Motion, path: Path) -> None:
     """Write a motion and print what was written."""
     write_motion(motion, path)
-    print_written(motion, path)
-
-
-def print_written(motion: Motion, path: Path) -> None:
-    """Print a file's name with the size of its motion."""
-    joints = len(motion.skeleton.names) - motion.skeleton.added
-    print(f"{path}: {len(motion)} frames at {motion.rate:g} a second, {joints} joints")
+    print(f"{path}: {motion}")
 
 
 def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
