@@ -49,9 +49,8 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
 
 def frame_lengths(positions: np.ndarray) -> np.ndarray:
     """The lengths in each frame, (F, 20)."""
-    lengths = np.zeros(positions.shape[:2])
-    for joint, parent in list(enumerate(PARENTS))[1:]:
-        lengths[:, joint] = np.linalg.norm(positions[:, joint] - positions[:, parent], axis=-1)
+    lengths = np.linalg.norm(positions - positions[:, PARENTS], axis=-1)
+    lengths[:, 0] = 0.0  # no bone ends at the hips
     return lengths
 
 
@@ -59,9 +58,8 @@ def problem_of(positions: np.ndarray) -> str:
     """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
     scale; empty if they are. A bone of length 0 is allowed only below a bone of
     positive length."""
-    lengths = np.median(
-        frame_lengths(positions), axis=0
-    )  # a few damaged frames do not change the median
+    # A few damaged frames do not change the median.
+    lengths = np.median(frame_lengths(positions), axis=0)
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
         problem = f"the bones to both knees and ankles are {legs:.3g} m long in all"

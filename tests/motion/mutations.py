@@ -16,10 +16,6 @@ def flipped_bits(data: bytes, rng: np.random.Generator) -> bytes:
     return bytes(changed)
 
 
-def cut_off(data: bytes, rng: np.random.Generator) -> bytes:
-    return data[: rng.integers(1, len(data))]
-
-
 def lines_lost_doubled_or_reordered(data: bytes, rng: np.random.Generator) -> bytes:
     lines = data.splitlines(keepends=True)
     start, count = rng.integers(len(lines)), rng.integers(1, 12)
@@ -67,7 +63,6 @@ def other_encodings(data: bytes, rng: np.random.Generator) -> bytes:
 
 MUTATIONS = [
     flipped_bits,
-    cut_off,
     lines_lost_doubled_or_reordered,
     a_number_changed,
     a_word_replaced,

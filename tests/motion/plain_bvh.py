@@ -4,9 +4,9 @@ Nothing here imports the package: text by print, rotations by 3 x 3 matrices, po
 """
 
 from dataclasses import dataclass
-from math import cos, radians, sin
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 HIERARCHY = """HIERARCHY
 ROOT Hips
@@ -60,12 +60,7 @@ def bvh_text(joints: list[PlainJoint], values: list[list[float]], time: str = "0
 
 
 def about(axis: str, degrees: float) -> np.ndarray:
-    c, s = cos(radians(degrees)), sin(radians(degrees))
-    return {
-        "X": np.array([[1, 0, 0], [0, c, -s], [0, s, c]]),
-        "Y": np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]),
-        "Z": np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]),
-    }[axis.upper()]
+    return Rotation.from_euler(axis.lower(), degrees, degrees=True).as_matrix()
 
 
 def plain_positions(joints: list[PlainJoint], values: list[list[float]]) -> np.ndarray:

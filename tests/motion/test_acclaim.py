@@ -62,25 +62,22 @@ def test_units_and_rate_come_from_the_files_unless_given(read_pair):
     assert read_pair(amc=said).rate == 60
 
 
-def in_radians(text: str, first: str, skip: int) -> str:
-    """The text with the numbers of lines that begin with `first` in radians, but for the first."""
-
-    def line(match: re.Match) -> str:
-        words = match[0].split()
-        angles = slice(1 + skip, 4 + skip)
-        words[angles] = [repr(float(np.radians(float(word)))) for word in words[angles]]
-        return " ".join(words)
-
-    return re.sub(rf"(?m)^ *{first} [-\d].*$", line, text)
+def in_radians(text: str, *angles: float) -> str:
+    """The text with these degrees, as they are written in it, in radians."""
+    for angle in angles:
+        text = re.sub(rf"\b{angle}\b", repr(float(np.radians(angle))), text)
+    return text
 
 
 def test_radians_are_read_where_each_file_says_so(read_pair):
-    expected = read_pair().positions()
-    asf = in_radians(ASF, "axis", 0).replace("angle deg", "angle rad")
-    amc = in_radians(in_radians(in_radians(AMC, "root", 3), "femur", 0), "tibia", 0)
-    amc = amc.replace(":DEGREES", ":RADIANS")
+    expected = read_pair().rotations[0]
+    asf = ASF.replace("axis 10 20 30", in_radians("axis 10 20 30", 10, 20, 30))
+    asf = asf.replace("0 0 20", in_radians("0 0 20", 20)).replace("angle deg", "angle rad")
+    amc = AMC.replace("3 10 20 30", in_radians("3 10 20 30", 10, 20, 30))
+    amc = amc.replace("femur 40 50 60", in_radians("femur 40 50 60", 40, 50, 60))
+    amc = amc.replace("tibia 70", in_radians("tibia 70", 70)).replace(":DEGREES", ":RADIANS")
     for pair in ((asf, AMC), (ASF, amc), (asf, amc), (asf, amc.replace(":RADIANS\n", ""))):
-        np.testing.assert_allclose(read_pair(*pair).positions(), expected, atol=1e-12)
+        np.testing.assert_allclose(read_pair(*pair).rotations[0], expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("order", [" ".join(order) for order in permutations(("rx", "ry", "rz"))])

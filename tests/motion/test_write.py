@@ -235,8 +235,8 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
     femur, tibia = (motion.skeleton.index(name) for name in ("lfemur", "ltibia"))
     after = turned(turned(motion, femur, [4, 5]), tibia, [5])
     write_like(source, motion, after, tmp_path / "new.amc")
-    lines = zip(source.open(), (tmp_path / "new.amc").open(), strict=True)
-    changed = [one.split()[0] for one, other in lines if one != other]
+    texts = [path.read_text().splitlines() for path in (source, tmp_path / "new.amc")]
+    changed = [one.split()[0] for one, other in zip(*texts, strict=True) if one != other]
     assert changed == ["lfemur", "lfemur", "ltibia"]
     again = load_motion(tmp_path / "new.amc")
     np.testing.assert_allclose(again.positions(), after.positions(), atol=1e-6)
