@@ -137,21 +137,19 @@ def read_material(
 
 
 def each_usable(
-    folders: Sequence[str | Path], read: Callable[[Path], Take], strict: bool = False
+    folders: Sequence[str | Path], read: Callable[[Path], Take]
 ) -> Iterator[tuple[Path, Take]]:
     """Yield the path of every motion file below the folders and what `read` makes of the file.
 
-    A file that cannot be used is an error if `strict`; otherwise it is left out with a warning.
+    A file that cannot be used is left out with a warning.
     """
     for path in (path for folder in folders for path in find_motion_files(folder)):
         try:
             take = read(path)
         except (MotionFileError, UnknownRigError) as problem:
-            if strict:
-                raise
             log.warning("left out: %s", problem)
-            continue
-        yield path, take
+        else:
+            yield path, take
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:

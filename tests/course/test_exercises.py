@@ -98,22 +98,17 @@ def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
     assert course.report("unpool_even", ops.unpool_even) == 20
 
 
-def doubled(x):
-    return 2 * x
-
-
-def doubled_in_place(x):
-    x *= 2
-    return x
-
-
 def test_purity_finds_a_changed_argument():
-    doubling = exercise(doubled, drawn(x="rows 3"), SIZES, value="it is doubled")
-    value, purity = doubling.properties
-    assert try_property(value, doubled_in_place).held
-    outcome = try_property(purity, doubled_in_place)
-    assert not outcome.held and outcome.problem == "the call changes x"
-    assert try_property(purity, doubled).held
+    def doubled(x):
+        return 2 * x
+
+    def doubled_in_place(x):
+        x *= 2
+        return x
+
+    value, purity = exercise(doubled, drawn(x="rows 3"), SIZES, value="it is doubled").properties
+    assert try_property(value, doubled_in_place).held and try_property(purity, doubled).held
+    assert try_property(purity, doubled_in_place).problem == "the call changes x"
 
 
 def linear(weights, x):

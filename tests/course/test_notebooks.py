@@ -64,10 +64,8 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
     ("words", "said"),
     [
         ([], "give a folder for students, --release"),
-        (["student", "--execute"], "give a folder for students"),
         (["--release", "week.zip", "03", "77"], "no lesson 77 in"),
         (["student", "--from", "nowhere"], "no lessons in nowhere"),
-        (["student", "--from", "{here}", "--only", "02"], "no lesson 02 in"),
         (["{here}", "--from", "{here}"], "name another folder"),
         (["--execute", "--from", "{here}"], "pip install '.[lessons]'"),
     ],

@@ -6,28 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae.evaluation import (
-    Validity,
-    ValidityMeasure,
-    bone_length_error,
-    diversity,
-    foot_sliding,
-    gait_frequency,
-    jitter,
-    nearest_distance,
-    nearest_neighbour_accuracy,
-    position_error,
-)
+from numpy_cae import evaluation, motion
 from numpy_cae.evaluation.retrieval import average_precision
 from numpy_cae.evaluation.samples import clip_distances
-from numpy_cae.motion import (
-    JOINTS,
-    POSITIONS,
-    body_of,
-    bone_lengths,
-    joint_slice,
-    positions_to_features,
-)
+from numpy_cae.motion import JOINTS
 from numpy_cae.motion.retarget.fit import body_skeleton
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
@@ -36,7 +18,7 @@ LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
 
 @pytest.fixture(scope="module")
 def walk() -> np.ndarray:
-    return body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
+    return motion.body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])
@@ -45,21 +27,21 @@ def test_a_falling_body_has_the_acceleration_of_gravity(rate):
     positions = np.zeros((20, 2, 3))
     positions[:, :, 1] = -9.81 / 2 * t[:, None] ** 2
     positions[:, :, 0] = 3.0 * t[:, None]
-    assert jitter(positions, rate) == pytest.approx(9.81)
+    assert evaluation.jitter(positions, rate) == pytest.approx(9.81)
     with pytest.raises(ValueError, match=r"\(2, 2, 3\), expected \(3 frames or more"):
-        jitter(positions[:2], rate)
+        evaluation.jitter(positions[:2], rate)
 
 
 def test_velocities_and_padded_frames_do_not_count_and_one_joint_can_count_alone():
     truth = np.zeros((2, 8, 63))
     off = truth.copy()
-    off[..., POSITIONS.stop :] = 5.0
+    off[..., motion.POSITIONS.stop :] = 5.0
     off[:, 6:] = 7.0
-    off[:, :6, joint_slice("left_wrist")] = 0.03
+    off[:, :6, motion.joint_slice("left_wrist")] = 0.03
     real = np.tile(np.arange(8) < 6, (2, 1))
-    assert position_error(off, truth, real) == pytest.approx(3 / np.sqrt(20))
-    assert position_error(off, truth, real, "left_wrist") == pytest.approx(3.0)
-    assert position_error(off, truth, real, "right_wrist") == 0.0
+    assert evaluation.position_error(off, truth, real) == pytest.approx(3 / np.sqrt(20))
+    assert evaluation.position_error(off, truth, real, "left_wrist") == pytest.approx(3.0)
+    assert evaluation.position_error(off, truth, real, "right_wrist") == 0.0
 
 
 def standing(frames: int = 20) -> np.ndarray:
@@ -76,7 +58,7 @@ def standing(frames: int = 20) -> np.ndarray:
 @given(st.floats(0.5, 2.0))
 def test_a_scaled_body_has_the_error_of_its_scale(size):
     expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
-    assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
+    assert evaluation.bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
 
 
 @given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
@@ -84,39 +66,41 @@ def test_a_translated_pose_slides_at_its_speed(speed, direction):
     pushed = standing()
     path = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
     pushed[..., [0, 2]] += path[:, None]
-    assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
-    assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
+    assert evaluation.foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
+    assert evaluation.foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
 
 
 def test_only_the_lower_foot_counts():
     hopping = standing()
     hopping[:, RIGHT_TOE, 1] += 0.02  # near the floor too, and fast
     hopping[:, RIGHT_TOE, 2] += np.arange(20)
-    assert foot_sliding(hopping, 30.0) == 0
+    assert evaluation.foot_sliding(hopping, 30.0) == 0
     hopping[:, LEFT_TOE, 1] += 0.03
-    assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
+    assert evaluation.foot_sliding(hopping, 30.0) == pytest.approx(3000)
 
 
 def test_the_nearest_pose_equals_an_exhaustive_search(walk):
     rng = np.random.default_rng(0)
-    features, _ = positions_to_features(walk, 30.0)
+    features, _ = motion.positions_to_features(walk, 30.0)
     queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
     apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
     expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
-    measure = ValidityMeasure([features], LENGTHS, 30.0)
+    measure = evaluation.ValidityMeasure([features], LENGTHS, 30.0)
     np.testing.assert_allclose(measure.nearest_distances(queries), expected)
 
 
 def test_validity_is_all_measures(walk):
-    features, _ = positions_to_features(walk, 30.0)
-    measure = ValidityMeasure([features], bone_lengths(walk), 30.0)
+    features, _ = motion.positions_to_features(walk, 30.0)
+    measure = evaluation.ValidityMeasure([features], motion.bone_lengths(walk), 30.0)
     real = measure.of(features)
     noisy = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
     assert real.nearest_pose == 0
     for name in ("bone_length", "foot_sliding", "jitter", "nearest_pose"):
         assert getattr(noisy, name) > getattr(real, name)
-    assert Validity.mean([real, noisy]).jitter == pytest.approx((real.jitter + noisy.jitter) / 2)
-    text = Validity(1, 2, 3, 1).against(Validity(1, 2, 4, 1))
+    assert evaluation.Validity.mean([real, noisy]).jitter == pytest.approx(
+        (real.jitter + noisy.jitter) / 2
+    )
+    text = evaluation.Validity(1, 2, 3, 1).against(evaluation.Validity(1, 2, 4, 1))
     assert "jitter, m/s² 3.00 against 4.00" in text
 
 
@@ -128,17 +112,21 @@ def test_the_distance_is_the_root_mean_square_and_diversity_its_mean_within_a_se
     a, b = drawn(3, 0), drawn(4, 1)
     direct = np.sqrt(((a[:, None] - b[None]) ** 2).mean(axis=(2, 3)))
     assert np.allclose(clip_distances(a, b), direct)
-    assert nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
-    assert diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
+    assert evaluation.nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
+    assert evaluation.diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
     within = clip_distances(a, a)
-    assert diversity(a) == pytest.approx((within[0, 1] + within[0, 2] + within[1, 2]) / 3)
+    assert evaluation.diversity(a) == pytest.approx(
+        (within[0, 1] + within[0, 2] + within[1, 2]) / 3
+    )
 
 
 def test_the_two_sample_test_of_equal_different_and_copied_sets():
     real = drawn(400, 0)
-    assert nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(0.5, abs=0.05)
-    assert nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
-    assert nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
+    assert evaluation.nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(
+        0.5, abs=0.05
+    )
+    assert evaluation.nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
+    assert evaluation.nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
 
 
 def walker(stride, rate=25.0, frames=50, facing=0.7):
@@ -156,8 +144,8 @@ def walker(stride, rate=25.0, frames=50, facing=0.7):
 
 @pytest.mark.parametrize("stride", [0.75, 0.93, 1.2, 1.6])
 def test_the_frequency_of_a_stride(stride):
-    assert gait_frequency(walker(stride), 25.0) == pytest.approx(stride, rel=0.04)
-    assert np.isnan(gait_frequency(np.zeros((50, 20, 3)), 25.0))
+    assert evaluation.gait_frequency(walker(stride), 25.0) == pytest.approx(stride, rel=0.04)
+    assert np.isnan(evaluation.gait_frequency(np.zeros((50, 20, 3)), 25.0))
 
 
 # Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).

@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
-from numpy_cae.motion import load_motion, write_bvh
+from data_synth import make_take
 from numpy_cae.viz import motion_actor, save_viewer
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs the extra `browser`")
@@ -40,28 +40,22 @@ def browser():
 
 
 @pytest.fixture(scope="module")
-def motions(tmp_path_factory):
-    """Two takes, written and read again."""
-    from data_synth import make_take
-
-    folder = tmp_path_factory.mktemp("takes")
-    for number in range(2):
-        take = make_take("walk", number, seconds=4.0, rate=30.0)
-        write_bvh(take.motion, folder / f"walk_{number}.bvh", unit=0.01)
-    return [load_motion(folder / f"walk_{number}.bvh") for number in range(2)]
+def motions():
+    return [make_take("walk", number, seconds=4.0, rate=30.0).motion for number in range(2)]
 
 
-@pytest.fixture(params=[(1200, 800), (390, 750)], ids=["desktop", "phone"])
-def page(browser, motions, tmp_path, request):
+@pytest.fixture(scope="module", params=[(1200, 800), (390, 750)], ids=["desktop", "phone"])
+def page(browser, motions, tmp_path_factory, request):
     """A page of both motions; no message in the console is an error."""
     actors = [motion_actor(motion, f"walk {n}") for n, motion in enumerate(motions)]
-    save_viewer(actors, tmp_path / "walks.html", 30.0)
+    path = tmp_path_factory.mktemp("page") / "walks.html"
+    save_viewer(actors, path, 30.0)
     width, height = request.param
     opened = browser.new_page(viewport={"width": width, "height": height})
     errors = []
     opened.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
     opened.on("pageerror", lambda error: errors.append(str(error)))
-    opened.goto((tmp_path / "walks.html").as_uri())
+    opened.goto(path.as_uri())
     opened.wait_for_function("window.motionViewers?.()[0]?.frame > 0", timeout=60_000)
     yield opened
     assert not errors

@@ -96,16 +96,6 @@ def _rest_pose(function, case, parents, rotations, translations):
         require_equal(what, positions[:, joint], expected)
 
 
-@states("bone lengths", "a bone is as long as its translation")
-def _bone_lengths(function, case, parents, rotations, translations):
-    positions = function(parents, rotations, translations)
-    for joint, parent in enumerate(parents):
-        if parent != -1:
-            lengths = np.linalg.norm(positions[:, joint] - positions[:, parent], axis=-1)
-            expected = np.linalg.norm(translations[:, joint], axis=-1)
-            require_equal(f"the length of the bone to joint {joint}", lengths, expected)
-
-
 @states(
     "own rotation",
     "a joint's own rotation moves its descendants, never the joint itself",
@@ -116,16 +106,6 @@ def _own_rotation(function, case, parents, rotations, translations):
     rotations[:, -1] = rotations[:, -1] @ random_rotations(case.rng(), 1)
     after = function(parents, rotations, translations)
     require_equal("with its last joint rotated, a position", after, before)
-
-
-@states("turned root", "rotating the root rotates the whole body")
-def _rotated_root(function, case, parents, rotations, translations):
-    rotation = random_rotations(np.random.default_rng([case.seed, 3]), 1)[0]
-    expected = function(parents, rotations, translations) @ rotation.T
-    rotations[:, 0] = rotation @ rotations[:, 0]
-    translations[:, 0] = translations[:, 0] @ rotation.T
-    after = function(parents, rotations, translations)
-    require_equal("with the root rotated, a position", after, expected)
 
 
 _channels_as_matrix = same_as(rotation_from_channels, "the matrix's entry")
@@ -148,9 +128,7 @@ EXERCISES = (
         _motion_arguments,
         MOTION_SIZES,
         _rest_pose,
-        _bone_lengths,
         _own_rotation,
-        _rotated_root,
         value="p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
         points=3,
     ),

@@ -84,12 +84,6 @@ def _changes_of_heading(function, case, across):
     require_equal("the change from frame to frame", changes, np.diff(_random_headings(case)))
 
 
-@states("undone", "rotating by -angle undoes it")
-def _inverse_rotation(function, case, vectors, angles):
-    back = function(np.array(function(vectors, angles)), -angles)
-    require_equal("rotated by the angle and by its negative, a vector", back, vectors)
-
-
 def _columns(columns: slice, what: str) -> Callable[..., None]:
     def check(function, case, positions, theta):
         features, expected = np.asarray(function(positions, theta)), to_features(positions, theta)
@@ -117,14 +111,6 @@ def _first_frame(function, case, **given):
     require_equal("a position in the first frame", positions[0], from_features(**given)[0])
 
 
-@states("last velocity", "the velocity of the last frame has no effect")
-def _last_velocity(function, case, features, **start):
-    before = function(features, *start.values())
-    features[-1, 60:] += 1.0
-    after = function(features, *start.values())
-    require_equal("with another last velocity, a position", after, before)
-
-
 _POSITIONS = "the first 60 are R(-θ) (p - h), joint by joint"
 _VELOCITY = "the next two are x and z of R(-θ_t) (h_{t+1} - h_t)"
 
@@ -134,7 +120,6 @@ EXERCISES = (
         turn_about_y,
         drawn(vectors="frames vectors 3", angles=array("frames", 3.0)),
         {"frames": (1, 2, 3), "vectors": (1, 2, 3)},
-        _inverse_rotation,
         value="the vectors of each frame are rotated about Y by the angle of that frame",
         points=3,
     ),
@@ -152,7 +137,6 @@ EXERCISES = (
         _feature_arguments,
         FRAMES,
         _first_frame,
-        _last_velocity,
         value="h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
         points=5,
     ),

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import PCA, LinearDenoiser, Moments, interpolate_linearly
+from numpy_cae.evaluation import interpolate_linearly
 from numpy_cae.experiments.published.protocol import Fill, Method
-from numpy_cae.motion.windows import cut_windows
 
 OFFSET, MEMORY = 0.5, 10
 """OFFSET: the variance of a take's constant error, relative to that of its varying error. MEMORY:
@@ -78,39 +77,6 @@ def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
 
         weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
         return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
-
-    return learn
-
-
-def linear_denoiser(taps: int, penalty: float) -> Method:
-    """A `LinearDenoiser` for hidden columns that are never kept and others that always are."""
-
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        length = max(map(len, takes))
-        cut = [cut_windows(take, length, 0) for take in takes]
-        windows, real = (np.concatenate(part) for part in zip(*cut, strict=True))
-        kept = np.ones(windows.shape[-1])
-        kept[columns] = 0
-        denoiser: LinearDenoiser = Moments.of(windows, real, taps).solve(kept, penalty)
-        return lambda take, first: denoiser.repair(np.nan_to_num(take)[None])[0][:, columns]
-
-    return learn
-
-
-def pca(taps: int, size: int) -> Method:
-    """PCA of `taps` rows together; a row is filled in from the known values around it."""
-
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        model = PCA.fit(np.concatenate([around(take, taps) for take in takes]))
-
-        def fill(take: np.ndarray, first: int) -> np.ndarray:
-            rows = around(take, taps)
-            known = ~np.isnan(rows)
-            filled = model.fill(np.where(known, rows, 0), known, size)
-            middle = taps // 2 * take.shape[1]
-            return filled[:, np.array(columns) + middle]
-
-        return fill
 
     return learn
 

@@ -73,12 +73,13 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     """Draw clips from each source and study, and measure them."""
     rows = [row for study in studies for row in _rows(study, seed)]
     table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
-    walking = any(study.action.name == "walking" for study in studies)
+    actions = [study.action for study in studies]
+    walking = any(action.name == "walking" for action in actions)
     claims = [_walking_claim(table)] if walking else []
-    alike, other = [], []
-    for study in studies:
-        spread = table.value(f"{study.action.name}: {FITTED}", "diversity")
-        (alike if study.action.periodic else other).append(spread)
+    alike, other = (
+        [table.value(f"{a.name}: {FITTED}", "diversity") for a in actions if a.periodic == periodic]
+        for periodic in (True, False)
+    )
     if alike and other:
         others = ", ".join(f"{value:.2f}" for value in other)
         claim = Claim(

@@ -82,14 +82,13 @@ def read_action(
     patterns: Sequence[str],
     mapping: Mappings = None,
     coordinates: Coordinates | None = None,
-    strict: bool = False,
 ) -> Action:
     """Read every motion file below the folders; those whose name matches a pattern are for testing.
 
-    `mapping` and `coordinates` are those of `load_angles`, `strict` that of `each_usable`.
+    `mapping` and `coordinates` are those of `load_angles`.
     """
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
-    angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates), strict)
+    angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates))
     for path, sequence in angles:
         halves[is_test(path, patterns)].append(sequence)
     return Action(name, *halves, periodic=name in PERIODIC)
