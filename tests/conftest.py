@@ -23,6 +23,19 @@ def counted(capsys):
     return counted
 
 
+@pytest.fixture
+def forked_grading(tmp_path, monkeypatch):
+    """Grade in a process that is forked from this one, which saves starting Python."""
+    from numpy_cae.verify.grading import student_file
+    from numpy_cae.verify.grading.sandbox.child import do_apart, reply_to
+
+    def run(request):
+        return do_apart(lambda: reply_to({**request, "megabytes": 4096}), 100)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(student_file, "run", run)
+
+
 @pytest.fixture(scope="session")
 def data_folder() -> Path:
     """The folder of real motion files; where there is none, the test is skipped."""
