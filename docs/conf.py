@@ -28,6 +28,7 @@ extensions = [
     "numpydoc",
     "myst_nb",
 ]
+exclude_patterns = ["paper.md"]  # in the form of a journal, not a page of the site
 html_theme = "pydata_sphinx_theme"
 html_title = "numpy_cae"
 html_context = {"default_mode": "auto"}
