@@ -79,12 +79,9 @@ def test_imports_point_inwards(package):
     assert not wrong, dict(wrong)
 
 
-def test_ops_imports_nothing_of_the_project_but_itself():
+def test_ops_and_foundation_import_nothing_of_the_project_but_themselves():
     for path in python_files("numpy_cae/ops"):
         assert all(name.startswith("numpy_cae.ops") for name in imported_modules(path)), path
-
-
-def test_foundation_imports_nothing_but_itself():
     for name in FOUNDATION:
         imported = imported_modules(PACKAGE / f"{name}.py")
         assert imported <= {f"numpy_cae.{other}" for other in FOUNDATION}, (name, imported)

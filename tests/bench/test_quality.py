@@ -66,10 +66,10 @@ def test_all_networks_learn(script, monkeypatch, sequential):
 
         made = script.sequence_trainings(waves, waves(rng, 50), schedule)
     else:
-        stage = Stage(epochs=8, rate=0.001, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True, **ADAM)
+        stage = Stage(epochs=6, rate=0.001, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True, **ADAM)
         stage = replace(stage, batch=2, norm=1.0)
-        monkeypatch.setattr(script, "USUAL", replace(script.USUAL, epochs=9, batch=2))
-        waves = np.sin(np.arange(160)[:, None] / 8 + rng.uniform(0, 6, (6, 1, 63)))
+        monkeypatch.setattr(script, "USUAL", replace(script.USUAL, epochs=7, batch=2))
+        waves = np.sin(np.arange(160)[:, None] / 8 + rng.uniform(0, 6, (4, 1, 63)))
         x = (waves / 4).astype(np.float32)
         lost = zero_values(x, 0.5, np.random.default_rng(0))
         made = script.trainings(x, stage, lambda f: np.mean((f(lost) - x) ** 2))

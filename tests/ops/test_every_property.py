@@ -32,10 +32,7 @@ def test_no_operation_is_left_out():
     [
         tried
         for operation in OPERATIONS.values()
-        for tried in (
-            *shared_properties(by_loops(operation)),
-            *single_properties(operation),
-        )
+        for tried in (*shared_properties(by_loops(operation)), *single_properties(operation))
     ],
     ids=lambda tried: f"{tried.operation}: {tried.name}",
 )
