@@ -1,14 +1,25 @@
 """Tests of derivatives written by hand: gradient checks, and the properties of each operation.
 
 An operation is a function that returns its value and its pullback. `check_gradients` and
-`check_adjoint` raise; `properties` lists what must hold of an operation, `report` tests for all of
-it, and `numpy-cae verify student.py` does the same to a file, in a process of its own.
+`check_adjoint` raise; `properties` lists what must hold of an operation of `numpy_cae.ops`, and
+`properties_of` of one of your own, which `operation_test` turns into tests of pytest. `report`
+tests an operation for all of it, and `numpy-cae verify student.py` a file, in a process of its own.
 """
 
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.gradients import check_gradients
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.operations.catalogue import properties
+from numpy_cae.verify.operations.catalogue import properties, properties_of
+from numpy_cae.verify.operations.operation_test import operation_test
 from numpy_cae.verify.operations.trial import check_property, example
 
-__all__ = ["check_adjoint", "check_gradients", "check_property", "example", "properties", "report"]
+__all__ = [
+    "check_adjoint",
+    "check_gradients",
+    "check_property",
+    "example",
+    "operation_test",
+    "properties",
+    "properties_of",
+    "report",
+]

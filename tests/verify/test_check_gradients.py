@@ -1,4 +1,5 @@
 import runpy
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
@@ -87,12 +88,12 @@ def test_rejects_an_altered_argument(altered):
     assert f"{altered} was altered" in judged(doubled, np.ones(2))
 
 
-@pytest.mark.parametrize("kind", ["RIGHT", "WRONG"])
-def test_the_functions_of_the_comparison_in_the_documentation_are_judged_right(kind):
+@pytest.mark.parametrize(("kind", "count"), [("RIGHT", 22), ("WRONG", 30)])
+def test_the_functions_of_the_comparison_in_the_documentation_are_judged_right(kind, count):
     script = Path(__file__).parents[2] / "docs" / "compare_gradient_checks.py"
     cases = runpy.run_path(str(script))[kind]
-    found = {name: judged(f, *map(np.copy, inputs)) for name, (f, *inputs) in cases.items()}
-    assert len(found) == 15
+    found = {name: judged(f, *deepcopy(inputs)) for name, (f, *inputs) in cases.items()}
+    assert len(found) == count
     assert {name for name, problem in found.items() if bool(problem) != (kind == "WRONG")} == set()
 
 
@@ -125,7 +126,50 @@ def test_a_pullback_that_returns_something_else_when_called_again_is_told_so():
 
         return x * 2, pullback
 
-    assert "called again, f returns another gradient" in judged(accumulating, np.ones(2))
+    assert "does not return -4 times the gradients" in judged(accumulating, np.ones(2))
+
+
+def test_a_number_and_parameters_in_lists_and_dicts_are_checked_and_integers_refused():
+    def f(x, params, scale, places):
+        (w, b), y = params["layers"], x @ params["layers"][0]
+
+        def pullback(dy):
+            dlayers = [scale * x.T @ dy, scale * dy.sum(axis=0) * wrong]
+            return scale * dy @ w.T, {"layers": dlayers}, np.sum((y + b) * dy), of_places
+
+        return scale * (y + b), pullback
+
+    rng = np.random.default_rng(0)
+    w, b = rng.standard_normal((3, 2)), rng.standard_normal(2)
+    inputs = rng.standard_normal((4, 3)), {"layers": (w, b)}, 0.7, np.array([1, 2])
+    wrong, of_places = 1.0, None
+    assert judged(f, *inputs) == ""
+    wrong = 3.0
+    assert "gradient for params['layers'][1], shape (2,), is wrong" in judged(f, *inputs)
+    wrong, of_places = 1.0, np.ones(2)
+    assert "places is an array of int64, shape (2,), which is not" in judged(f, *inputs)
+    flat = lambda *a: (f(*a)[0], lambda dy: (dy, [dy], 1.0, None))  # noqa: E731
+    assert "expected the structure of argument 1, a dict of 1" in judged(flat, *inputs)
+
+
+def test_the_remainder_decides_where_a_tolerance_cannot():
+    x = np.random.default_rng(0).standard_normal(50_000)
+    slope = 2 * x
+    slope[12_345] *= 0.97
+    problem = judged(lambda x: (x * x, lambda dy: dy * slope), x)
+    assert "wrong at index (12345,)" in problem
+    assert "falls with the powers 1.00, 1.00" in problem
+    assert judged(lambda x: (x * x, lambda dy: dy * 2 * x), x) == ""
+
+
+def test_every_wrong_argument_is_named_and_each_output_has_a_gradient_of_its_own():
+    x, w = np.random.default_rng(0).standard_normal((2, 3))
+    problem = judged(lambda x, w: (x * w, lambda dy: (3 * dy * w, dy)), x, w)
+    assert "gradient for x, shape (3,), is wrong" in problem.splitlines()[0]
+    assert problem.splitlines()[-1].startswith("also: the gradient for w, shape (3,), is wrong")
+    both = lambda x: ((1e6 * x.sum(), x.sum()), lambda dy: (1e6 * dy[0] + 2 * dy[1]) + 0 * x)  # noqa: E731
+    assert "gradient for x from output 1, shape (3,), is wrong" in judged(both, x)
+    assert "the value is complex" in judged(lambda x: (1j * x, lambda dy: 0 * x), x)
 
 
 def test_adjoint_of_the_unpooling_holds_and_of_half_of_it_does_not():

@@ -17,7 +17,7 @@ from numpy_cae.course.exercises.checks import (
     states,
     with_arguments,
 )
-from numpy_cae.verify.operations.catalogue import Exercise, properties_of
+from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import Operation, Sizes
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
@@ -29,7 +29,9 @@ def operation_exercise(name: str, given: str = "") -> Exercise:
     `given` names functions of earlier lessons that a solution may call: operations, or other
     exercises.
     """
-    return Exercise(name, getattr(ops, name), properties_of(name), given=tuple(given.split()))
+    return Exercise(
+        name, getattr(ops, name), properties_of_operation(name), given=tuple(given.split())
+    )
 
 
 def composed_exercise(

@@ -14,7 +14,7 @@ from numpy_cae import ops, verify
 from numpy_cae.course.exercises.checks import Recorded, drawn, states
 from numpy_cae.course.exercises.exercise import exercise
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.catalogue import properties_of
+from numpy_cae.verify.operations.catalogue import properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, right_operation
 from numpy_cae.verify.operations.property import Property, require_equal
@@ -118,7 +118,7 @@ def _accused(number: int) -> Property:
 
     def check(function, case, seed):
         named = function(number)
-        stated = {prop.name: prop for prop in properties_of(suspect.operation)}
+        stated = {prop.name: prop for prop in properties_of_operation(suspect.operation)}
         if named not in stated:
             names = ", ".join(stated)
             raise AssertionError(f"{suspect.operation} has no property {named!r}; it has {names}")

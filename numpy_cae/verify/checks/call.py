@@ -6,6 +6,8 @@ import numpy as np
 
 WORTH_PRINTING = 32
 """An array of at most so many entries is printed in a counterexample."""
+WORTH_A_RESULT = 12
+"""A result of at most so many entries is printed beside the expected one."""
 
 
 def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
@@ -14,10 +16,15 @@ def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
     if not is_pair(returned):
         raise TypeError(
             "expected a value and its pullback, a tuple of an array and a function, "
-            f"got {_described(returned)}"
+            f"got {described(returned)}"
         )
     if not any(map(is_float, parts(returned[0]))):
-        raise TypeError(f"expected a value of floats, got {_described(returned[0])}")
+        raise TypeError(f"expected a value of floats, got {described(returned[0])}")
+    if any(np.iscomplexobj(part) for part in parts(returned[0])):
+        raise TypeError(
+            "the value is complex, and has no gradient in this form: return its real and its "
+            "imaginary part as two outputs"
+        )
     return returned
 
 
@@ -30,7 +37,7 @@ def call_of_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]:
     """`call`, for a value that is one array or number."""
     value, pullback = call(f, inputs)
     if isinstance(value, tuple | list):
-        raise TypeError(f"expected a value of floats, got {_described(value)}")
+        raise TypeError(f"expected a value of floats, got {described(value)}")
     return np.asarray(value), pullback
 
 
@@ -81,7 +88,18 @@ def written(value: object) -> str:
     return str(value.tolist())
 
 
-def _described(thing: object) -> str:
+def differing(one: float, other: float, fewest: int = 10) -> tuple[str, str]:
+    """Two numbers with so many digits that they are seen to differ; equal ones with 17."""
+    for digits in range(fewest, 18):
+        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if texts[0] != texts[1]:
+            break
+    return texts
+
+
+def described(thing: object) -> str:
+    """What kind of thing this is, for a message."""
     if isinstance(thing, np.ndarray):
         return f"an array of {thing.dtype}, shape {thing.shape}"
-    return f"a tuple of {len(thing)}" if isinstance(thing, tuple) else f"{type(thing).__name__}"
+    kind = type(thing).__name__
+    return f"a {kind} of {len(thing)}" if isinstance(thing, tuple | list | dict) else kind

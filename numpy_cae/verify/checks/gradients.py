@@ -15,20 +15,30 @@ from numpy_cae.verify.checks.call import (
     WORTH_PRINTING,
     call,
     copies,
+    differing,
     flat,
-    gradients_of,
     is_float,
     parts,
-    require_array,
     written,
 )
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
+from numpy_cae.verify.checks.leaves import (
+    CONTAINERS,
+    gradients_of_leaves,
+    is_array,
+    leaves,
+    rebuilt,
+)
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 4
 KINKS_EXCUSED = 0.05
 SINGLE_TOLERANCE = 1e-4
 """The smallest tolerance if an argument is float32."""
+AGAIN = (
+    "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
+    "gradients: it is not linear, or keeps something between calls"
+)
 
 
 def check_gradients(
@@ -79,18 +89,37 @@ def check_gradients(
     """
     rng = np.random.default_rng(0) if rng is None else rng
     names = tuple(names) if names is not None else _names(f, len(inputs))
-    places = [i for i, x in enumerate(inputs) if _is_differentiated(names[i], x)]
-    if not places:
+    problems = wrong_gradients(f, inputs, names, rng, tolerance, only)
+    if problems:
+        raise AssertionError("\n".join(problems))
+
+
+def wrong_gradients(
+    f: Callable,
+    inputs: Sequence,
+    names: Sequence[str],
+    rng: np.random.Generator,
+    tolerance: float = 1e-6,
+    only: Sequence[str] | None = None,
+    upstream: Callable | None = None,
+    kinks_excused: float = KINKS_EXCUSED,
+) -> list[str]:
+    """What is wrong with each gradient, the first in full, the others in a line.
+
+    `upstream` makes the upstream gradient of an output, by default random numbers; of so large a
+    share of the entries a kink is excused.
+    """
+    if not any(is_array(*leaf) for leaf in _all_leaves(inputs, names)):
         raise TypeError("no argument is an array of float64 or float32")
-    dys, gradients = _gradients_of_two_calls(f, inputs, names, places, rng)
-    is_single = any(inputs[i].dtype == np.float32 for i in places)
-    allowed = max(tolerance, SINGLE_TOLERANCE) if is_single else tolerance
-    for argument in _arguments(f, inputs, names, places, dys, gradients):
-        if only is None or argument.name in only:
+    upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
+    problems: list[str] = []
+    for argument, allowed in _arguments(f, inputs, names, upstream, tolerance):
+        if only is None or {argument.name, argument.name.partition("[")[0]} & set(only):
             directions = list(_directions(argument, rng))
             doubtful = [v for v in directions if not _slope_agrees(argument, v, allowed)]
             if doubtful:
-                _judge(argument, doubtful, len(directions), rng, allowed)
+                problems += _judge(argument, doubtful, len(directions), rng, allowed, kinks_excused)
+    return problems[:1] + ["also: " + " ".join(p.split()[:60]) for p in problems[1:]]
 
 
 def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool:
@@ -108,113 +137,115 @@ def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool
 
 
 def _arguments(
-    f: Callable, inputs: Sequence, names: Sequence[str], places: Sequence[int], dys, gradients
-) -> Iterator[Argument]:
-    """Each argument with its gradient and f as a function of it alone, computed in float64."""
-    wide = [x.astype(np.float64) if i in places else x for i, x in enumerate(inputs)]
-    outputs = parts(call(f, copies(wide))[0])
+    f: Callable, inputs: Sequence, names: Sequence[str], upstream: Callable, tolerance: float
+) -> Iterator[tuple[Argument, float]]:
+    """Each array, with its gradient from each output and f as a function of it, in float64.
+
+    Beside it, the tolerance.
+    """
+    dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream)
+    named = _all_leaves(inputs, names)
+    places = [i for i, gradient in enumerate(next(iter(pulled.values()))) if gradient is not None]
+    if any(getattr(leaf, "dtype", None) == np.float32 for _, leaf in named):
+        tolerance = max(tolerance, SINGLE_TOLERANCE)
+    wide = [np.array(x, np.float64) if i in places else x for i, (_, x) in enumerate(named)]
+    outputs = parts(call(f, rebuilt(inputs, iter(copies(wide))))[0])
     is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
-    if is_coarse and all(inputs[i].dtype != np.float32 for i in places):
+    if is_coarse and tolerance < SINGLE_TOLERANCE:
         raise AssertionError(
             "given float64, the value is float32\n"
             "the value is computed in float32, too coarse for its slope to be measured"
         )
     epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
-    for i, gradient in zip(places, gradients, strict=True):
-        along = _function_of_one(f, wide, i)
-        yield Argument(names[i], along, wide[i], flat(dys), flat(outputs), gradient, epsilon)
+    for i in places:
+        for k, gradients in pulled.items():
+            name = named[i][0] + (f" from output {k}" if len(pulled) > 1 else "")
+            along = _function_of_one(f, inputs, wide, i, k)
+            dy, here = np.ravel(dys[k]), np.ravel(outputs[k])
+            yield Argument(name, along, wide[i], dy, here, gradients[i], epsilon), tolerance
 
 
 def _gradients_of_two_calls(
-    f: Callable, inputs: Sequence, names: Sequence[str], places: Sequence[int], rng
-) -> tuple[list, tuple]:
-    """Random upstream gradients, and the gradients that the pullback returns for them.
+    f: Callable, inputs: Sequence, names: Sequence[str], upstream: Callable
+) -> tuple[list, dict[int, list]]:
+    """Upstream gradients, and what the pullback returns for each of them, by output.
 
-    Raise unless these are gradients, no argument is altered, and a second call returns the same.
+    Raise unless these are gradients, no argument is altered, a second call returns the same, and
+    the pullback is proportional to the upstream gradient, one result independent of the next.
     """
-    before = copies(inputs)
+    named = _all_leaves(inputs, names)
+    before = copies([x for _, x in named])
     value, pullback = call(f, inputs)
-    is_tuple, outputs = isinstance(value, tuple | list), copies(parts(value))
-    dys = [_upstream(y, rng) for y in outputs]
+    outputs = copies(parts(value))
+    dys = [np.array(upstream(y), np.asarray(y).dtype)[()] if is_float(y) else None for y in outputs]
 
-    def pulled_back(pullback: Callable) -> tuple:
-        given = copies(dys)
-        pulled = pullback(tuple(given) if is_tuple else given[0])
-        _require_untouched(["the upstream gradient"] * len(dys), given, dys)
-        if isinstance(pulled, tuple | list) and len(pulled) == len(inputs):
-            return tuple(pulled[i] for i in places)
-        return gradients_of(pulled, len(places))
+    def pulled_back(pullback: Callable, factors: Sequence[float]) -> list:
+        scaled = [None if dy is None else a * dy for a, dy in zip(factors, dys, strict=True)]
+        given = copies(scaled)
+        pulled = pullback(tuple(given) if isinstance(value, tuple | list) else given[0])
+        for now, was in zip(given, scaled, strict=True):
+            _require_untouched("the upstream gradient", now, was)
+        return gradients_of_leaves(inputs, names, pulled)
 
-    gradients = pulled_back(pullback)
-    _require_untouched(names, inputs, before)
-    for i, gradient in zip(places, gradients, strict=True):
-        _require_gradient(names[i], inputs[i].shape, gradient)
-    again, pullback = call(f, copies(before))
-    _require_same("value", outputs, parts(again))
-    _require_same("gradient", gradients, pulled_back(pullback))
-    return dys, gradients
+    ones = [1.0] * len(dys)
+    first = pulled_back(pullback, ones)
+    kept = copies(first)
+    for (name, leaf), was in zip(named, before, strict=True):
+        _require_untouched(name, leaf, was)
+    again = pulled_back(pullback, [-4.0] * len(dys))
+    _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again)
+    _require_same("the gradient that was returned first is overwritten by the second", kept, first)
+    other_value, other_pullback = call(f, rebuilt(inputs, iter(copies(before))))
+    what = "called again, f returns another {}: randomness comes in as an argument"
+    _require_same(what.format("value"), outputs, parts(other_value))
+    _require_same(what.format("gradient"), kept, pulled_back(other_pullback, ones))
+    places = [k for k, dy in enumerate(dys) if dy is not None]
+    if len(places) == 1:
+        return dys, {places[0]: kept}
+    of_each = {k: copies(pulled_back(pullback, np.eye(len(dys))[k])) for k in places}
+    return dys, of_each
 
 
-def _function_of_one(f: Callable, inputs: Sequence, position: int) -> Callable:
-    """The outputs of f, flat, as a function of one argument."""
+def _function_of_one(
+    f: Callable, inputs: Sequence, leaves: list, place: int, output: int
+) -> Callable:
+    """One output of f, flat, as a function of one array."""
+    is_nested = any(isinstance(x, CONTAINERS) for x in inputs)
 
-    def outputs_at(x: np.ndarray) -> np.ndarray:
+    def output_at(x: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
-            given = copies([*inputs[:position], x, *inputs[position + 1 :]])
-            return flat(parts(f(*given)[0]))
+            given = copies([*leaves[:place], x, *leaves[place + 1 :]])
+            given = rebuilt(inputs, iter(given)) if is_nested else given
+            return np.ravel(parts(f(*given)[0])[output])
 
-    return outputs_at
-
-
-def _is_differentiated(name: str, x: object) -> bool:
-    if not isinstance(x, np.ndarray) or not np.issubdtype(x.dtype, np.inexact):
-        return False
-    if x.dtype not in (np.float64, np.float32):
-        raise TypeError(f"{name} must be an array of float64 or float32, not of {x.dtype}")
-    return True
+    return output_at
 
 
-def _upstream(value: object, rng: np.random.Generator) -> np.ndarray | None:
-    """A random upstream gradient for one output, or None if the output has no floats."""
-    if not is_float(value):
-        return None
-    return rng.standard_normal(np.shape(value)).astype(np.asarray(value).dtype)[()]
+def _all_leaves(inputs: Sequence, names: Sequence[str]) -> list[tuple[str, object]]:
+    return [leaf for both in zip(names, inputs, strict=True) for leaf in leaves(*both)]
 
 
-def _require_untouched(names: Sequence[str], arrays: Sequence, before: Sequence) -> None:
-    for name, array, copy in zip(names, arrays, before, strict=True):
-        if isinstance(array, np.ndarray) and not np.array_equal(array, copy, equal_nan=True):
-            raise AssertionError(f"{name} was altered: an operation never changes its arguments")
+def _require_untouched(name: str, array: object, before: object) -> None:
+    if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
+        raise AssertionError(f"{name} was altered: an operation never changes its arguments")
 
 
-def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:
-    """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
-    require_array(f"the gradient for {name}", gradient)
-    if np.shape(gradient) != shape:
-        raise AssertionError(
-            f"the gradient for {name} is shape {np.shape(gradient)}, expected shape {shape}, "
-            f"that of {name}"
-        )
-    if np.iscomplexobj(gradient):
-        raise AssertionError(f"the gradient for {name} is complex")
-    if not np.all(np.isfinite(gradient)):
-        index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
-        raise AssertionError(f"the gradient for {name} is {gradient[index]} at index {index}")
-
-
-def _require_same(what: str, first: Sequence, second: Sequence) -> None:
-    """Raise unless a second call of f returned what the first did."""
+def _require_same(problem: str, first: Sequence, second: Sequence) -> None:
+    """Raise an AssertionError with the problem unless all floats agree, to rounding."""
     one, other = flat(first), flat(second)
     allowed = 1000 * np.finfo(one.dtype).eps * np.max(np.abs(one), initial=0.0)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
-        raise AssertionError(
-            f"called again, f returns another {what}: randomness comes in as an argument"
-        )
+        raise AssertionError(problem)
 
 
 def _judge(
-    at: Argument, doubtful: list[np.ndarray], tried: int, rng: np.random.Generator, tolerance: float
-) -> None:
+    at: Argument,
+    doubtful: list[np.ndarray],
+    tried: int,
+    rng: np.random.Generator,
+    tolerance: float,
+    kinks_excused: float,
+) -> Iterator[str]:
     """Judge the directions that one step did not confirm; say where the numbers disagree most."""
     of_what = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
     judged = [(direction, at.judge(direction, tolerance)) for direction in doubtful]
@@ -228,17 +259,22 @@ def _judge(
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
         index, verdict = _trace(at, *worst, tolerance)
-        given = f"\n    upstream gradient, flat: {written(at.dy)}"
-        dy = given if at.dy.size <= WORTH_PRINTING else ""
-        raise AssertionError(
-            f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}\n"
-            f"    by the pullback                      {verdict.analytic + 0:.10g}\n"
-            f"    by central differences of the value  {verdict.numeric + 0:.10g}\n"
-            f"    wrong in {len(wrong)} of {tried} {of_what}{dy}"
-        )
-    if len(kinks) > max(1, int(KINKS_EXCUSED * tried)):
+        numbers = differing(verdict.analytic + 0, verdict.numeric + 0)
+        rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
+        lines = [
+            f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}",
+            f"by the pullback                      {numbers[0]}",
+            f"by central differences of the value  {numbers[1]}",
+            f"wrong in {len(wrong)} of {tried} {of_what}",
+        ]
+        if rates:
+            lines.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
+        if at.dy.size <= WORTH_PRINTING:
+            lines.append(f"upstream gradient, flat: {written(at.dy)}")
+        yield "\n    ".join(lines)
+    elif len(kinks) > max(1, int(kinks_excused * tried)):
         index, verdict = _trace(at, *kinks[0], tolerance)
-        raise AssertionError(
+        yield (
             f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} "
             f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
             "    too many to be excused: choose inputs away from kinks"
@@ -283,7 +319,8 @@ def _trace(at: Argument, direction, verdict, tolerance) -> tuple[tuple[int, ...]
         entries, verdict = halves[worse], judged[worse]
     index = tuple(map(int, np.unravel_index(entries[0], direction.shape)))
     numbers = (verdict.numeric, verdict.analytic, verdict.jump)
-    return index, Verdict(verdict.kind, *(number / direction[index] for number in numbers))
+    numbers = (number / direction[index] for number in numbers)
+    return index, Verdict(verdict.kind, *numbers, verdict.rates)
 
 
 def _names(f: Callable, count: int) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """`OPERATIONS`, a table: the arguments of every operation, its definition and its tolerances."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,6 +9,9 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.ops import conv1d, tanh, transpose_filters
 from numpy_cae.verify.operations.case import ORDINARY, VALUES, Case, Sizes, drawn, spread
+
+Values = tuple[float, float] | Callable[[np.random.Generator, tuple[int, ...]], np.ndarray]
+"""The lowest and the highest number of an argument, or a function that draws it."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,9 @@ WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "ch
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
 ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
-LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0)} | CLASSES
+LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0, 4)} | CLASSES
+SIZES = (1, 2, 3, 4, 5, 8, 33)
+"""The options of a size of an operation of one's own."""
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
 BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
@@ -100,52 +106,105 @@ CHAOTIC = 34
 """With more frames or units than CHAOTIC, a GRU with large weights amplifies rounding errors."""
 
 
-def _shaped(**shapes: str) -> Callable[[Case], dict[str, object]]:
-    """Arguments whose shapes are sizes, such as w="taps channels filters"."""
+def arguments_of(
+    shapes: Mapping[str, str], values: Mapping[str, Values]
+) -> Callable[[Case], dict[str, object]]:
+    """Arguments whose shapes are sizes, such as w="taps channels filters".
+
+    A size may be a number, a product such as 2*frames, or "...", which is any number of axes.
+    Numbers outside of the range that `values` states are replaced by its ends.
+    """
+    leading = _leading_axes(shapes)
+
+    def size(factors: str, case: Case) -> int:
+        return math.prod(int(f) if f.isdigit() else case[f] for f in factors.split("*"))
+
+    def shape_in(case: Case, text: str) -> tuple[int, ...]:
+        any_axes = " ".join(leading[: case.get("axes", 0)])
+        return tuple(size(factors, case) for factors in text.replace("...", any_axes).split())
 
     def arguments(case: Case) -> dict[str, object]:
-        sizes = {name: tuple(case[s] for s in shape.split()) for name, shape in shapes.items()}
-        return drawn(case, case.rng(), **sizes)
+        rng = case.rng()
+        arrays = drawn(case, rng, **{name: shape_in(case, text) for name, text in shapes.items()})
+        for name, wanted in values.items():
+            if callable(wanted):
+                arrays[name] = wanted(rng, arrays[name].shape)
+            else:
+                low, high = wanted
+                steps = np.clip(arrays[name], -2, 2)
+                arrays[name] = np.clip((low + high) / 2 + (high - low) / 4 * steps, low, high)
+        return arrays
 
     return arguments
 
 
-def _any_shape(*names: str) -> Callable[[Case], dict[str, object]]:
+def _leading_axes(shapes: Mapping[str, str]) -> list[str]:
+    """The sizes of the axes for which "..." may stand."""
+    used = " ".join(shapes.values()).split()
+    names = [name for name in ("batch", "frames", "channels") if name not in used]
+    return [*names, *"22"[: 5 - len(names) if set(used) - {"..."} else 1]]
+
+
+def operation_of(
+    name: str,
+    shapes: Mapping[str, str],
+    sizes: Sizes,
+    values: Mapping[str, Values],
+    differentiable: Sequence[str] | None = None,
+    **others: object,
+) -> Operation:
+    """An operation by the shapes of its arguments, as in `arguments_of`.
+
+    A size that `sizes` does not have is one of SIZES. Gradients are expected for `differentiable`,
+    by default every array of floats.
+    """
+    arguments, every = arguments_of(shapes, values), dict.fromkeys(sizes_in(shapes), SIZES)
+    if "..." in " ".join(shapes.values()):
+        axes, alone = len(_leading_axes(shapes)), set(shapes.values()) == {"..."}
+        every["axes"] = (3, 4, 2, 1) if alone else (2, *range(axes + 1))
+    every = with_each_array({**every, **CLASSES, **sizes}, arguments)
+    if differentiable is None:
+        drawn_once = arguments(simplest_case(every))
+        differentiable = [name for name, array in drawn_once.items() if array.dtype.kind == "f"]
+    smooth = {"values": tuple(name for name in VALUES if name not in ("near ties", "mixed"))}
+    others = {"without_ties": smooth, "saturates": True, **others}
+    return Operation(name, every, arguments, tuple(differentiable), **others)
+
+
+def sizes_in(shapes: Mapping[str, str]) -> list[str]:
+    """The names of the sizes in some shapes."""
+    text = " ".join(shapes.values()).replace("...", " ".join(_leading_axes(shapes)))
+    return [size for size in text.replace("*", " ").split() if not size.isdigit()]
+
+
+def _elementwise(*names: str) -> Callable[[Case], dict[str, object]]:
     """Arguments of one shape, which has one to four axes."""
-    return lambda case: drawn(case, case.rng(), **dict.fromkeys(names, _window(case)))
+    return arguments_of(dict.fromkeys(names, "..."), {})
 
 
-def _window(case: Case) -> tuple[int, ...]:
-    return (case["batch"], case["frames"], case["channels"], 2)[: case.get("axes", 3)]
+def with_each_array(sizes: Sizes, arguments: Callable[[Case], dict[str, object]]) -> Sizes:
+    """The sizes, and which array is of a class of values, if there are several."""
+    arrays = [name for name, a in arguments(simplest_case(sizes)).items() if np.ndim(a)]
+    return sizes if len(arrays) == 1 else {**sizes, "of": (ORDINARY, *arrays)}
 
 
-def _pool(case: Case) -> dict[str, object]:
-    shape = (case["batch"], 2 * case["frames"], case["channels"])
-    return drawn(case, case.rng(), x=shape)
-
-
-def _unpool_random(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    likely = rng.choice([0.5, 0.5, 0.0, 1.0])
-    return drawn(case, rng, y=_window(case)) | {"first": rng.random(_window(case)) < likely}
+def simplest_case(sizes: Sizes) -> Case:
+    return Case(tuple((name, options[0]) for name, options in sizes.items()), 0)
 
 
 def _arctanh(case: Case) -> dict[str, object]:
     rng = case.rng()
     bound = float(rng.choice(BOUNDS))
+    y = _elementwise("y")(case)["y"]
     if case.get("values") == "bound":
         bound = float(rng.choice([0.1, *BOUNDS, 0.99999]))
         near = [bound, np.nextafter(bound, 0), np.nextafter(bound, 1), bound + 1e-9, bound - 1e-9]
-        y = rng.choice([*near, bound / 2, 1.0, 1.5], _window(case))
-        y *= rng.choice([-1.0, 1.0], _window(case))
-        return {"y": y, "bound": bound}
-    return drawn(case, rng, ARCTANH_REACH, y=_window(case)) | {"bound": bound}
+        y = rng.choice([*near, bound / 2, 1.0, 1.5], y.shape) * rng.choice([-1.0, 1.0], y.shape)
+    return {"y": y if case.get("values") == "bound" else ARCTANH_REACH / 2 * y, "bound": bound}
 
 
-def _linear(case: Case) -> dict[str, object]:
-    leading = (case["batch"], case["frames"], 2)[: case["axes"]]
-    channels, features = case["channels"], case["features"]
-    return drawn(case, case.rng(), x=(*leading, channels), w=(channels, features), b=(features,))
+def _mask(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
+    return rng.random(shape) < rng.choice([0.5, 0.5, 0.0, 1.0])
 
 
 def _gru(case: Case) -> dict[str, object]:
@@ -163,7 +222,7 @@ def _gru(case: Case) -> dict[str, object]:
 
 
 def _mean_squared_error(case: Case) -> dict[str, object]:
-    arrays = _any_shape("x_hat", "x")(case)
+    arrays = _elementwise("x_hat", "x")(case)
     if case.get("values") == "zeros":  # of the difference
         arrays["x_hat"] = arrays["x"].copy()
     if case.get("values") == "near ties":
@@ -205,38 +264,36 @@ TIED = tuple(name for name in EXTREME["values"] if name not in WITHOUT_TIES["val
 SATURATES = {"saturates": True}
 SELECTS, ELEMENTWISE = {"floor": 0.0}, {"floor": 64 * float(np.finfo(float).eps)}
 POINTS_ALIKE = {"alike": _mean_of_equal_points}
-_WINDOW = "batch frames channels"
-_conv1d = _shaped(x=_WINDOW, w="taps channels filters", b="filters")
+_WINDOW, _BANK = "batch frames channels", "taps channels filters"
+_conv1d = arguments_of({"x": _WINDOW, "w": _BANK, "b": "filters"}, {})
+_linear = arguments_of({"x": "... channels", "w": "channels features", "b": "features"}, {})
+_pool, _unpool = (
+    arguments_of(shapes, {}) for shapes in ({"x": "batch 2*frames channels"}, {"y": _WINDOW})
+)
+_unpool_random = arguments_of({"y": _WINDOW, "first": _WINDOW}, {"first": _mask})
 _TABLE = (
     ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
-    ("transpose_filters", BANK, _shaped(w="taps channels filters"), "w", "w", SELECTS),
+    ("transpose_filters", BANK, arguments_of({"w": _BANK}, {}), "w", "w", SELECTS),
     ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
-    ("unpool_even", WINDOW | EXTREME, _shaped(y=_WINDOW), "y", "y", SELECTS),
+    ("unpool_even", WINDOW | EXTREME, _unpool, "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
-    ("tanh", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES | ELEMENTWISE),
-    ("sigmoid", ANY_SHAPE | CLASSES, _any_shape("x"), "x", "", SATURATES | ELEMENTWISE),
+    ("tanh", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),
+    ("sigmoid", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),
     ("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y", "", ELEMENTWISE),
     ("linear", LINEAR, _linear, "x w b", "x w", {}),
     ("gru_step", GRU, _gru, "x h w u b c", "", SATURATES),
     ("gru", GRU | FRAMES, _gru, "x h0 w u b c", "", SATURATES | SHORTER),
     ("mean_squared_error", ANY_SHAPE | CLASSES, _mean_squared_error, "x_hat", "", {}),
-    ("mean_absolute", ANY_SHAPE | EXTREME, _any_shape("y"), "y", "", SELECTS),
+    ("mean_absolute", ANY_SHAPE | EXTREME, _elementwise("y"), "y", "", SELECTS),
     ("tied_layer", FILTERED, _conv1d, "x w b", "", SATURATES),
     ("sliced_wasserstein", POINTS | CLASSES, _sliced_wasserstein, "z", "", POINTS_ALIKE),
 )
 
 
-def _of_each_array(sizes: Sizes, arguments: Callable[[Case], dict[str, object]]) -> Sizes:
-    """The sizes, and which array is of a class of values, if there are several."""
-    simplest = Case(tuple((name, options[0]) for name, options in sizes.items()), 0)
-    arrays = [name for name, a in arguments(simplest).items() if np.ndim(a)]
-    return sizes if len(arrays) == 1 else {**sizes, "of": (ORDINARY, *arrays)}
-
-
 OPERATIONS: dict[str, Operation] = {
     name: Operation(
         name,
-        _of_each_array(sizes, arguments),
+        with_each_array(sizes, arguments),
         arguments,
         tuple(differentiated.split()),
         linear_in=tuple(linear_in.split()),

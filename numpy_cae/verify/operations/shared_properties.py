@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from numpy_cae.verify.checks.adjoint import check_adjoint
-from numpy_cae.verify.checks.call import call_of_array
-from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.checks.call import WORTH_A_RESULT, call_of_array, written
+from numpy_cae.verify.checks.gradients import wrong_gradients
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.property import (
@@ -39,7 +39,8 @@ ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "re
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has; some are stated for each argument."""
-    yield property_of(operation, "value", VALUE, _value, {}, points=VALUE_POINTS)
+    if operation.reference or operation.definition:
+        yield property_of(operation, "value", VALUE, _value, {}, points=VALUE_POINTS)
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
@@ -65,7 +66,8 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
-    yield "the value", value, operation.value(*copies(arguments)), EXACT, operation.floor
+    right = operation.value(*copies(arguments))
+    yield *_again("the value", value, right), EXACT, operation.floor
     others = operation.arguments(Case(case.sizes, case.seed + 1))
     one = list(arguments)[case.seed // 2 % len(arguments)]
     if case.seed % 2:  # all but one are the same, or only one
@@ -89,7 +91,7 @@ def _gradient_for(argument: str) -> Callable:
             gradient = differentiated(operation, pullback(copied(dy)))[argument]
             both = (operation.alike(arguments, one) for one in (gradient, right[what]))
             yield what, *both, rounding(case, arguments), operation.floor_of(dy)
-        elif case.get("values") == case.get("state") == ORDINARY:
+        elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
 
             def f(*inputs):
                 given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
@@ -97,10 +99,16 @@ def _gradient_for(argument: str) -> Callable:
                 return value, lambda dy: pullback(copied(dy))
 
             inputs = [arguments[name] for name in names]
+            others = {"only": (argument,), "kinks_excused": 1.0}
+            upstream = lambda value: drawn_upstream(case, value)  # noqa: E731
             try:
-                check_gradients(f, *inputs, rng=case.rng(), names=names, only=(argument,))
+                problems = wrong_gradients(
+                    f, inputs, names, case.rng(), upstream=upstream, **others
+                )
             finally:  # the call that a report shows
                 implementation(*copies(arguments))
+            if problems:
+                raise AssertionError(problems[0])
 
     return findings
 
@@ -135,7 +143,9 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
     of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():
         expected = 2 * of_one[name] - 3 * of_other[name]
-        yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
+        short = np.size(one) <= WORTH_A_RESULT
+        given = f"with dy = {written(one)} and dy' = {written(other)}, " if short else ""
+        yield _again(f"{given}of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -150,7 +160,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    dy = np.float32(dy) if np.ndim(dy) else dy
+    dy = np.float32(dy) if isinstance(dy, np.ndarray | np.generic) else dy
 
     def in_float64(rounding: float) -> dict:
         def widened(array: np.ndarray) -> np.ndarray:
@@ -289,9 +299,9 @@ SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the def
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
 SHARED = (
     ("linearity", LINEARITY, _linearity, UPSTREAM, ()),
+    ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
     ("dtype", DTYPE, _dtype, UPSTREAM | LAYOUT, ()),
     ("purity", PURITY, _purity, UPSTREAM | LAYOUT, ()),
     ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
-    ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
 )
 """(name, statement, findings, classes, the sizes of which every combination is drawn)."""

@@ -11,13 +11,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import WORTH_PRINTING, is_pair, written
+from numpy_cae.verify.checks.call import (
+    WORTH_A_RESULT,
+    WORTH_PRINTING,
+    is_pair,
+    written,
+)
 from numpy_cae.verify.operations.case import Case, example_call, smallest
 from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.property import Outcome, Property, agrees, case_of, right_results
 
-WORTH_A_RESULT = 12
 LONGEST_TEXT = 2000
 QUIET = dict.fromkeys(("divide", "over", "under", "invalid"), "ignore")
 WATCHED = 4

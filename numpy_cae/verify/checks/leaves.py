@@ -1,0 +1,103 @@
+"""The arrays in the arguments of a function: arguments may be lists, tuples and dicts of arrays."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from numpy_cae.verify.checks.call import described, gradients_of, require_array
+
+CONTAINERS = (dict, list, tuple)
+
+
+def leaves(name: str, argument: object) -> Iterator[tuple[str, object]]:
+    """The parts of an argument by name, such as params['w'] and params['b'], or itself."""
+    if not isinstance(argument, CONTAINERS):
+        yield name, argument
+        return
+    for key in _keys(argument):
+        yield from leaves(f"{name}[{key!r}]", argument[key])
+
+
+def rebuilt(argument: object, parts: Iterator) -> object:
+    """The argument with other parts, in the order of `leaves`."""
+    if isinstance(argument, dict):
+        return {key: rebuilt(part, parts) for key, part in argument.items()}
+    if isinstance(argument, list | tuple):
+        return type(argument)([rebuilt(part, parts) for part in argument])
+    return next(parts)
+
+
+def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) -> list:
+    """What a pullback returned for each part of the arguments; None where it returned nothing.
+
+    It may return a gradient for each argument, or for those that have arrays of floats. Raise an
+    AssertionError if there is another number of gradients, if one has not the structure of its
+    argument, or if one belongs to something that has none, such as integers.
+    """
+    of_floats = [i for i, x in enumerate(inputs) if any(is_array(n, x) for n, x in leaves("", x))]
+    if len(of_floats) == 1 and isinstance(inputs[of_floats[0]], list | tuple):
+        nested = isinstance(pulled, list | tuple) and len(pulled) == 1
+        pulled = pulled if nested and isinstance(pulled[0], CONTAINERS) else (pulled,)
+    if isinstance(pulled, list | tuple) and len(pulled) == len(inputs):
+        of_floats = range(len(inputs))
+    given = dict(zip(of_floats, gradients_of(pulled, len(of_floats)), strict=True))
+    matched = [g for i, x in enumerate(inputs) for g in _matched(names[i], x, given.get(i))]
+    named = [leaf for both in zip(names, inputs, strict=True) for leaf in leaves(*both)]
+    for (name, leaf), gradient in zip(named, matched, strict=True):
+        if is_array(name, leaf) or (isinstance(leaf, float) and gradient is not None):
+            _require_gradient(name, np.shape(leaf), gradient)
+        elif gradient is not None:
+            raise AssertionError(
+                f"{name} is {described(leaf)}, which is not differentiated, but the pullback "
+                "returns a gradient for it: expected None, or none at all"
+            )
+    return matched
+
+
+def is_array(name: str, leaf: object) -> bool:
+    """Whether this is an array that gets a gradient; a TypeError if it is of complex numbers."""
+    if not isinstance(leaf, np.ndarray) or not np.issubdtype(leaf.dtype, np.inexact):
+        return False
+    if leaf.dtype not in (np.float64, np.float32):
+        raise TypeError(f"{name} must be an array of float64 or float32, not of {leaf.dtype}")
+    return True
+
+
+def _keys(argument: dict | list | tuple) -> Sequence:
+    return list(argument) if isinstance(argument, dict) else range(len(argument))
+
+
+def _matched(name: str, argument: object, gradient: object) -> Iterator:
+    """The parts of a gradient that has the structure of its argument."""
+    if not isinstance(argument, CONTAINERS):
+        yield gradient
+        return
+    kind = dict if isinstance(argument, dict) else (list, tuple)
+    if gradient is not None and not (
+        isinstance(gradient, kind) and set(_keys(gradient)) == set(_keys(argument))
+    ):
+        raise AssertionError(
+            f"the gradient for {name} is {described(gradient)}, expected the structure of {name}, "
+            f"a {type(argument).__name__} of {len(argument)}"
+        )
+    for key in _keys(argument):
+        part = None if gradient is None else gradient[key]
+        yield from _matched(f"{name}[{key!r}]", argument[key], part)
+
+
+def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:
+    """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
+    if shape or not isinstance(gradient, float):
+        require_array(f"the gradient for {name}", gradient)
+    if np.shape(gradient) != shape:
+        raise AssertionError(
+            f"the gradient for {name} is shape {np.shape(gradient)}, expected shape {shape}, "
+            f"that of {name}"
+        )
+    if np.iscomplexobj(gradient):
+        raise AssertionError(f"the gradient for {name} is complex")
+    if not np.all(np.isfinite(gradient)):
+        index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
+        raise AssertionError(
+            f"the gradient for {name} is {np.asarray(gradient)[index]} at index {index}"
+        )
