@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from sequential_step import SequenceCase, TorchSequenceModel
 
 from numpy_cae.bench.convolutional import TorchModel, torch
-from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.table import PAUSE
 from numpy_cae.experiments.ablation import HALF_REMOVED, Evaluation
 from numpy_cae.experiments.material import read_material, synthetic_material

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
-from numpy_cae.bench.sequential import LATENT, SequenceCase, TorchSequenceModel
 from numpy_cae.fast import accelerate
 from numpy_cae.fast.blas import blas_threads
-from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.models import ConvAutoencoder
 
 PAUSE = 0.03
 """Seconds before each measurement: the threads of OpenMP and BLAS wait actively for a while after
@@ -24,11 +23,8 @@ their work is done, which would slow down the next function."""
 MIN_SECONDS = 0.03
 """Seconds of one measurement; a faster function is called several times."""
 BATCHES = (1, 4, 16, 64)
-SEQUENCE_BATCHES = (16, 64)
-HIDDEN = (128, 512, 1024)
-"""Hidden units of the timed sequential networks."""
-CHECKED_WINDOWS, CHECKED_HIDDEN = 4, 24
-"""Sizes with which PyTorch's results are compared, in float64; larger ones would take longer."""
+CHECKED_WINDOWS = 4
+"""Windows with which PyTorch's results are compared, in float64; more would take longer."""
 
 
 @dataclass(frozen=True)
@@ -125,27 +121,13 @@ def rows(batches: Sequence[int] | None = None, rounds: int = 21) -> Iterator[Row
     for batch in batches or BATCHES:
         model = accelerate(ConvAutoencoder())
         for case in cases(model, batch):
-            yield _row(case.name, batch, model, TorchModel, case, rounds)
+            yield timed_row(case.name, batch, model, TorchModel, case, rounds)
 
 
-def sequence_rows(batches: Sequence[int] | None = None, rounds: int = 21) -> Iterator[Row]:
-    """Time a training step of the sequential network at every width, as `rows`."""
-    batches = batches or SEQUENCE_BATCHES
-    if torch is not None:
-        small = SequentialAutoencoder(hidden=CHECKED_HIDDEN, latent=LATENT, dtype=np.float64)
-        exact = accelerate(small)
-        for batch in batches:
-            case = SequenceCase.drawn(exact, batch)
-            theirs = TorchSequenceModel(exact).arrays(case)
-            require_agreement("sequential", case.arrays_of(exact), theirs)
-    for batch in batches:
-        for units in HIDDEN:
-            model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
-            case = SequenceCase.drawn(model, batch)
-            yield _row(f"hidden {units}", batch, model, TorchSequenceModel, case, rounds)
-
-
-def _row(name: str, batch: int, model: Any, torch_model: Callable, case: Any, rounds: int) -> Row:
+def timed_row(
+    name: str, batch: int, model: Any, torch_model: Callable, case: Any, rounds: int
+) -> Row:
+    """Time one case, here and in PyTorch."""
     functions = {"ours": case.function(model)}
     if torch is not None:
         functions["theirs"] = torch_model(model).function(case)

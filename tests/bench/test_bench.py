@@ -1,16 +1,22 @@
 """The benchmark: both implementations agree, its arithmetic is right, its table is complete."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from numpy_cae.bench import convolutional, table
+from numpy_cae.bench import table
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
-from numpy_cae.bench.sequential import SequenceCase, TorchSequenceModel
 from numpy_cae.bench.table import Timing, time_alternately
 from numpy_cae.cli import main
 from numpy_cae.cli.commands import bench
 from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+
+sys.path.append(str(Path(__file__).parents[2] / "docs"))
+import sequential_step
+from sequential_step import SequenceCase, TorchSequenceModel
 
 if torch is not None:
     torch.set_num_threads(1)  # only values are compared here
@@ -72,23 +78,27 @@ def test_different_computations_are_not_timed(monkeypatch):
     with pytest.raises(ArithmeticError, match="differs in 'layer 1, random'"):
         next(table.rows())
     with pytest.raises(ArithmeticError, match="differs in 'sequential'"):
-        next(table.sequence_rows([2]))
+        next(sequential_step.rows([2]))
 
 
-@pytest.mark.parametrize("options", [[], ["--sequential"]])
-def test_the_table_has_a_row_for_each_case(monkeypatch, capsys, options):
+def test_the_table_has_a_row_for_each_case(monkeypatch, capsys):
     monkeypatch.setattr(table, "ConvAutoencoder", small)
-    monkeypatch.setattr(table, "HIDDEN", (4, 6))
     monkeypatch.setattr(table, "MIN_SECONDS", 1e-4)
     monkeypatch.setattr(table, "matrix_product_peak", lambda: 1e11)
-    if not options:
-        monkeypatch.setattr(table, "torch", None)
-    assert main(["bench", *options, "--batch", "1", "2", "--rounds", "1"]) == 0
+    monkeypatch.setattr(table, "torch", None)
+    assert main(["bench", "--batch", "1", "2", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
-    assert "matrix-product peak 100 GFLOP/s" in printed
-    assert ("PyTorch" in printed) == (bool(options) and convolutional.torch is not None)
-    for name in ["hidden 4", "hidden 6"] if options else NAMES:
-        assert printed.count(f"| {name:16} |") == 2
+    assert "matrix-product peak 100 GFLOP/s" in printed and "PyTorch" not in printed
+    assert all(printed.count(f"| {name:16} |") == 2 for name in NAMES)
+
+
+@needs_torch
+def test_the_script_has_a_row_for_each_width(monkeypatch):
+    monkeypatch.setattr(sequential_step, "HIDDEN", (4, 6))
+    monkeypatch.setattr(table, "MIN_SECONDS", 1e-4)
+    rows = [row.text() for row in sequential_step.rows([1, 2], 1)]
+    assert [row[:14] for row in rows] == 2 * ["| hidden 4    ", "| hidden 6    "]
+    assert all(row.count("|") == 6 for row in rows)
 
 
 @pytest.mark.parametrize(("load", "warned"), [(0.1, False), (3.0, True)])

@@ -1,6 +1,6 @@
 """The trainings of docs/time_to_quality.py: their order, what is timed, and that all learn."""
 
-import importlib.util
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -11,19 +11,13 @@ import pytest
 from numpy_cae.bench.convolutional import torch
 from numpy_cae.training import SequenceSchedule, Stage, zero_values
 
-PATH = Path(__file__).parents[2] / "docs" / "time_to_quality.py"
+sys.path.append(str(Path(__file__).parents[2] / "docs"))
+import time_to_quality as script
+
 ADAM = {"batch": 8, "optimiser": "adam", "rate_schedule": "one-cycle"}
 
 
-@pytest.fixture
-def script():
-    spec = importlib.util.spec_from_file_location("time_to_quality", PATH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_turns_are_shared_and_only_training_is_timed(script, monkeypatch):
+def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
     now, called = [0.0], []
 
     def passes(seconds, name, result=None):
@@ -42,7 +36,7 @@ def test_turns_are_shared_and_only_training_is_timed(script, monkeypatch):
     assert [each.seconds for each in both] == [[2.0, 4.0], [2.0, 4.0, 6.0, 8.0]]
 
 
-def test_the_target_is_the_lowest_error_that_all_reach(script):
+def test_the_target_is_the_lowest_error_that_all_reach():
     ours = script.Training("ours", 3, iter(()), float, [2.0, 4.0, 6.0], [3.0, 1.9, 1.0])
     theirs = script.Training("theirs", 3, iter(()), float, [5.0, 10.0, 15.0], [4.0, 2.0, 2.1])
     text = script.Quality([ours, theirs], "cm").text()
@@ -52,7 +46,7 @@ def test_the_target_is_the_lowest_error_that_all_reach(script):
 
 @pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 @pytest.mark.parametrize("sequential", [False, True])
-def test_all_networks_learn(script, monkeypatch, sequential):
+def test_all_networks_learn(monkeypatch, sequential):
     torch.set_num_threads(1)  # no time is compared here
     rng = np.random.default_rng(3)
     if sequential:

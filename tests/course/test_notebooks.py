@@ -63,7 +63,7 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "give a folder for students, --release"),
+        (["--only", "03"], "give a folder for students, --release"),
         (["--release", "week.zip", "03", "77"], "no lesson 77 in"),
         (["student", "--from", "nowhere"], "no lessons in nowhere"),
         (["{here}", "--from", "{here}"], "name another folder"),

@@ -15,12 +15,10 @@ from numpy_cae.cli.shared.output import note
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to measure, and how often."""
     add = parser.add_argument
-    sizes = "batch sizes (default: 1 4 16 64; with --sequential 16 64)"
+    sizes = "batch sizes (default: 1 4 16 64)"
     add("--batch", type=arguments.positive_number, nargs="+", metavar="B", help=sizes)
     rounds = "number of measurements of each time in the table (default: 21)"
     add("--rounds", **arguments.COUNT, default=21, help=rounds)
-    sequential = "time training steps of the sequential autoencoder of three sizes instead"
-    add("--sequential", **arguments.FLAG, help=sequential)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -28,9 +26,8 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.bench import table  # imports PyTorch, which takes seconds
 
     _warn_if_busy()
-    rows = (table.sequence_rows if args.sequential else table.rows)(args.batch, args.rounds)
     print(table.header(), flush=True)
-    for row in rows:
+    for row in table.rows(args.batch, args.rounds):
         print(row.text(), flush=True)
     return 0
 

@@ -1,4 +1,8 @@
-"""A training step of `SequentialAutoencoder`, here and written in PyTorch as is usual there.
+"""Time a training step of `SequentialAutoencoder`, here and written in PyTorch as is usual there.
+
+docs/results.md has the table that this prints:
+
+    python docs/sequential_step.py
 
 The encoder is `nn.GRU`, the fastest of PyTorch; the decoder, whose input is its own last output, is
 a loop over `nn.GRUCell`.
@@ -6,17 +10,25 @@ a loop over `nn.GRUCell`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import argparse
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from numpy_cae.bench.convolutional import torch
+from numpy_cae.bench import table
+from numpy_cae.bench.convolutional import require_agreement, torch
+from numpy_cae.fast import accelerate
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training import unit_directions
 
 FRAMES, LATENT, DIRECTIONS = 50, 32, 64
+BATCHES = (16, 64)
+HIDDEN = (128, 512, 1024)
+"""Hidden units of the timed networks."""
+CHECKED_HIDDEN = 24
+"""Hidden units with which PyTorch's results are compared, in float64."""
 WEIGHT = 0.1
 """λ."""
 
@@ -108,3 +120,28 @@ class TorchSequenceModel:
         """The loss and the gradients, in the order of `SequenceCase.arrays_of`."""
         loss, gradients = self.function(case)()
         return [loss.numpy(), *(gradient.numpy().T for gradient in gradients)]
+
+
+def rows(batches: Sequence[int] = BATCHES, rounds: int = 21) -> Iterator[table.Row]:
+    """Time a training step of the sequential network at every width, as `table.rows`."""
+    if torch is not None:
+        small = SequentialAutoencoder(hidden=CHECKED_HIDDEN, latent=LATENT, dtype=np.float64)
+        exact = accelerate(small)
+        for batch in batches:
+            case = SequenceCase.drawn(exact, batch)
+            theirs = TorchSequenceModel(exact).arrays(case)
+            require_agreement("sequential", case.arrays_of(exact), theirs)
+    for batch in batches:
+        for units in HIDDEN:
+            model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
+            case = SequenceCase.drawn(model, batch)
+            yield table.timed_row(f"hidden {units}", batch, model, TorchSequenceModel, case, rounds)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--rounds", type=int, default=21, help="measurements of each time")
+    arguments = parser.parse_args()
+    print(table.header(), flush=True)
+    for row in rows(rounds=arguments.rounds):
+        print(row.text(), flush=True)
