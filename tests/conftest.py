@@ -1,7 +1,10 @@
 """Fixtures and settings of all tests."""
 
+import json
 import os
+import sys
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import numpy as np
 import pytest
@@ -23,16 +26,42 @@ def counted(capsys):
     return counted
 
 
+GRADER = """
+import json, os, sys
+from numpy_cae.course import catalogue
+from numpy_cae.verify.grading.sandbox.child import do_apart, reply_to
+for line in sys.stdin:
+    folder, request = json.loads(line)
+    os.chdir(folder)
+    print(json.dumps(do_apart(lambda: reply_to(request), 1000.0)), flush=True)
+"""
+
+
+@pytest.fixture(scope="session")
+def grader():
+    """A process with one thread, which has imported the course and forks for each file.
+
+    The tests' own process may not be forked: where another thread is in the middle of a product of
+    matrices, the lock that this thread holds stays closed in the copy.
+    """
+    from numpy_cae.verify.grading.sandbox.process import ONE_THREAD
+
+    command = [sys.executable, "-c", GRADER]
+    environment = os.environ | ONE_THREAD
+    with Popen(command, stdin=PIPE, stdout=PIPE, text=True, env=environment) as process:
+        yield process
+        process.stdin.close()
+
+
 @pytest.fixture
-def forked_grading(tmp_path, monkeypatch):
-    """Grade in a process that is forked from this one, which saves starting Python."""
+def forked_grading(tmp_path, monkeypatch, grader):
+    """Grade in a process that is forked from one that runs, which saves starting Python."""
     from numpy_cae.verify.grading import student_file
-    from numpy_cae.verify.grading.sandbox.child import do_apart, reply_to
 
     def run(request):
-        return do_apart(lambda: reply_to({**request, "megabytes": 4096}), 100)
+        print(json.dumps([str(tmp_path), request]), file=grader.stdin, flush=True)
+        return json.loads(grader.stdout.readline())
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(student_file, "run", run)
 
 

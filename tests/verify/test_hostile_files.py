@@ -4,11 +4,13 @@ import inspect
 import json
 import os
 import sys
+import threading
 
 import pytest
 
 from numpy_cae.course import catalogue
 from numpy_cae.verify.grading import student_file as grading
+from numpy_cae.verify.grading.sandbox.child import SEVERAL_THREADS, do_apart
 from numpy_cae.verify.grading.submission import read_submission
 
 IMPORTS = "import atexit, builtins, ctypes, json, os, socket, subprocess, sys, threading, time\n"
@@ -39,6 +41,7 @@ if pid == 0:
     time.sleep(100)
 open('pid', 'w').write(str(pid))
 """
+FILLS = "[open(str(n), 'wb').write(bytes(2**23)) for n in range(16)]; time.sleep(60)"
 
 
 @pytest.mark.parametrize(
@@ -58,9 +61,10 @@ open('pid', 'w').write(str(pid))
         ("open('/x', 'w')", "open is not allowed"),
         ("time.sleep(60)", "did not finish"),
         ("while True: pass", "an endless loop?"),
+        (FILLS, "it wrote more than 64 MB of files"),
         ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\x202e"),
     ],
-    ids=range(15),
+    ids=range(16),
 )
 def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     never_ends = content in ("time.sleep(60)", "while True: pass")
@@ -182,3 +186,15 @@ def test_a_folder_and_a_device_are_no_files(tmp_path):
     assert grading.grade(tmp_path).faults == ["it is no file"]
     os.mkfifo(tmp_path / "pipe.py")
     assert grading.grade(tmp_path / "pipe.py").faults == ["it is no file"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted on Linux only")
+def test_a_process_with_several_threads_is_not_forked():
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        assert do_apart(lambda: {}, 5.0) == {"failed": SEVERAL_THREADS}
+    finally:
+        done.set()
+        thread.join()

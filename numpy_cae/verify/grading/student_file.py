@@ -14,7 +14,7 @@ from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 
 TIME_LIMIT = 120.0
 EXERCISE_SECONDS = 30.0
-"""CPU time of one exercise; twice as much may pass on the clock."""
+"""CPU time of one exercise; it may be idle for as long again."""
 MEMORY_LIMIT = 2048
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 MISSING = (
@@ -94,7 +94,7 @@ def grade(
     named : mapping of str to str, optional
         Functions that have other names than their operations, by operation.
     seconds : float
-        Limit of the time for the whole file.
+        Limit of the time for the whole file, without the time that it waits for a processor.
     megabytes : int
         Limit of the memory of one process (on Linux).
     lesson : str

@@ -21,6 +21,11 @@ from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.trial import described
 
 MAX_NOTES = 5
+MOST_WRITTEN = 2**26
+"""MOST_WRITTEN: the bytes that all files of a process may have together; an empty file counts as
+`LEAST_FILE` bytes."""
+LEAST_FILE = 2**12
+SEVERAL_THREADS = "the grader's process has several threads, so that it cannot be forked safely"
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
@@ -36,14 +41,16 @@ def reply_to(request: dict) -> dict:
     submission = read_submission(Path(request["path"]))
     catalogue = import_module(request["catalogue"]).CATALOGUE
     given = {name: catalogue[name].solution for name in request["given"]}
-    wanted, deadline = request["wanted"], time.monotonic() + request["seconds"]
+    wanted, used = request["wanted"], 0.0
 
     def apart(work: Callable[[], dict], left: int) -> dict:
         """The result of work in a confined process; the time that is left is for so many."""
-        seconds = min(2 * request["cpu_seconds"], (deadline - time.monotonic()) / left)
+        nonlocal used
+        seconds = min(2 * request["cpu_seconds"], (request["seconds"] - used) / left)
         if seconds <= 0:
             return {"failed": "the time limit for the whole file is used up"}
         result = do_apart(partial(_confined, work, request), seconds)
+        used += result.pop("seconds", 0.0)
         confinement.end_children()  # such as a process that left the group which do_apart kills
         return result
 
@@ -70,11 +77,18 @@ def reply_to(request: dict) -> dict:
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
     """The result of `work`, done by a forked process; without fork (Windows), by this one.
 
-    The result goes through a file in the current folder, so it must be what JSON can hold. If the
-    process ends without one, or does not end within so many seconds, this is {"failed": why}.
+    The result goes through a file in the current folder, so it must be what JSON can hold. It gets
+    `seconds`, the time that the process took. If the process ends without a result, does not end
+    within so many seconds or fills the folder, this is {"failed": why}.
+
+    Time in which the process waits for a processor does not count, so that the result does not
+    depend on what else the machine does.
     """
     if not hasattr(os, "fork"):
         return work()
+    threads = Path("/proc/self/task")
+    if threads.is_dir() and len(list(threads.iterdir())) > 1:
+        return {"failed": SEVERAL_THREADS}  # a lock of another thread would stay closed for ever
     reply, process = Path(secrets.token_hex(16)).absolute(), os.fork()
     if process == 0:
         try:
@@ -83,20 +97,44 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
             reply.write_text(json.dumps(work()))
         finally:
             os._exit(0)
-    deadline, ended, status = time.monotonic() + seconds, 0, 0
-    while not ended and time.monotonic() < deadline:
+    begun, taken, ended, status, fault = time.monotonic(), 0.0, 0, 0, ""
+    while not ended and not fault:
         time.sleep(0.005)
+        taken = time.monotonic() - begun - _waited(process)
         ended, status = os.waitpid(process, os.WNOHANG)
+        if taken > seconds:
+            fault = f"it did not finish within {seconds:.3g} s: an endless loop?"
+        elif _written(reply.parent) > MOST_WRITTEN:
+            fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
     with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
     if not ended:
         os.waitpid(process, 0)
-        return {"failed": f"it did not finish within {seconds:.3g} s: an endless loop?"}
+        return {"failed": fault, "seconds": taken}
     try:
-        return json.loads(reply.read_text())
+        return {**json.loads(reply.read_text()), "seconds": taken}
     except (OSError, ValueError):
         out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-        return {"failed": "it used up its CPU time: an endless loop?" if out_of_time else CRASHED}
+        reason = "it used up its CPU time: an endless loop?" if out_of_time else CRASHED
+        return {"failed": reason, "seconds": taken}
+
+
+def _waited(process: int) -> float:
+    """The seconds that a process has waited for a processor; 0 where the system does not say."""
+    try:
+        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, ValueError, IndexError):  # not Linux, or the process has ended
+        return 0.0
+
+
+def _written(folder: Path) -> int:
+    """The bytes of all files in a folder."""
+    total = 0
+    for parent, _, names in os.walk(folder):
+        for name in names:
+            with suppress(OSError):  # removed since
+                total += max(LEAST_FILE, os.lstat(os.path.join(parent, name)).st_size)
+    return total
 
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:

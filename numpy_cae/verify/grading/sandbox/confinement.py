@@ -16,6 +16,8 @@ except ImportError:  # Windows, where a process has no such limits
     resource = None
 
 LARGEST_WRITTEN_FILE = 2**24
+OPEN_FILES = 64
+"""OPEN_FILES: files that were removed but are open take space that no folder shows."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
@@ -69,8 +71,9 @@ def _children() -> list[int]:
 def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     """Limit this process for the rest of its life; it reads and prints nothing.
 
-    It may use so many seconds of CPU time from now, and change files in this folder only. Returns
-    the modules that the tests use, to be kept: what is imported from now on gets copies.
+    It may use so many seconds of CPU time from now and so much more memory than it has, and change
+    files in this folder only. Returns the modules that the tests use, to be kept: what is imported
+    from now on gets copies.
     """
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
@@ -79,13 +82,22 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
     end_with_parent()
     cpu = math.ceil(time.process_time() + seconds)
-    limits = {"CPU": cpu, "AS": megabytes * 2**20, "NPROC": 0, "CORE": 0}
+    limits = {"CPU": cpu, "AS": _mapped() + megabytes * 2**20, "NPROC": 0, "CORE": 0}
+    limits["NOFILE"] = OPEN_FILES
     for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
         with suppress(ValueError, OSError, AttributeError):  # as far as the system has it
             hard = limit + (name == "CPU")  # the soft limit ends it with a signal of its own
             resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), (limit, hard))
     _refuse_actions(os.path.realpath(folder))
     return _isolate_modules()
+
+
+def _mapped() -> int:
+    """The bytes of memory that this process has mapped; 0 where the system does not say."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    except OSError:
+        return 0
 
 
 def _refuse_actions(folder: str) -> None:
