@@ -97,14 +97,6 @@ def test_samples_have_the_requested_length_and_repeat_by_seed(walk_manifold, fea
         assert not np.array_equal(one, other)
 
 
-def test_equation_4_by_hand():
-    one = np.array([[0.5, -1.0], [1.0, 0.0]])
-    two = np.array([[0.0, 0.0], [0.25, 0.5], [0.5, 1.0]])
-    # max: (1, 0) and (0.5, 1); min: (0.5, -1) and (0, 0).
-    assert G(one, two) == pytest.approx((0.25 + 1.0) + (0.25 + 1.0))
-    np.testing.assert_array_equal(signature(one), [1.0, 0.0, 0.5, -1.0])
-
-
 @given(st.lists(UNITS, min_size=2, max_size=4), st.lists(UNITS, min_size=1, max_size=3))
 def test_the_matrix_is_equation_4_of_each_pair(some, others):
     matrix = distance_matrix([signature(u) for u in some], [signature(u) for u in others])

@@ -92,17 +92,6 @@ def test_damage_is_refused_with_its_file_and_line(tmp_path, name, old, new, line
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_lost_line_is_refused_or_changes_nothing_but_itself(tmp_path, name):
-    lines, read = FILES[name].splitlines(keepends=True), []
-    for line in range(len(lines)):
-        path = write(tmp_path, name, "".join(lines[:line] + lines[line + 1 :]).encode())
-        if read_or_refuse(path, name, len(BVH), line):
-            read.append(line)
-    harmless = {"a.bvh": 0, "02_01.amc": 4, "02.asf": 24, "a.txt": 3}[name]
-    assert len(read) <= harmless, read
-
-
-@pytest.mark.parametrize("name", FILES)
 def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(tmp_path, name):
     data = FILES[name].encode()
     rates = None, 30.0

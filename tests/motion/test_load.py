@@ -22,13 +22,6 @@ from numpy_cae.motion.read.many import read_bodies
 BVH = f"{HIERARCHY}MOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0 0 0 0 0 0 0\n"
 
 
-@pytest.mark.parametrize("name", ["take.fbx", "take", "take.csv"])
-def test_other_kinds_are_refused_with_what_is_supported(tmp_path, name):
-    (tmp_path / name).write_text(BVH)
-    with pytest.raises(MotionFileError, match=r"not supported; supported are .bvh .* .amc"):
-        load_motion(tmp_path / name)
-
-
 def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
     (tmp_path / "b" / "deep").mkdir(parents=True)
     (tmp_path / "folder.bvh").mkdir()
@@ -44,14 +37,17 @@ def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
     ("read", "name", "message"),
     [
         (load_motion, "take.bvh", "no such file"),
+        (load_motion, "take.fbx", r"not supported; supported are .bvh .* .amc"),
+        (load_motion, "file", "a file without suffix is not supported"),
         (load_motion, "", "is a folder, expected one motion file"),
         (find_motion_files, "", "holds no motion file"),
         (find_motion_files, "none", "no such folder"),
         (find_motion_files, "file", "is a file, expected a folder"),
     ],
 )
-def test_missing_files_and_folders_are_refused(tmp_path, read, name, message):
-    (tmp_path / "file").touch()
+def test_missing_files_folders_and_other_kinds_are_refused(tmp_path, read, name, message):
+    for existing in ("file", "take.fbx"):
+        (tmp_path / existing).touch()
     with pytest.raises(MotionFileError, match=message):
         read(tmp_path / name)
 

@@ -258,21 +258,6 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
 
-def test_a_line_for_each_epoch_or_silence(capsys):
-    schedule = Schedule(Stage(epochs=2, batch=5), Stage(epochs=3, rate=0.01, batch=5))
-    _, losses = trained(schedule, report=ProgressPrinter())
-    lines = capsys.readouterr().err.splitlines()
-    expected = [
-        f"{name}, epoch {number}/{len(of_stage)}: loss {loss:.5f}, "
-        for name, of_stage in losses.items()
-        for number, loss in enumerate(of_stage, start=1)
-    ]
-    assert len(lines) == len(expected) == 7
-    assert all(line.startswith(start) for line, start in zip(lines, expected, strict=True))
-    trained(schedule)
-    assert capsys.readouterr().err == ""
-
-
 def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(monkeypatch, capsys):
     clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
     monkeypatch.setattr(progress, "time", clock)
