@@ -17,16 +17,17 @@ from pathlib import Path
 import numpy as np
 from sequential_step import SequenceCase, TorchSequenceModel
 
+from data_synth import plan_takes
 from numpy_cae.bench.convolutional import TorchModel, torch
 from numpy_cae.bench.table import PAUSE
 from numpy_cae.experiments.ablation import HALF_REMOVED, Evaluation
-from numpy_cae.experiments.material import read_material, synthetic_material
+from numpy_cae.experiments.material import read_material, unlabelled
 from numpy_cae.experiments.sequences.study import synthetic_action
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion import cut_clips, draw_clips
+from numpy_cae.motion import RATE, body_of, cut_clips, draw_clips
 from numpy_cae.training import (
     SEQUENCE_RECIPES,
     Schedule,
@@ -259,7 +260,13 @@ def _torch_update(
 
 def convolutional_trainings(folders: list[Path], test: list[str]) -> list[Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
-    material = read_material(folders, test) if folders else synthetic_material(MINUTES, 4)
+    if folders:
+        material = read_material(folders, test)
+    else:
+        halves: tuple[list, list] = ([], [])
+        for plan in plan_takes(MINUTES):
+            halves[plan.number % 4 == 0].append(body_of(plan.make(RATE).motion))
+        material = unlabelled(*halves)
     evaluation = Evaluation(material)
 
     def error(repair: Change) -> float:

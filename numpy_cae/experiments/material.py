@@ -16,14 +16,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from data_synth import plan_takes
 from numpy_cae.motion import (
-    RATE,
     Coordinates,
     Motion,
     MotionFileError,
     UnknownRigError,
-    body_of,
     find_motion_files,
     load_body,
     load_motion,
@@ -96,15 +93,6 @@ def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) ->
         return [LabelledTake(Path(f"take {n}"), take) for n, take in enumerate(positions, 1)]
 
     return Material(takes(training), takes(testing))
-
-
-def synthetic_material(minutes: float, test_every: int) -> Material:
-    """Synthetic takes that together last `minutes`; one in `test_every` is for testing."""
-    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
-    for plan in plan_takes(minutes):
-        positions = body_of(plan.make(RATE).motion)
-        halves[plan.number % test_every == 0].append(LabelledTake(Path(plan.name), positions))
-    return Material(*halves)
 
 
 def features_of(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> list[np.ndarray]:

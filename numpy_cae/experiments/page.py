@@ -8,7 +8,7 @@ from importlib.resources import files
 from string import Template
 
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.viz.viewer import head
+from numpy_cae.viz.viewer import fragment, head
 
 _PAGE = Template((files("numpy_cae.experiments") / "page.html").read_text(encoding="utf-8"))
 
@@ -66,8 +66,8 @@ def section(result: Result) -> str:
         source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
         label = escape(f"{result.title}: picture")
         parts.append(f'<figure><img alt="{label}" src="{source}"></figure>')
-    if result.animation:
-        parts.append(f"<figure>{result.viewer()}</figure>")
+    if moving := result.animation:
+        parts.append(f"<figure>{fragment(moving.actors, moving.rate)}</figure>")
     return "\n".join([*parts, *map(_table, result.tables), _paragraph(result.note)])
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -155,24 +154,10 @@ class Result:
         self.figure().savefig(picture, format="png", dpi=110, facecolor="white")
         return picture.getvalue()
 
-    def viewer(self) -> str:
-        """The animation in the viewer, as HTML; empty where there is none."""
-        if self.animation is None:
-            return ""
-        from numpy_cae.viz.viewer import fragment
-
-        return fragment(self.animation.actors, self.animation.rate)
-
     def _repr_html_(self) -> str:
         from numpy_cae.experiments.page import section
 
         return section(self)
-
-    def save_picture(self, path: str | Path) -> None:
-        """Write the figure, which there must be, as a PNG file."""
-        from numpy_cae.viz import save_figure
-
-        save_figure(self.figure(), path)
 
 
 def _printed(value: object, form: str) -> str:

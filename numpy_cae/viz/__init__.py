@@ -1,19 +1,7 @@
 """Pictures of motions and of numbers. Matplotlib is imported when something is drawn."""
 
-from numpy_cae.viz.actor import (
-    CORRUPTED,
-    PLAIN,
-    PROJECTED,
-    TRUTH,
-    Actor,
-    motion_actor,
-)
-from numpy_cae.viz.curves import (
-    Curve,
-    bars_figure,
-    curves_figure,
-    matrix_figure,
-)
+from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
+from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, matrix_figure
 from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.strip import save_figure, strip_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer

@@ -76,7 +76,7 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     """Train a network, print the table of errors, and draw figure 1."""
     from numpy_cae.experiments.material import unlabelled
     from numpy_cae.experiments.repair import half_removed
-    from numpy_cae.viz import save_viewer
+    from numpy_cae.viz import save_figure, save_viewer
 
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
@@ -91,7 +91,7 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     material = unlabelled(training, testing)
     print(f"\n{half_removed.run(manifold, material, seed).text()}\n")
     figure = half_removed.figure_1(manifold, material, seed)
-    figure.save_picture(folder / "figure_1.png")
+    save_figure(figure.figure(), folder / "figure_1.png")
     actors, rate = figure.animation.actors, figure.animation.rate
     save_viewer(actors, folder / "figure_1.html", rate, "half of the values removed")
     print(

@@ -15,7 +15,7 @@ from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
 from numpy_cae.manifold import save_manifold
 from numpy_cae.training import ProgressPrinter
-from numpy_cae.viz import save_viewer
+from numpy_cae.viz import save_figure, save_viewer
 
 ACTIONS = ("walking", "waiting", "walking_dog")
 
@@ -54,11 +54,9 @@ def run(args: argparse.Namespace) -> int:
     write_texts(args.output, {"study.txt": text})
     for name, result in results.items():
         if result.figure:
-            result.save_picture(args.output / f"{name}.png")
-        if result.animation:
-            save_viewer(
-                result.animation.actors, args.output / f"{name}.html", result.animation.rate
-            )
+            save_figure(result.figure(), args.output / f"{name}.png")
+        if moving := result.animation:
+            save_viewer(moving.actors, args.output / f"{name}.html", moving.rate)
     for name, manifold in manifolds.items():
         save_manifold(manifold, args.output / f"{name}.npz")
     print(text, end="")

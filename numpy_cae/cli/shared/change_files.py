@@ -13,14 +13,7 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
-from numpy_cae.motion import (
-    RATE,
-    Motion,
-    UnknownRigError,
-    body_of,
-    find_motion_files,
-    load_motion,
-)
+from numpy_cae.motion import RATE, Motion, UnknownRigError, body_of, find_motion_files, load_motion
 from numpy_cae.motion.formats.write import WRITERS, require_writer
 from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.viz import CORRUPTED, PROJECTED
