@@ -131,7 +131,6 @@ def learn_manifold(
         "windows": len(windows),
         "schedule": asdict(schedule),
         "losses": history.losses,
-        "seconds": history.seconds,
     }
     return manifold
 
