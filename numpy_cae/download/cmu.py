@@ -16,6 +16,7 @@ import zipfile
 from collections.abc import Sequence
 from http.client import HTTPException
 from pathlib import Path
+from urllib.error import HTTPError
 
 from numpy_cae.errors import NumpyCaeError
 
@@ -92,6 +93,8 @@ def download_cmu(
             if downloads.registry[name] is None:
                 downloads.registry[name] = f"sha256:{pooch.file_hash(path)}"
     except (OSError, ValueError, HTTPException, zipfile.BadZipFile) as error:
+        if isinstance(error, HTTPError):
+            error.close()  # it holds the connection open
         raise DownloadError(f"{site}: {error}") from None
     finally:
         known = {name: checksum for name, checksum in downloads.registry.items() if checksum}
