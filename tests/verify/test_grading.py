@@ -3,6 +3,7 @@
 import json
 
 from numpy_cae.cli import main
+from numpy_cae.verify.grading.report import _why
 
 RIGHT = "import numpy as np\ndef tanh(x):\n    y = np.tanh(x)\n"
 RIGHT += "    return y, lambda dy: dy * (1 - y * y)\n"
@@ -117,3 +118,23 @@ def test_the_command_prints_json_and_its_status_tells(tmp_path, capsys):
     (file,) = json.loads(capsys.readouterr().out)
     assert file["points"] == 10 and file["held"]
     assert "gradient for x" in [p["name"] for p in file["operations"][0]["properties"]]
+
+
+CACHED = """
+import numpy as np
+
+VALUES = {}
+
+
+def tanh(x):
+    y = VALUES.setdefault(x.shape, np.tanh(x))
+    return y.copy(), lambda dy: dy * (1 - y * y)
+"""
+
+
+def test_an_example_that_is_right_alone_is_said_to_be(graded):
+    (report,) = graded(CACHED).reports
+    problems = {o.stated.name: o.problem for o in report.outcomes if not o.held}
+    assert "alone in a fresh process this example is right" in problems["special inputs"]
+    assert "fresh process" not in problems["dtype"]
+    assert max(len(list(_why(outcome))) for outcome in report.outcomes) <= 30

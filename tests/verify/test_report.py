@@ -1,5 +1,6 @@
 """The report of a notebook, and what it needs."""
 
+import re
 import sys
 from dataclasses import replace
 
@@ -65,3 +66,32 @@ def test_what_does_not_return_an_operation_is_told_so(tanh, complaint):
 
 def test_a_result_of_a_wrong_shape_that_goes_in_again_is_reported():
     assert "IndexError" in problem_of("transpose_filters", "own inverse", lambda w: w[0])
+
+
+def off_by_little(x):
+    y, pullback = ops.tanh(x)
+    return (
+        y,
+        lambda dy: pullback(dy) + np.where(np.arange(x.size).reshape(x.shape) == 1, 2e-8, 1e-9),
+    )
+
+
+def test_numbers_have_the_digits_that_differ_and_the_worst_entry_is_shown():
+    text = problem_of("tanh", "gradient for x", off_by_little)
+    number, expected = re.search(r"is (\S+) at index .*, expected (\S+)", text).groups()
+    assert 1e-9 < abs(float(number) - float(expected)) < 3e-8
+
+
+def test_both_upstream_gradients_of_linearity_are_shown_and_the_finding_is_kept():
+    tried = next(each for each in verify.properties("tanh") if each.name == "linearity")
+    outcome = try_property(
+        tried, lambda x: (np.tanh(x), lambda dy: abs(dy) * (1 - np.tanh(x) ** 2))
+    )
+    assert "dy = [[[" in outcome.counterexample and "\ndy' = [[[" in outcome.counterexample
+
+    def masked(x):
+        y, pullback = ops.tanh(x)
+        return np.where(x == 0.5, 0, y), pullback
+
+    value = try_property(verify.properties("tanh")[0], masked)
+    assert value.problem.startswith("the value is 0 at index")

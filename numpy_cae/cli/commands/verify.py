@@ -6,6 +6,9 @@ In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 examples: numpy-cae verify student.py --as conv1d=my_conv
           numpy-cae verify submitted/ --csv marks.csv --feedback feedback/
 
+A file that imports numpy_cae gets no points: the operations are to be written by hand.
+NumPy and the standard library may be imported.
+
 Points are counted for all exercises of one lesson: --lesson or, without it, the
 lesson of the notebook's cells or of a file name such as 03_mine.py. A file of no
 lesson is graded for the functions that it has.

@@ -79,19 +79,19 @@ def copies(things: Sequence) -> list:
     return [np.copy(x) if isinstance(x, np.ndarray) else x for x in things]
 
 
-def written(value: object) -> str:
+def written(value: object, digits: int = 6) -> str:
     """An argument or result as it is printed in a counterexample."""
     if not isinstance(value, np.ndarray):
-        return f"{value:.6g}" if isinstance(value, float) else repr(value)
+        return f"{value:.{digits}g}" if isinstance(value, float) else repr(value)
     if value.dtype.kind == "f":
-        value = np.array([f"{v:.6g}" for v in value.flat], float).reshape(value.shape)
+        value = np.array([f"{v:.{digits}g}" for v in value.flat], float).reshape(value.shape)
     return str(value.tolist())
 
 
-def differing(one: float, other: float, fewest: int = 10) -> tuple[str, str]:
-    """Two numbers with so many digits that they are seen to differ; equal ones with 17."""
+def written_apart(one: object, other: object, fewest: int = 6) -> tuple[str, str]:
+    """Two numbers or arrays with so many digits that they are seen to differ, at most 17."""
     for digits in range(fewest, 18):
-        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        texts = written(one, digits), written(other, digits)
         if texts[0] != texts[1]:
             break
     return texts

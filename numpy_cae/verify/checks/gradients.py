@@ -15,11 +15,11 @@ from numpy_cae.verify.checks.call import (
     WORTH_PRINTING,
     call,
     copies,
-    differing,
     flat,
     is_float,
     parts,
     written,
+    written_apart,
 )
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
 from numpy_cae.verify.checks.leaves import (
@@ -259,7 +259,7 @@ def _judge(
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
         index, verdict = _trace(at, *worst, tolerance)
-        numbers = differing(verdict.analytic + 0, verdict.numeric + 0)
+        numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
         rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
         lines = [
             f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}",

@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 from numpy_cae.verify.operations.catalogue import (
     CONTRACT,
@@ -15,6 +16,7 @@ from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, try_pr
 
 WIDTH = 98
 INDENT = 10
+LONGEST_REASON = 28
 FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
 STAGES = {"value": 0, "gradient": 1, "adjoint": 1}
 WHY = ("problem", "counterexample", "likely_mistake")
@@ -88,6 +90,7 @@ class Report:
                     "problem": outcome.problem,
                     "counterexample": outcome.counterexample,
                     "likely_mistake": outcome.mistake,
+                    "case": outcome.case and [outcome.case.sizes, outcome.case.seed],
                 }
                 for outcome, points in zip(self.outcomes, self.earned(), strict=True)
             ],
@@ -122,7 +125,11 @@ class Report:
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
-    """The lines below a property that does not hold."""
+    """The lines below a property that does not hold, at most LONGEST_REASON."""
+    yield from islice(_every_reason(outcome), LONGEST_REASON)
+
+
+def _every_reason(outcome: Outcome) -> Iterator[str]:
     for title, text in (
         ("what", outcome.problem),
         ("smallest", outcome.counterexample),

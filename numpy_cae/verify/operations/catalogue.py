@@ -54,7 +54,7 @@ def properties_of_operation(name: str, convention: Patch | None = None) -> tuple
 def in_other_conventions(exercise: Exercise) -> Iterator[Exercise]:
     """The exercise in each documented convention other than the contract's."""
     for patch in conventions_of(exercise.name):
-        stated = properties_of(exercise.name, patch)
+        stated = properties_of_operation(exercise.name, patch)
         yield replace(exercise, properties=stated, convention=patch.sentence)
 
 

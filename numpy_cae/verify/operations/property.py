@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.checks.call import gradients_of, require_array, written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
 
@@ -90,6 +90,7 @@ class Outcome:
     problem: str = ""
     counterexample: str = ""
     mistake: str = ""
+    case: Case | None = None  # the counterexample's
 
 
 def property_of(
@@ -145,13 +146,13 @@ def require_equal(
         allowed = tolerance * max(1.0, float(np.max(size, initial=0.0)))
     else:
         allowed = tolerance * size + floor
-    wrong = ~(np.abs(result - expected) <= allowed)
-    if wrong.any():
-        index = tuple(int(i) for i in np.argwhere(wrong)[0])
+    off = np.abs(result - expected)
+    if not np.all(off <= allowed):
+        excess = np.where(off <= allowed, -1.0, np.nan_to_num(off - allowed, nan=np.inf))
+        index = tuple(map(int, np.unravel_index(np.argmax(excess), off.shape)))
         place = f" at index {index}" if index else ""
-        raise AssertionError(
-            f"{what} is {result[index] + 0:.10g}{place}, expected {expected[index] + 0:.10g}"
-        )
+        one, other = written_apart(float(result[index]) + 0, float(expected[index]) + 0, 10)
+        raise AssertionError(f"{what} is {one}{place}, expected {other}")
 
 
 def agrees(result, expected) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from numpy_cae.verify.checks.adjoint import check_adjoint
-from numpy_cae.verify.checks.call import WORTH_A_RESULT, call_of_array, written
+from numpy_cae.verify.checks.call import call_of_array
 from numpy_cae.verify.checks.gradients import wrong_gradients
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case
 from numpy_cae.verify.operations.operation import Operation
@@ -143,15 +143,15 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
     of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():
         expected = 2 * of_one[name] - 3 * of_other[name]
-        short = np.size(one) <= WORTH_A_RESULT
-        given = f"with dy = {written(one)} and dy' = {written(other)}, " if short else ""
-        yield _again(f"{given}of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
+        yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Compare float32 with float64; arguments changed by rounding give the error allowed."""
     if case.get("state") == "huge":  # rounding may turn a gate, and then all frames that follow
         return
+    if case.get("layout") == "broadcast" and not operation.reference:
+        return  # equal entries cancel in general functions, and leave nothing but rounding
     rng, layout = np.random.default_rng(0), LAYOUTS[case.get("layout")]
     arguments = operation.arguments(case)
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
@@ -160,7 +160,8 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    dy = np.float32(dy) if isinstance(dy, np.ndarray | np.generic) else dy
+    is_rounded = np.ndim(dy) or (isinstance(dy, np.generic) and not operation.reference)
+    dy = np.float32(dy) if is_rounded else dy
 
     def in_float64(rounding: float) -> dict:
         def widened(array: np.ndarray) -> np.ndarray:

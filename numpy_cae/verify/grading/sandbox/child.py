@@ -18,7 +18,8 @@ import numpy.ma  # noqa: F401  np.median imports it: too late where a file chang
 from numpy_cae.verify.grading.report import report
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
-from numpy_cae.verify.operations.trial import described
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.trial import described, failure
 
 MAX_NOTES = 5
 MOST_WRITTEN = 2**26
@@ -26,6 +27,9 @@ MOST_WRITTEN = 2**26
 `LEAST_FILE` bytes."""
 LEAST_FILE = 2**12
 SEVERAL_THREADS = "the grader's process has several threads, so that it cannot be forked safely"
+RIGHT_ALONE = (
+    "\nrun alone in a fresh process this example is right: something is kept between calls"
+)
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
@@ -63,12 +67,23 @@ def reply_to(request: dict) -> dict:
         any_convention = request["any_convention"]
         return report(catalogue[name], functions[function], any_convention, function).as_json()
 
+    def alone(name: str, function: str, number: int, sizes: list, seed: int) -> dict:
+        functions, _ = submission.run(given, instead)
+        stated, case = catalogue[name].properties[number], Case(tuple(map(tuple, sizes)), seed)
+        return {"right": failure(stated, functions[function], case) is None}
+
     loaded = apart(names, 1)
     present = [name for name, function in wanted.items() if function in loaded.get("defined", ())]
     results, instead = {}, {}
     for name, function in wanted.items():
         if name in present:
-            results[name] = apart(partial(tested, name, function), len(present) - len(results))
+            left = len(present) - len(results)
+            results[name] = apart(partial(tested, name, function), left)
+            with suppress(LookupError, TypeError, AttributeError):  # a file may write its own reply
+                for number, one in enumerate(results[name].get("properties", ())):
+                    again = one["case"] and partial(alone, name, function, number, *one["case"])
+                    if again and apart(again, left).get("right"):
+                        one["problem"] += RIGHT_ALONE
         if name in request["replaced"] and not results.get(name, {}).get("held"):
             instead[function] = catalogue[name].solution
     return {"failed": "", "problems": [], **loaded, "results": results}
