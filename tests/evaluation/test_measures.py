@@ -153,14 +153,11 @@ DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
 ALIKE = np.array([[True, True, False, False], [False, True, False, True]])
 
 
-def test_retrieval_by_hand():
+def test_retrieval_by_hand_and_without_the_query_itself():
     # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
     np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
-
-
-def test_an_infinite_distance_leaves_a_motion_out():
     itself = DISTANCES.copy()
-    itself[0, 1] = np.inf
+    itself[0, 1] = np.inf  # leaves a motion out
     # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
     assert average_precision(itself, ALIKE)[0] == pytest.approx(1 / 2)
     alone = np.array([[np.inf, 1.0]])
