@@ -63,13 +63,7 @@ def load_arrays(
         If the file is missing or damaged, unpacks to too many bytes, has another format, or its
         arrays do not fit together.
     """
-    try:
-        arrays = _read_arrays(Path(path))
-    except OSError as error:
-        raise ModelFileError(f"{path}: {error.strerror or error}") from None
-    except Exception as error:  # zipfile, zlib and NumPy raise a dozen types for damaged bytes
-        problem = f"not a model that `numpy-cae train` wrote: {_one_line(error)}"
-        raise ModelFileError(f"{path}: {problem}") from None
+    arrays = read_arrays(path, "a model that `numpy-cae train` wrote")
     stated = str(arrays.get("format"))
     if stated not in readers:
         expected = " or ".join(map(repr, readers))
@@ -87,8 +81,20 @@ def _one_line(error: Exception) -> str:
     return " ".join((str(error) or repr(error)).split())[:500]
 
 
+def read_arrays(path: str | Path, expected: str) -> dict[str, np.ndarray]:
+    """Every array of a `.npz` file, if the sum of their sizes fits the size of the file.
+
+    Raises ModelFileError, which says that the file is not what is `expected`.
+    """
+    try:
+        return _read_arrays(Path(path))
+    except OSError as error:
+        raise ModelFileError(f"{path}: {error.strerror or error}") from None
+    except Exception as error:  # zipfile, zlib and NumPy raise a dozen types for damaged bytes
+        raise ModelFileError(f"{path}: not {expected}: {_one_line(error)}") from None
+
+
 def _read_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Every array of the file, if the sum of their sizes fits the size of the file."""
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise ValueError("it is not a regular file")
     with zipfile.ZipFile(path) as archive:

@@ -3,7 +3,8 @@
 A file that is half written when the disk fills up or the process is killed must never replace a
 good one. So the file is written under a temporary name in the same folder, brought to the disk
 (fsync) and then renamed, which the operating system does in one step. A process that is killed
-while it writes leaves the temporary file, `.NAME.PROCESS.part.SUFFIX`, which may be removed.
+while it writes leaves the temporary file, `.NAME.PROCESS.part.SUFFIX`, which the next writing of
+the same file removes.
 """
 
 import os
@@ -12,6 +13,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from numpy_cae.errors import FileError
+
+LONGEST_NAME = 50
+"""LONGEST_NAME: the temporary name has so many characters of the name, as systems allow 255 bytes
+in all."""
 
 
 @contextmanager
@@ -31,8 +36,10 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         raise FileError(path, None, "cannot be written: there is a folder of this name")
     if not os.path.isdir(path.parent):
         raise FileError(path, None, f"cannot be written: there is no folder {path.parent}")
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    begin, end = f".{path.stem[:LONGEST_NAME]}.", f".part{path.suffix}"
+    temporary = path.with_name(f"{begin}{os.getpid()}{end}")
     try:
+        _remove_leftovers(path.parent, begin, end)
         yield temporary
         with temporary.open("r+b") as file:
             os.fsync(file.fileno())
@@ -42,3 +49,26 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _remove_leftovers(folder: Path, begin: str, end: str) -> None:
+    """Remove the temporary files of these names whose process has ended."""
+    for name in os.listdir(folder):
+        if name.startswith(begin) and name.endswith(end):
+            process = name[len(begin) : -len(end)]
+            if process.isdecimal() and has_ended(int(process)):
+                with suppress(OSError):
+                    (folder / name).unlink()
+
+
+def has_ended(process: int) -> bool:
+    """Whether no process has this number; False where that cannot be asked (Windows)."""
+    if os.name != "posix":
+        return False
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return True
+    except PermissionError:  # another user's
+        return False
+    return False

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from numpy_cae.visible import visible
+
 MAX_CHARACTERS = 700
 """Of a message; a name in a damaged file may be as long as the file."""
 
@@ -29,8 +31,9 @@ class FileError(NumpyCaeError, ValueError):
         if len(problem) > MAX_CHARACTERS:
             problem = f"{problem[: MAX_CHARACTERS // 2]} … {problem[-MAX_CHARACTERS // 2 :]}"
         self.path, self.line, self.problem = Path(path), line, problem
-        where = f"{path}:{line}" if line is not None else f"{path}"
-        super().__init__(f"{where}: {problem}")
+        name = visible(str(path)).replace("\n", "\\n")
+        where = f"{name}:{line}" if line is not None else name
+        super().__init__(visible(f"{where}: {problem}"))
 
     def __reduce__(self):
         # So that the error can be pickled, in a process that reads files for another.

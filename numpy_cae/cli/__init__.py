@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from numpy_cae import __version__
+from numpy_cae.cli.shared.output import visible_output
 from numpy_cae.errors import NumpyCaeError
 
 
@@ -58,6 +59,11 @@ class _Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
+    with visible_output():
+        return _run(argv)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     argv = sys.argv[1:] if argv is None else list(argv)
     command = next((word for word in argv if not word.startswith("-")), None)
     try:

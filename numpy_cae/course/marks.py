@@ -3,7 +3,7 @@
 import csv
 import re
 import textwrap
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -11,10 +11,12 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import FileReport
+from numpy_cae.visible import csv_cell, visible
 
 LESSON_FIRST = re.compile(r"^\d\d_")
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A spreadsheet takes a cell that begins with one of these for a formula."""
+LONGEST_NAME = 50
+"""LONGEST_NAME: a file of feedback has so many characters of the student's name; a character may
+take four bytes, and systems allow 255 in a name."""
 INDENT = " " * 4  # a block of code in Markdown, whose text does nothing else
 
 
@@ -55,13 +57,19 @@ def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
             points = [reports[name].points if name in reports else "" for name in names]
             total = sum(report.points for report in reports.values())
             problems = "; ".join(fault for each in by_student[student] for fault in each.faults)
-            writer.writerow([_as_text(student), *points, total, possible, _as_text(problems)])
+            writer.writerow([csv_cell(student), *points, total, possible, csv_cell(problems)])
 
 
 def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
-    """Write one Markdown file for each student, with the report on each exercise."""
+    """Write one Markdown file for each student, with the report on each exercise.
+
+    A file is named after the student. If the name has other characters than letters, digits, _ and
+    -, is long or differs from another only in its capitals, a dot and a number follow.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    for number, (student, files) in enumerate(_by_student(graded).items(), 1):
+    by_student = _by_student(graded)
+    counts = Counter(student.casefold() for student in by_student)
+    for number, (student, files) in enumerate(by_student.items(), 1):
         lines = []
         for each in files:
             lines += [f"# {each.points} of {each.possible} points", ""]
@@ -70,10 +78,12 @@ def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> No
             for report in each.reports:
                 title = f"## {report.operation}: {report.points} of {report.possible} points"
                 lines += [title, "", textwrap.indent(str(report), INDENT), ""]
-        safe = re.sub(r"[^\w-]", "_", student)
-        name = safe if safe == student else f"{safe}_{number}"  # two may differ in a sign only
+        safe = re.sub(r"[^\w-]", "_", student)[:LONGEST_NAME]
+        # No safe name has a dot, so that one with a number is nobody else's.
+        is_unique = safe == student and counts[student.casefold()] == 1
+        name = safe if is_unique else f"{safe}.{number}"
         with atomic_write(folder / f"{name}.md") as temporary:
-            temporary.write_text("\n".join(lines), encoding="utf-8")
+            temporary.write_text(visible("\n".join(lines)), encoding="utf-8")
 
 
 def _by_student(graded: Iterable[tuple[str, FileReport]]) -> dict[str, list[FileReport]]:
@@ -89,8 +99,3 @@ def _best(files: list[FileReport]) -> dict[str, Report]:
         other = best.setdefault(report.operation, report)
         best[report.operation] = max(other, report, key=lambda each: each.points)
     return best
-
-
-def _as_text(cell: str) -> str:
-    """The text of a cell, quoted if a spreadsheet would take the cell for a formula."""
-    return f"'{cell}" if cell.startswith(FORMULA) else cell

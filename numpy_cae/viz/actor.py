@@ -10,6 +10,7 @@ import numpy as np
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.visible import visible
 
 CORRUPTED = "#e8833a"
 PROJECTED = "#2f6db5"
@@ -31,6 +32,10 @@ class Actor:
     names: tuple[str, ...] = ()  # of the joints
     moved: np.ndarray | None = None  # (F, J), distance from the joint of the first motion, metres
     damaged: np.ndarray | None = None  # (F, J) bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", visible(self.label))
+        object.__setattr__(self, "names", tuple(map(visible, self.names)))
 
     def at_frames(self, frames: np.ndarray) -> Actor:
         """The same motion with other frames, given by their indices."""

@@ -20,6 +20,7 @@ from string import Template
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.visible import visible
 from numpy_cae.viz.actor import Actor
 
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
@@ -55,7 +56,7 @@ def page_html(actors: Sequence[Actor], rate: float, title: str = "", overlaid: b
     title = title or ", ".join(actor.label for actor in actors)
     viewer = fragment(actors, rate, overlaid, "whole")
     page = Template(_text("page.html"))
-    return page.substitute(title=escape(title), head=head(), viewer=viewer)
+    return page.substitute(title=escape(visible(title)), head=head(), viewer=viewer)
 
 
 @cache

@@ -1,11 +1,13 @@
 """The command `report` on a folder of synthetic takes and a tiny network."""
 
 import json
+import zipfile
 
 import numpy as np
 import pytest
 
 from data_synth import plan_takes, write_series
+from numpy_cae.cli import main
 from numpy_cae.manifold import load_manifold, save_manifold
 
 
@@ -42,6 +44,14 @@ def test_it_writes_its_files_and_an_experiment_that_cannot_be_run_stops_no_other
     assert f"NumPy {np.__version__}" in text
     assert set(json.loads(data.read_text())["results"]) == {"interpolation", "sampling"}
     assert len(list(out.iterdir())) == 3
+
+
+def test_a_report_without_any_result_fails(folder, tmp_path, capsys):
+    with zipfile.ZipFile(tmp_path / "walk_jog_30hz.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("train_35_01.npy", bytes(10**8))
+    words = ["report", "--only", "cmu35", "--data", str(tmp_path), "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert "it unpacks to 100 MB, expected at most" in capsys.readouterr().err
 
 
 def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):

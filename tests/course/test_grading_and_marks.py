@@ -3,6 +3,7 @@
 import ast
 import csv
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -11,9 +12,9 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.exercises import EXERCISES, LESSONS
-from numpy_cae.course.marks import lesson_of, student_id
+from numpy_cae.course.marks import lesson_of, student_id, write_csv, write_feedback
 from numpy_cae.course.notebook import find_lessons, read_notebook
-from numpy_cae.verify.grading.student_file import grade
+from numpy_cae.verify.grading.student_file import FileReport, grade
 
 ENCODE = """
 def encode_layer(x, w, b):
@@ -137,9 +138,19 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     assert {row["possible"] for row in rows.values()} == {"60"} and "stack_loss" in rows["ann"]
     assert "not a Jupyter notebook" in rows["eve"]["problems"]
     names = sorted(path.stem for path in feedback.glob("*.md"))
-    assert names == ["_cmd___1", "ann", "ben", "eve"]
-    text = (feedback / "_cmd___1.md").read_text(encoding="utf-8")
+    assert names == ["_cmd__.1", "ann", "ben", "eve"]
+    text = (feedback / "_cmd__.1.md").read_text(encoding="utf-8")
     assert "## frames_seen: 0 of 10 points" in text and "      FAILED  value" in text
+
+
+def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
+    students = ["a!", "a__1", "a_.1", "Eve", "eve", os.fsdecode(b"caf\xe9"), "n" * 250, "é" * 125]
+    report = FileReport(Path(os.fsdecode(b"\xe9.py")), faults=["\ud800"])
+    write_feedback(tmp_path / "feedback", [(student, report) for student in students])
+    assert len(list((tmp_path / "feedback").glob("*.md"))) == len(students)
+    write_csv(tmp_path / "marks.csv", [(student, report) for student in students])
+    text = (tmp_path / "marks.csv").read_text(encoding="utf-8")
+    assert len(text.splitlines()) == 1 + len(students) and "caf\\udce9" in text
 
 
 def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path, monkeypatch):

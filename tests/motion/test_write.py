@@ -3,7 +3,10 @@
 Nothing leaves half a file.
 """
 
+import os
 import re
+import subprocess
+import sys
 import warnings
 from dataclasses import replace
 
@@ -125,6 +128,16 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_what_a_killed_process_left_is_removed_and_what_another_writes_is_not(tmp_path):
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left, others = (tmp_path / f".take.{n}.part.bvh" for n in (ended.pid, os.getppid()))
+    for path in (left, others, tmp_path / ".take.mine.part.bvh"):
+        path.touch()
+    write_bvh(drawn_motion(0), tmp_path / "take.bvh")
+    assert not left.exists() and len(list(tmp_path.iterdir())) == 3
+
+
 def test_places_that_cannot_be_written_are_said(tmp_path):
     with pytest.raises(FileError, match="no folder"):
         write_bvh(drawn_motion(0), tmp_path / "nowhere" / "take.bvh")
@@ -137,10 +150,11 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     motion = drawn_motion(0)
     holed = motion.translations.copy()
     holed[3, 2, 1] = np.nan
-    with pytest.raises(ValueError, match=r"translations.*frame 3, joint 'joint 2'"):
-        write_bvh(replace(motion, translations=holed), path)
-    with pytest.raises(ValueError, match="no frames"):
-        write_bvh(motion.at(slice(0)), path)
+    for suffix in (".bvh", ".npz", ".csv"):
+        with pytest.raises(ValueError, match=r"translations.*frame 3, joint 'joint 2'"):
+            write_motion(replace(motion, translations=holed), path.with_suffix(suffix))
+        with pytest.raises(ValueError, match="no frames"):
+            write_motion(motion.at(slice(0)), path.with_suffix(suffix))
     for name in ("", " hips", "a{b", "a\nb", "\ud800"):
         names = (name, *motion.skeleton.names[1:])
         with pytest.raises(ValueError, match="joint name"):
@@ -251,6 +265,9 @@ def test_another_suffix_gives_bvh_and_a_source_that_changed_is_refused(tmp_path)
     motion = make_take("walk", 1, seconds=0.5, rate=30.0).motion
     write_bvh(motion, tmp_path / "a.bvh")
     motion = load_motion(tmp_path / "a.bvh")
+    with pytest.raises(ValueError, match="not finite"):
+        holed = replace(motion, translations=motion.translations * np.nan)
+        write_like(tmp_path / "a.bvh", motion, holed, tmp_path / "b.bvh")
     short = motion.at(slice(0, 10))
     write_like(tmp_path / "a.bvh", motion, short, tmp_path / "short.bvh")
     assert len(load_motion(tmp_path / "short.bvh")) == 10

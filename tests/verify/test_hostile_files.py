@@ -62,7 +62,7 @@ FILLS = "[open(str(n), 'wb').write(bytes(2**23)) for n in range(16)]; time.sleep
         ("time.sleep(60)", "did not finish"),
         ("while True: pass", "an endless loop?"),
         (FILLS, "it wrote more than 64 MB of files"),
-        ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\x202e"),
+        ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\u202e"),
     ],
     ids=range(16),
 )

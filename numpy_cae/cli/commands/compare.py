@@ -16,6 +16,7 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
 from numpy_cae.motion import find_motion_files
+from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
 
@@ -51,7 +52,7 @@ def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list
     name_of = _names(args.motions)
     names, signatures = [], []
     for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
-        names.append(name_of[body.path])
+        names.append(visible(name_of[body.path]))
         features = manifold.features(body.positions)[0]
         signatures.append(signature(hidden_units(manifold, features)))
     if len(names) < 2:
@@ -77,6 +78,6 @@ def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
         open(temporary, "w", newline="", encoding="utf-8") as file,
     ):
         rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["", *names])
+        rows.writerow(["", *map(csv_cell, names)])
         for name, row in zip(names, distances, strict=True):
-            rows.writerow([name, *[f"{g:.6g}" for g in row]])
+            rows.writerow([csv_cell(name), *[f"{g:.6g}" for g in row]])

@@ -3,7 +3,7 @@ Write report.html (one self-contained page: each claim and whether it is confirm
 pictures), and the same as report.txt and report.json. `--only cmu35` needs no model: it trains on
 CMU subject 35 and compares with published figures (get the files by `numpy-cae download cmu
 --subjects 35`). `--only ablation` trains fifty networks to measure what each choice of the paper
-contributes.
+contributes. The exit status is 2 if no experiment could be run.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     seconds = time.monotonic() - started
     provenance["made by"] = f"NumPy {np.__version__}, seed {args.seed}, {seconds:.0f} s"
     _write(results, provenance, args.output)
-    return 0
+    return 0 if any(result.tables for result in results.values()) else 2
 
 
 def _write(results: dict[str, Result], provenance: dict[str, str], folder: Path) -> None:
@@ -79,9 +79,7 @@ def _write(results: dict[str, Result], provenance: dict[str, str], folder: Path)
     texts = {
         "report.html": page(results, provenance),
         "report.txt": plain_text(results.values(), provenance),
-        "report.json": json.dumps(
-            data, indent=1, ensure_ascii=False, default=lambda value: value.item()
-        ),
+        "report.json": json.dumps(data, indent=1, default=lambda value: value.item()),
     }
     write_texts(folder, texts)
     confirmed = sum(result.confirmed for result in results.values())

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.output import require_one_target_each
 from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
 
 COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
@@ -38,6 +39,9 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.motion import load_motion
     from numpy_cae.viz import save_figure, save_viewer, strip_figure
 
+    pictures = {source: args.output / f"{source.stem}.png" for source in args.files}
+    if not args.html:
+        require_one_target_each(pictures)
     motions = [load_motion(path, **vars(arguments.reading(args)[1])) for path in args.files]
     rate = min([30.0, *(motion.rate for motion in motions)])
     actors = []
@@ -55,9 +59,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"{path}: open it in a browser")
         return 0
     for source, actor in zip(args.files, actors, strict=True):
-        path = args.output / f"{source.stem}.png"
-        save_figure(strip_figure([actor], rate), path)
-        print(f"{path}: a strip of poses")
+        save_figure(strip_figure([actor], rate), pictures[source])
+        print(f"{pictures[source]}: a strip of poses")
     return 0
 
 

@@ -92,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
     if args.feedback:
         marks.write_feedback(args.feedback, of_students)
     if args.json:
-        print(json.dumps([report.as_json() for report in graded], indent=1, ensure_ascii=False))
+        print(json.dumps([report.as_json() for report in graded], indent=1))
     elif args.csv or args.feedback:
         for student, report in of_students:
             print(f"{student}: {report.path.name}: {report.points} of {report.possible} points")

@@ -10,7 +10,7 @@ from textwrap import indent
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.output import with_progress, working
+from numpy_cae.cli.shared.output import require_one_target_each, with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
 from numpy_cae.motion import RATE, Motion, UnknownRigError, body_of, find_motion_files, load_motion
@@ -119,8 +119,10 @@ class ChangedFiles:
                 source: args.output / (name if source.suffix.lower() in KEPT else f"{name}.bvh")
                 for source, name in names.items()
             }
-            if len(set(targets.values())) < len(targets):
-                raise ValueError("several files have one name: give their folder or other outputs")
+            require_one_target_each(targets)
+        if args.html:
+            pages = {source: target.with_suffix(".html") for source, target in targets.items()}
+            require_one_target_each(pages)
         for source, target in targets.items():
             if not args.overwrite and target.exists() and target.samefile(source):
                 raise ValueError(f"{target}: is the file that is read; --overwrite allows this")

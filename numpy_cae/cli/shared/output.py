@@ -1,17 +1,55 @@
 """Output of the commands: messages on standard error, text files."""
 
+import os
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TextIO, TypeVar
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.visible import visible
 
 Item = TypeVar("Item")
+
+
+class VisibleStream:
+    """A text stream whose writing makes every character visible, whatever names are printed."""
+
+    def __init__(self, stream: TextIO | None):
+        """Wrap `stream`; None, which Python gives for a closed one, takes everything."""
+        self.stream = stream or open(os.devnull, "w", encoding="utf-8")
+
+    def write(self, text: str) -> int:
+        begin = "\r" * text.startswith("\r")  # of a progress bar
+        return self.stream.write(begin + visible(text.removeprefix("\r")))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+@contextmanager
+def visible_output() -> Iterator[None]:
+    """Make standard output and standard error visible streams in the block."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = map(VisibleStream, before)  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def require_one_target_each(targets: Mapping[Path, Path]) -> None:
+    """Raise ValueError if two sources would be written to one file."""
+    sources: dict[Path, Path] = {}
+    for source, target in targets.items():
+        other = sources.setdefault(target, source)
+        if other != source:
+            problem = f"{source} and {other} would both be written to {target}"
+            raise ValueError(f"{problem}: give their folder, or write them to different folders")
 
 
 def note(text: str) -> None:
@@ -57,7 +95,7 @@ def write_texts(folder: Path, texts: dict[str, str]) -> None:
     """Write text files by name into a folder."""
     for name, text in texts.items():
         with atomic_write(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            temporary.write_text(visible(text), encoding="utf-8")
 
 
 def require_place(path: Path) -> None:

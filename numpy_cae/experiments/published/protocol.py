@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
+from numpy_cae.array_file import read_arrays
 from numpy_cae.motion.formats.amc import amc_values
 
 GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
@@ -150,12 +150,11 @@ def read_protocol(folders: Sequence[str | Path]) -> Protocol:
 
 
 def _read_table(path: Path) -> dict[int, np.ndarray]:
-    try:
-        with np.load(path) as file:
-            frames = {n: file[f"train_35_{n:02d}"] for n in TRAINING}
-            return frames | {TEST: file[f"test_35_{TEST}"]}
-    except (ValueError, KeyError, OSError, EOFError, BadZipFile) as error:
-        raise ValueError(f"{path}: cannot be read as the protocol's table: {error}") from None
+    arrays = read_arrays(path, "the protocol's table")
+    names = {n: f"train_35_{n:02d}" for n in TRAINING} | {TEST: f"test_35_{TEST}"}
+    if missing := [name for name in names.values() if name not in arrays]:
+        raise ValueError(f"{path}: not the protocol's table: it has no {', '.join(missing)}")
+    return {n: arrays[name] for n, name in names.items()}
 
 
 def _find(folders: Sequence[str | Path], pattern: str) -> list[Path]:

@@ -15,6 +15,7 @@ from numpy_cae.motion.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf,
 from numpy_cae.motion.formats.channels import Channels, read_pose
 from numpy_cae.motion.formats.text_file import (
     HEADER_SIZE,
+    MAX_RATE,
     MIN_RATE,
     MotionFileError,
     TextFile,
@@ -132,8 +133,9 @@ def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channel
             channels = [replace(c, angle_unit=ANGLE_UNITS[keyword[1:]]) for c in channels]
         elif keyword == ":samples-per-second":
             (rate,) = file.numbers(line, words[1:], 1, keyword)
-            if rate < MIN_RATE:
-                raise file.error(line, f"{keyword} {rate:g}, expected {MIN_RATE:g} or more")
+            if not MIN_RATE <= rate <= MAX_RATE:
+                expected = f"expected {MIN_RATE:g} to {MAX_RATE:g}"
+                raise file.error(line, f"{keyword} {rate:g}, {expected}")
     raise file.error(file.count, "the file ends before the first frame")
 
 

@@ -13,7 +13,14 @@ import numpy as np
 
 from numpy_cae.motion.formats.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.motion.formats.channels import Channels, read_pose
-from numpy_cae.motion.formats.text_file import HEADER_SIZE, MIN_RATE, TextFile, quoted, whole_number
+from numpy_cae.motion.formats.text_file import (
+    HEADER_SIZE,
+    MAX_RATE,
+    MIN_RATE,
+    TextFile,
+    quoted,
+    whole_number,
+)
 from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stated_unit, stature
@@ -141,8 +148,8 @@ def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[in
 def _rate(file: TextFile, line: int, time: str) -> float:
     """Frames a second, from the text `time`, the seconds that a frame lasts."""
     (seconds,) = file.numbers(line, time.split(), 1, "Frame Time:")
-    if not 1e-9 <= seconds <= 1.01 / MIN_RATE:
-        expected = f"expected seconds above 0, at most {1 / MIN_RATE:g}"
+    if not 0.99 / MAX_RATE <= seconds <= 1.01 / MIN_RATE:
+        expected = f"expected seconds, {1 / MAX_RATE:g} to {1 / MIN_RATE:g}"
         raise file.error(line, f"Frame Time: {time}, {expected}")
     rate = 1 / seconds
     # Files write 1/120 as .0083333, which is rounded to 120 Hz. 0.033367 stays 29.97 Hz here: only

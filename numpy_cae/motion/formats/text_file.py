@@ -22,6 +22,8 @@ HEADER_SIZE = 1 << 22
 MIN_RATE = 1.0
 """MIN_RATE: a lower rate (frames a second) is refused. A few frames would last hours and would fill
 the memory when they are resampled."""
+MAX_RATE = 10_000.0
+"""MAX_RATE: a higher rate is refused; no camera that records motions is as fast."""
 MAX_BYTES = 1 << 30
 """MAX_BYTES: a longer file is refused."""
 MAX_LINE = 1_000_000

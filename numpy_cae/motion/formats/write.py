@@ -19,6 +19,7 @@ from numpy_cae.motion.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton, depth_first
 from numpy_cae.motion.units import require_unit
+from numpy_cae.visible import csv_cell
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
@@ -143,7 +144,11 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
 
 
 def write_npz(motion: Motion, path: str | Path) -> None:
-    """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically."""
+    """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically.
+
+    Raises ValueError if the motion has no frames or values that are not finite.
+    """
+    require_writable(motion)
     positions, rate = motion.positions(), motion.rate
     names, parents = np.array(motion.skeleton.names), np.array(motion.skeleton.parents)
     with atomic_write(path) as temp, temp.open("wb") as file:
@@ -154,11 +159,13 @@ def write_csv(motion: Motion, path: str | Path) -> None:
     """Write a table with a row for each frame, atomically.
 
     A row has the time in seconds, then x, y and z of each joint in metres. The first row has the
-    joints' names.
+    joints' names; one that a spreadsheet would take for a formula begins with a quotation mark.
+    Raises ValueError if the motion has no frames or values that are not finite.
     """
+    require_writable(motion)
     positions = motion.positions().reshape(len(motion), -1)
     table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
-    names = [name.replace('"', '""') for name in motion.skeleton.names]
+    names = [csv_cell(name).replace('"', '""') for name in motion.skeleton.names]
     header = ",".join(["time", *(f'"{name} {axis}"' for name in names for axis in "xyz")])
     with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
         np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")

@@ -19,7 +19,7 @@ from numpy_cae.motion.formats.amc import amc_channels
 from numpy_cae.motion.formats.bvh import bvh_channels
 from numpy_cae.motion.formats.channels import Channels
 from numpy_cae.motion.formats.text_file import MotionFileError
-from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write import require_writable, write_motion
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
@@ -70,6 +70,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     ------
     MotionFileError
         If the source cannot be read again or has changed.
+    ValueError
+        If `after` has values that are not finite.
     FileError
         If the file cannot be written.
 
@@ -91,6 +93,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     if not same_kind or len(before) != len(after):
         write_motion(after, path)
         return
+    require_writable(after)
     file_format = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
     misses: dict[str, float] = {}
     count = 0

@@ -1,5 +1,6 @@
 """Read any supported motion file, chosen by its suffix."""
 
+import filecmp
 import os
 import shutil
 from collections.abc import Iterator, Sequence
@@ -10,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.errors import NumpyCaeError
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.formats.amc import find_skeleton, read_amc
 from numpy_cae.motion.formats.bvh import read_bvh
@@ -63,7 +65,8 @@ class FileMotion(Motion):
         Raises
         ------
         ValueError, FileError
-            If the suffix is another, or values are not finite; if the file cannot be written.
+            If the suffix is another, or values are not finite; if the file cannot be written, or
+            an .amc file would be read with another skeleton there.
         """
         path = Path(path)
         same_format = self.source.suffix.lower() == path.suffix.lower() in KEPT
@@ -73,11 +76,22 @@ class FileMotion(Motion):
         if not same_format or before is None or before.rate != self.rate:
             write_motion(self, path)
             return
-        write_like(self.source, before, self, path)
         if path.suffix.lower() == ".amc":
-            skeleton = find_skeleton(self.source)
-            if not path.with_name(skeleton.name).exists():
-                shutil.copyfile(skeleton, path.with_name(skeleton.name))
+            _copy_skeleton(find_skeleton(self.source), path)
+        write_like(self.source, before, self, path)
+
+
+def _copy_skeleton(skeleton: Path, path: Path) -> None:
+    """Copy the skeleton of an .amc file beside `path`, where it is not there; FileError unless the
+    motion at `path` is then read with it."""
+    copy = path.with_name(skeleton.name)
+    if not copy.exists():
+        with atomic_write(copy) as temporary:
+            shutil.copyfile(skeleton, temporary)
+    beside = find_skeleton(path)
+    if not filecmp.cmp(beside, skeleton, shallow=False):
+        problem = f"would be read with another skeleton, {beside}, not with {skeleton}"
+        raise FileError(path, None, f"{problem}; write it into another folder")
 
 
 def load_motion(

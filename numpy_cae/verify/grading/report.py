@@ -13,6 +13,7 @@ from numpy_cae.verify.operations.catalogue import (
 )
 from numpy_cae.verify.operations.property import Outcome
 from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, try_property
+from numpy_cae.visible import visible
 
 WIDTH = 98
 INDENT = 10
@@ -210,13 +211,13 @@ def report_from_reply(exercise: Exercise, called: str, reply: dict) -> Report:
     The reply is `Report.as_json`; names, statements and points are not taken from it.
     """
     try:
-        problem = visible(reply.get("failed", ""))
+        problem = readable(reply.get("failed", ""))
         if not problem:
             every = (exercise, *in_other_conventions(exercise))
             (followed,) = (one for one in every if one.convention == reply["convention"])
             both = zip(followed.properties, reply["properties"], strict=True)
             outcomes = (
-                Outcome(stated, one["held"] is True, *(visible(one[key]) for key in WHY))
+                Outcome(stated, one["held"] is True, *(readable(one[key]) for key in WHY))
                 for stated, one in both
             )
             return Report(followed, called, tuple(outcomes))
@@ -230,7 +231,6 @@ def holds(exercise: Exercise, implementation: Callable) -> bool:
     return all(failing_case(tried, implementation) is None for tried in exercise.properties)
 
 
-def visible(text: str) -> str:
+def readable(text: str) -> str:
     """A text of readable length, control characters escaped."""
-    shown = (c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text[:LONGEST_TEXT])
-    return "".join(shown)
+    return visible(text[:LONGEST_TEXT])

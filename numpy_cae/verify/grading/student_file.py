@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from numpy_cae.verify.grading.report import WIDTH, Report, report_from_reply, visible
+from numpy_cae.verify.grading.report import WIDTH, Report, readable, report_from_reply
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
@@ -48,7 +48,7 @@ class FileReport:
         return sum(report.possible for report in self.reports)
 
     def __str__(self) -> str:
-        name = visible(str(self.path))
+        name = readable(str(self.path))
         parts = [name]
         parts += [str(report) for report in self.reports]
         parts += [textwrap.fill(f"The file fails: {fault}", WIDTH) for fault in self.faults]
@@ -168,12 +168,12 @@ def _graded(
             helpers.append(report)
             continue
         graded.reports.append(report)
-        graded.notes += [f"{function}: {visible(note)}" for note in result.get("notes", ())]
+        graded.notes += [f"{function}: {readable(note)}" for note in result.get("notes", ())]
     if graded.reports:
         graded.notes += [HELPER.format(report.called) for report in helpers]
     graded.reports = graded.reports or helpers
     missing = [] if graded.reports else [MISSING]
-    graded.faults += map(visible, [fault] if fault else problems + missing)
+    graded.faults += map(readable, [fault] if fault else problems + missing)
     return graded
 
 

@@ -9,11 +9,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+from numpy_cae.atomic_write import has_ended
+
 STARTUP_SECONDS = 30.0
 BUSY = 10
 """BUSY: the grader itself is ended after so many times the limit. The limits that decide on marks
 do not count the time in which a process waits for a processor; this one is for a grader that a
 student's file has stopped."""
+FOLDER = "numpy_cae_grading_"
 PROJECT = str(Path(__file__).parents[4])
 KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
@@ -26,7 +29,10 @@ def run(request: dict) -> dict:
     """The reply of `child.main` to a request, or {"failed": why}."""
     path = os.pathsep.join(filter(None, [PROJECT, os.environ.get("PYTHONPATH")]))
     kept = {name: os.environ[name] for name in KEPT if name in os.environ}
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+    _remove_leftovers()
+    with tempfile.TemporaryDirectory(
+        prefix=f"{FOLDER}{os.getpid()}_", ignore_cleanup_errors=True
+    ) as folder:
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
         try:
             ended = subprocess.run(
@@ -41,6 +47,15 @@ def run(request: dict) -> dict:
             return json.loads(ended.stdout)
         except (subprocess.TimeoutExpired, ValueError):
             return {"failed": "its grading ended without a reply"}
+
+
+@functools.cache
+def _remove_leftovers() -> None:
+    """Remove the folders that graders left whose process was killed."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*_*"):
+        process = folder.name.removeprefix(FOLDER).partition("_")[0]
+        if process.isdecimal() and has_ended(int(process)):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 @functools.cache
