@@ -63,7 +63,7 @@ def test_missing_takes_are_named(tmp_path):
     with pytest.raises(ValueError, match=r"35_01, .*download cmu --subjects 35"):
         read_protocol([tmp_path])
     (tmp_path / "walk_jog_30hz.npz").write_bytes(b"no archive")
-    with pytest.raises(ValueError, match=r"walk_jog_30hz\.npz: cannot be read"):
+    with pytest.raises(ValueError, match=r"walk_jog_30hz\.npz: not the protocol"):
         read_protocol([tmp_path])
 
 
