@@ -123,12 +123,18 @@ def _reversed(array: np.ndarray) -> np.ndarray:
     return np.flip(np.flip(array, axes).copy(), axes)
 
 
+def _second_axis_first(array: np.ndarray) -> np.ndarray:
+    """A view of an array whose first two axes are exchanged, such as frames before windows."""
+    return array.swapaxes(0, 1).copy().swapaxes(0, 1) if array.ndim > 1 else array.copy()
+
+
 LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     ORDINARY: np.ndarray.copy,
     "in Fortran order": lambda array: array.copy(order="F"),
     "every other entry": lambda array: np.stack([array, np.zeros_like(array)], axis=-1)[..., 0],
     "reversed": _reversed,
     "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
+    "second axis first": lambda array: _second_axis_first(array),
     "read-only": lambda array: np.broadcast_to(array.copy(), array.shape),
     "broadcast": lambda array: np.broadcast_to(array[:1], array.shape),
 }
@@ -147,13 +153,18 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
 
 
 def random_cases(
-    name: str, sizes: Sizes, count: int, combined: Sequence[str] = (), together: bool = False
+    name: str,
+    sizes: Sizes,
+    count: int,
+    combined: Sequence[str] = (),
+    together: Sequence[Mapping[str, str]] = (),
 ) -> list[Case]:
     """At least `count` cases, reproducible from `name`, smallest arrays first.
 
     Small sizes and value classes occur equally often, large sizes once, and each combination of
     the sizes in `combined` once (twice if there are few). A very large size gets an additional
-    case, in which everything else is simple; if `together`, the last options of all sizes get one.
+    case, in which everything else is simple. The last options of all sizes get one case for each
+    of the classes in `together` that the sizes have.
     """
     combined = [size for size in combined if size in sizes]
     every = list(product(*(sizes[size] for size in combined)))
@@ -173,9 +184,10 @@ def random_cases(
     for number, (size, option) in enumerate(alone):
         simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
         rows.append(tuple((ordinary | simple | {size: option}).items()))
-    if together:
-        last = {name: options[-1] for name, options in numbers.items()}
-        rows.append(tuple((ordinary | last).items()))
+    last = ordinary | {name: options[-1] for name, options in numbers.items()}
+    for classes in together:
+        if all(option in sizes.get(name, ()) for name, option in classes.items()):
+            rows.append(tuple((last | dict(classes)).items()))
     cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
     return sorted(cases, key=_entries)
 

@@ -67,7 +67,7 @@ class Property:
     arguments: Callable[[Case], dict[str, object]] = field(default=lambda case: {}, repr=False)
     hint: str = ""
     combined: tuple[str, ...] = ()  # every combination of these sizes and classes is drawn
-    together: bool = False  # whether one case has the last option of every size
+    together: tuple[dict[str, str], ...] = ()  # classes to try with the last option of every size
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""
@@ -183,9 +183,11 @@ def results(operation: Operation, implementation: Callable, arguments: list, dy)
     return _by_name(operation, value, pullback(dy))
 
 
-def right_results(operation: Operation, case: Case) -> tuple[np.ndarray | float, dict]:
+def right_results(
+    operation: Operation, case: Case, arguments: Mapping[str, object]
+) -> tuple[np.ndarray | float, dict]:
     """An upstream gradient for a case, and the definition's value and gradients."""
-    value, pullback = operation.reference(*copies(operation.arguments(case)))
+    value, pullback = operation.reference(*copies(arguments))
     dy = drawn_upstream(case, value)
     return dy, _by_name(operation, value, pullback(copied(dy)))
 
@@ -231,15 +233,20 @@ def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) 
 
 
 def rounding(case: Case, arguments: Mapping[str, object]) -> float:
-    """The tolerance: EXACT, or more with a huge state, which multiplies the rounding of 1 - z."""
+    """The tolerance: EXACT, or more with a huge state, which multiplies the rounding of 1 - z.
+
+    With a bound near 1 it is more as well: y² is rounded before it is subtracted from 1.
+    """
     huge = case.get("state") == "huge"
-    return EXACT * max(np.max(np.abs(array)) for array in arguments.values()) if huge else EXACT
+    largest = max(np.max(np.abs(array)) for array in arguments.values()) if huge else 1.0
+    bound = arguments.get("bound", 0.0)
+    return max(EXACT * largest, 8 * np.finfo(float).eps / (1 - bound))
 
 
 def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Compare all results with the definition's, and the arguments with their copies."""
     arguments = operation.arguments(case)
-    given, (dy, right) = copies(arguments), right_results(operation, case)
+    given, (dy, right) = copies(arguments), right_results(operation, case, arguments)
     allowed = rounding(case, arguments)
     for what, result in results(operation, implementation, given, copied(dy)).items():
         both = (operation.alike(arguments, one) for one in (result, right[what]))

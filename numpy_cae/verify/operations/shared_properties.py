@@ -31,6 +31,7 @@ from numpy_cae.verify.operations.property import (
 
 FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64
+FURTHER_CALLS = 7
 GRADIENT_POINTS = VALUE_POINTS = 2
 LAYOUT = {"layout": tuple(LAYOUTS)}
 ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
@@ -58,8 +59,8 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
             name: (*sizes, *operation.longer.get(name, ()))
             for name, sizes in operation.sizes.items()
         }
-        longer["upstream"] = (ORDINARY, "random", "integers")
-        every = {"combined": ("values", "of"), "together": True}
+        longer["upstream"] = (ORDINARY, "random", "integers", "sparse")
+        every = {"combined": ("values", "of"), "together": TOGETHER}
         yield property_of(operation, "special inputs", SPECIAL, compared, longer, **every)
 
 
@@ -86,7 +87,7 @@ def _gradient_for(argument: str) -> Callable:
         value, pullback = call_of_array(implementation, copies(arguments))
         what, right = f"the gradient for {argument}", {}
         if operation.reference:
-            dy, right = right_results(operation, case)
+            dy, right = right_results(operation, case, arguments)
         if right and agrees(value, right["the value"]):
             gradient = differentiated(operation, pullback(copied(dy)))[argument]
             both = (operation.alike(arguments, one) for one in (gradient, right[what]))
@@ -226,7 +227,10 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
 
 
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Alternate between two calls, overwrite results, then change the arguments in place."""
+    """Alternate between two calls, overwrite results, then change the arguments in place.
+
+    In some cases the results of the first call are kept over eight calls.
+    """
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
     given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
@@ -241,6 +245,8 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     other_value, other_pullback = implementation(*copies(others))
     other_value, other_dy = np.copy(other_value), drawn_upstream(another, other_value)
     first = pulled(pullback, dy)
+    for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
+        pulled(implementation(*copies(others))[1], other_dy)
     other = {name: np.copy(gradient) for name, gradient in pulled(other_pullback, other_dy).items()}
     pulled(pullback, other_dy)
     yield _again("after further calls, the value that was returned first", returned, value)
@@ -263,6 +269,23 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         expected = [other_value, *other.values()]
         for (what, result), right in zip(again.items(), expected, strict=True):
             yield _again(f"of the same arrays with other numbers, {what}", result, right)
+        yield _with_one_other_entry(operation, implementation, case, given)
+
+
+def _with_one_other_entry(
+    operation: Operation, implementation: Callable, case: Case, given: list
+) -> tuple:
+    """Change one entry in place between two calls, to what it is in the case itself."""
+    arguments, names = operation.arguments(case), operation.differentiated
+    name = names[case.seed % len(names)]
+    array = given[list(arguments).index(name)]
+    entry = case.seed // len(names) % array.size
+    array.flat[entry] = arguments[name].flat[entry]
+    value = np.copy(implementation(*given)[0])
+    known = operation.reference or operation.definition
+    right = operation.value if known else lambda *arrays: implementation(*arrays)[0]
+    expected = right(*(np.copy(a) if isinstance(a, np.ndarray) else a for a in given))
+    return f"of the same arrays with one other entry of {name}, the value", value, expected
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -297,6 +320,10 @@ PURITY = "no argument and no upstream gradient is altered"
 INDEPENDENCE = "a pullback called again returns the same, whatever was called in between"
 STRIDES = "views in any memory order, or that cannot be written, give the same as copies"
 SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
+KEPT = {"state": ORDINARY}
+TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "b"})
+"""Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
+that pass the state over all frames."""
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
 SHARED = (
     ("linearity", LINEARITY, _linearity, UPSTREAM, ()),

@@ -104,7 +104,7 @@ def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
     arguments, operation = first.arguments(case), first.definition
     if operation is None:
         return Example(arguments)
-    dy, right = right_results(operation, case)
+    dy, right = right_results(operation, case, arguments)
     value, *gradients = right.values()
     named = dict(zip(operation.differentiated, gradients, strict=True))
     return Example(arguments, dy, value, named)
