@@ -37,7 +37,8 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {page: [] for page in ("repair", "course", "verify", "map", "starter_model")}
+PLAIN = ("repair", "course", "verify", "own_operation", "map", "starter_model")
+html_sidebars = {page: [] for page in PLAIN}
 html_show_sourcelink = False
 copyright = "the numpy_cae authors, MIT licence"
 nb_execution_mode = "off"  # the lessons are stored executed

@@ -1,6 +1,7 @@
 """The plugin of pytest in a project of its own, and properties of an operation of one's own."""
 
 import configparser
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -91,16 +92,15 @@ def test_names_that_shapes_does_not_have_are_refused():
         verify.properties_of(softmax, {"x": "batch classes"}, sizes={"taps": (1, 3)})
 
 
-TORCH = '''
+PROJECT = """
 import numpy as np
 import pytest
 import torch
+from adapters import of_layer, of_torch
 from numpy_cae import verify
 
 
 class Cube(torch.autograd.Function):
-    """scale · x³"""
-
     @staticmethod
     def forward(context, x, scale):
         context.save_for_backward(x, scale)
@@ -112,16 +112,17 @@ class Cube(torch.autograd.Function):
         return dy * scale * 3 * x**2, (dy * x**3).mean(0)
 
 
-def of_torch(function, *arrays):
-    tensors = [torch.from_numpy(np.array(a)).requires_grad_() for a in arrays]
-    y = function(*tensors)
+class Linear:
+    def __init__(self, w):
+        self.w, self.gradients = w, {"w": np.zeros_like(w)}
 
-    def pullback(dy):
-        upstream = torch.from_numpy(np.array(dy))
-        gradients = torch.autograd.grad(y, tensors, upstream, retain_graph=True)
-        return tuple(gradient.numpy() for gradient in gradients)
+    def forward(self, x):
+        self.x = x
+        return x @ self.w
 
-    return y.detach().numpy(), pullback
+    def backward(self, dy):
+        self.gradients["w"] += self.x.T @ dy
+        return dy @ self.w.T
 
 
 @verify.operation_test(shapes={"x": "batch channels", "scale": "channels"})
@@ -129,24 +130,37 @@ def test_cube(x, scale):
     return of_torch(Cube.apply, x, scale)
 
 
+@verify.operation_test(shapes={"x": "batch channels", "w": "channels features"})
+def test_linear(x, w):
+    return of_layer(Linear(w), x)
+
+
 @pytest.mark.skip
 @verify.operation_test(shapes={"x": "..."})
 def test_square(x):
     return x * x, lambda dy: dy * x
-'''
+"""
 
 
-def test_a_function_of_pytorch_in_a_project_of_its_own(tmp_path):
+def test_the_page_for_ones_own_layer_and_its_adapters_in_a_project_of_its_own(tmp_path):
     pytest.importorskip("torch")
-    (tmp_path / "test_cube.py").write_text(TORCH, encoding="utf-8")
+    page = (ROOT / "docs" / "own_operation.md").read_text(encoding="utf-8")
+    for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE):
+        (tmp_path / block.partition("\n")[0].removeprefix("# ")).write_text(block)
+    (tmp_path / "test_project.py").write_text(PROJECT)
     options = "-q -rA -p numpy_cae.pytest_plugin -p no:cacheprovider".split()
+    environment = {
+        "PYTHONPATH": str(ROOT),
+        "OPENBLAS_NUM_THREADS": "1",
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+    }
     command = [sys.executable, "-m", "pytest", *options]
-    environment = {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"}
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     text = ran.stdout
-    assert "1 failed, 6 passed, 6 skipped" in text, text + ran.stderr
-    assert "FAILED test_cube.py::test_cube::gradient for scale" in text
-    assert "PASSED test_cube.py::test_cube::gradient for x" in text
+    assert "1 failed, 21 passed, 6 skipped" in text, text + ran.stderr
+    assert "FAILED test_project.py::test_cube::gradient for scale" in text
+    named = re.findall(r"^(test_my_layer.py::.*)$", page, re.MULTILINE)
+    assert len(named) == 8 and all(f"PASSED {name}" in text for name in named)
     report = text.partition("FAILURES")[2].partition("short test summary")[0]
     assert "batch 2, channels 1, seed 0" in report and "scale = [-1.0]" in report
-    assert len(report.partition("PASSES")[0].splitlines()) < 20
+    assert len(report.partition("PASSES")[0].splitlines()) <= 30

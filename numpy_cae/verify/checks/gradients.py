@@ -114,7 +114,8 @@ def wrong_gradients(
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[str] = []
     for argument, allowed in _arguments(f, inputs, names, upstream, tolerance):
-        if only is None or {argument.name, argument.name.partition("[")[0]} & set(only):
+        name = argument.name.partition(" from output ")[0]
+        if only is None or {name, name.partition("[")[0]} & set(only):
             directions = list(_directions(argument, rng))
             doubtful = [v for v in directions if not _slope_agrees(argument, v, allowed)]
             if doubtful:
@@ -203,6 +204,12 @@ def _gradients_of_two_calls(
     if len(places) == 1:
         return dys, {places[0]: kept}
     of_each = {k: copies(pulled_back(pullback, np.eye(len(dys))[k])) for k in places}
+    each = (terms for terms in zip(*of_each.values(), strict=True) if terms[0] is not None)
+    _require_same(
+        "the gradients from all outputs are not the sum of those from each",
+        kept,
+        [sum(terms) for terms in each],
+    )
     return dys, of_each
 
 
