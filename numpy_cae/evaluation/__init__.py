@@ -2,7 +2,12 @@
 
 from numpy_cae.evaluation.body import bone_length_error, foot_sliding, gait_frequency, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
-from numpy_cae.evaluation.interpolation import interpolate_cubically, interpolate_linearly
+from numpy_cae.evaluation.interpolation import (
+    ROTATION_CURVES,
+    interpolate_cubically,
+    interpolate_linearly,
+    on_curves,
+)
 from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
@@ -10,6 +15,7 @@ from numpy_cae.evaluation.validity import Validity, ValidityMeasure
 
 __all__ = [
     "PCA",
+    "ROTATION_CURVES",
     "LinearDenoiser",
     "Moments",
     "Validity",
@@ -24,5 +30,6 @@ __all__ = [
     "jitter",
     "nearest_distance",
     "nearest_neighbour_accuracy",
+    "on_curves",
     "position_error",
 ]

@@ -1,5 +1,7 @@
 """Filling in: only unknown values change, in features and in files of any rig."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -69,14 +71,9 @@ def test_a_filled_joint_of_a_file_moves_alone(walk_manifold, rate, frames, joint
     differ = np.any(filled.motion.rotations != motion.rotations, axis=-1)
     assert differ[missing[:, place], motion.skeleton.index(turned)].all()
     assert not differ[~missing[:, place]].any()
-    assert filled.moved[missing].max() > 0.001
+    # The file holds the true motion, which the curve through its rotations nearly finds.
+    assert 1e-5 < filled.moved[missing].max() < 0.15
     assert filled.moved[~missing].max() < 1e-6
-    # No jump where the hole begins and ends.
-    steps = [
-        np.linalg.norm(np.diff(body_positions(each)[:, place], axis=0), axis=-1).max()
-        for each in (filled.motion, motion)
-    ]
-    assert steps[0] < 1.5 * steps[1]
 
 
 @pytest.mark.parametrize("rate", [30.0, 25.0])
@@ -99,3 +96,23 @@ def test_a_stepped_file_is_filled_nearer_to_the_truth_than_held(walk_manifold):
     assert np.abs(np.diff(filled, axis=0)).max() < 2 * np.abs(np.diff(truth, axis=0)).max()
     off = [np.linalg.norm(each - truth, axis=-1)[missing[:, 0]] for each in (filled, truth[held])]
     assert off[0].mean() < 0.4 * off[1].mean()
+
+
+@pytest.mark.parametrize("rate", [30.0, 120.0])
+@pytest.mark.parametrize("joints", [("left_elbow", "left_wrist"), JOINTS])
+def test_values_in_a_hole_are_ignored_and_its_ends_join(walk_manifold, rate, joints):
+    """Rotation and speed have no jump: the step into a hole is near that before it."""
+    motion = walk(3, rate)
+    first, end = round(0.6 * rate), round(1.3 * rate)
+    missing = hole(len(motion), first, end, *map(JOINTS.index, joints))
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations[missing.all(axis=1)] = rotations[first, None]
+    rotations[first:end, motion.skeleton.index("lhumerus")] = [0.0, 1.0, 0.0, 0.0]
+    translations[missing.all(axis=1), 0] += 3.0
+    spoilt = replace(motion, rotations=rotations, translations=translations)
+    positions = [
+        body_positions(fill_motion(x, walk_manifold, missing).motion) for x in (motion, spoilt)
+    ]
+    np.testing.assert_allclose(positions[1], positions[0], atol=1e-6)
+    joined, true = (np.diff(each, 2, axis=0) for each in (positions[0], body_positions(motion)))
+    assert np.abs(joined[[first - 2, end - 1]]).max() < 1.5 * np.abs(true).max()

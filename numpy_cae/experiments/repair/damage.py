@@ -14,29 +14,43 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import PCA, foot_sliding
+from numpy_cae.evaluation import PCA, ROTATION_CURVES, foot_sliding, on_curves
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.repair.damaged_motion import DAMAGES, stretch
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.manifold import MotionManifold, fill, project_motion, repair
+from numpy_cae.manifold import MotionManifold, project_motion, repair
 from numpy_cae.manifold.repair import Holes
 from numpy_cae.manifold.smooth import filter_motion
-from numpy_cae.motion import POSITIONS, RATE, Motion, body_positions
+from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.body import Body
+from numpy_cae.motion.retarget.curves import Curve
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
 TAKES = 10
 """Of each source at most this many takes are damaged."""
 HOLE_TAKES = 16
 """Of each source at most this many takes get holes."""
-HOLES = (15, 45, 60, 90)
+HOLES = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second."""
-HOLE_JOINTS = {"wrist": ("left_wrist",), "leg": LIMBS["left_leg"], "arm": LIMBS["left_arm"]}
+HOLE_JOINTS = {
+    "wrist": ("left_wrist",),
+    "arm": LIMBS["left_arm"],
+    "leg": LIMBS["left_leg"],
+    "whole body": JOINTS,
+}
+MOST = {"wrist": 1.0, "arm": 0.95, "leg": 0.8, "whole body": 1.0}
+"""Repair with the mask given may have at most this share of the error of the best rotation curve,
+the geometric mean over the holes of one length."""
 DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
-SPLINE, LINEAR, PROJECTION = "spline, mask given", "PCA, mask given", "plain projection"
-JITTER = "jitter"
+LINEAR, PROJECTION = "PCA, mask given", "plain projection"
+CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
+"""What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
+the rig on both sides. The curves are given the mask and the undamaged rotations."""
+JITTER, BEST = "jitter", "best curve"
+LEAST_ERROR = 0.02
+"""LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
 REMAINS = {
     "frozen in channels": 13 / 19,
     "frozen in the world": 13 / 19,
@@ -54,9 +68,8 @@ PCA_TAKES, EXPLAINED = 60, 0.95
 share EXPLAINED of the variance."""
 Values = dict[str, dict[str, list[float]]]
 """Row to column to one number for each take; where a method does not apply there is no column."""
-Filling = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Repairs features (F, 63), a spline where they are missing, given a mask (F, 20). The spline is
-`fill` without projections, PCHIP of the features."""
+Filling = Callable[[Body, np.ndarray], Motion]
+"""The motion of a body with the joints of a mask (frames, 20) filled in."""
 FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _window(0.3, rate), 2, axis=0),
     "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _window(0.7, rate), 2, axis=0),
@@ -65,16 +78,21 @@ FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
         butter(2, 3.0, fs=rate, output="sos"), x, axis=0
     ),
     "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
+    "median, 0.17 s, then Butterworth, 5 Hz": lambda x, rate: sosfiltfilt(
+        butter(2, 5.0, fs=rate, output="sos"),
+        median_filter(x, (_window(0.17, rate), 1), mode="nearest"),
+        axis=0,
+    ),
 }
 """Name to a function of curves (F, C) and their frames a second."""
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Damage test takes of each source and repair them; `seed` draws the damage."""
-    fillings = {
-        SPLINE: partial(fill, manifold, repeats=0),
-        LINEAR: pca_filling(manifold, material.training),
+    fillings: dict[str, Filling] = {
+        name: partial(curve_filling, curve) for name, curve in CURVES.items()
     }
+    fillings[LINEAR] = pca_filling(manifold, material.training)
     tables, claims, trials = [], [], {}
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
@@ -120,7 +138,7 @@ class _Trial:
             self.touched["of the rest"][kind].append(100 * repaired.touched[~mask].mean())
             body = self.manifold.body(damaged)
             made[GIVEN] = repair(damaged, self.manifold, mask, force=True).motion
-            made |= {name: filled(body, mask, x) for name, x in self.fillings.items()}
+            made |= {name: filling(body, mask) for name, filling in self.fillings.items()}
         made |= {name: filtered(damaged, name) for name in FILTERS}
         made[PROJECTION] = project_motion(damaged, self.manifold)
         true, before = body_positions(truth), body_positions(damaged)
@@ -152,20 +170,23 @@ class _Trial:
             hole = stretch(motion, frames / RATE, rng)
             for name, joints in HOLE_JOINTS.items():
                 mask = joint_mask(len(motion), joints, hole)
-                repaired = {
-                    SPLINE: filled(body, mask, self.fillings[SPLINE]),
-                    GIVEN: repair(motion, self.manifold, mask, force=True).motion,
-                }
+                repaired = {name: self.fillings[name](body, mask) for name in CURVES}
+                repaired[GIVEN] = repair(motion, self.manifold, mask, force=True).motion
                 for method, made in repaired.items():
                     error = _distance(body_positions(made), true)[mask].mean()
                     self.holes[f"{name}, {frames} frames"][method].append(error)
 
-    def ratios(self) -> dict[str, float]:
-        """Error of repair by that of the spline, both with the mask, for each kind of hole."""
-        return {
-            hole: np.mean(errors[GIVEN]) / np.mean(errors[SPLINE])
-            for hole, errors in self.holes.items()
-        }
+    def ratios(self) -> dict[str, dict[str, float]]:
+        """Error of repair by that of each rotation curve, mask given, for each kind of hole: the
+        geometric mean over the holes; and the largest of the three, that of the best curve."""
+        ratios = {}
+        for hole, errors in self.holes.items():
+            logs = {
+                name: np.log(np.maximum(errors[name], LEAST_ERROR)) for name in (*CURVES, GIVEN)
+            }
+            means = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
+            ratios[hole] = means | {BEST: max(means.values())}
+        return ratios
 
     def tables(self, name: str) -> list[Table]:
         """All of them."""
@@ -173,15 +194,21 @@ class _Trial:
             f"{name}: error, cm. Methods with the mask given know the damaged joints and frames; "
             "`repair` smooths where the damage is jitter"
         )
-        for hole, ratio in self.ratios().items():
-            self.holes[hole]["ratio"] = [ratio]
+        by_curve = {
+            hole: {name: [ratio] for name, ratio in ratios.items()}
+            for hole, ratios in self.ratios().items()
+        }
         return [
             _table(errors, self.errors, DAMAGES),
             _table(f"{name}: change of everything else, cm", self.elsewhere, DAMAGES),
             _table(f"{name}: joints and frames that repair touches, %", self.touched, DAMAGES),
             _table(f"{name}: without damage", self.clean, CLEAN),
+            _table(f"{name}: holes in takes without damage, cm", self.holes, (*CURVES, GIVEN)),
             _table(
-                f"{name}: holes in takes without damage, cm", self.holes, (SPLINE, GIVEN, "ratio")
+                f"{name}: the same holes, error of repair divided by that of each curve, geometric "
+                "mean over the holes",
+                by_curve,
+                (*CURVES, BEST),
             ),
         ]
 
@@ -194,10 +221,9 @@ class _Trial:
         change, touched, before, after = (np.mean(self.clean[UNKNOWN][c]) for c in CLEAN[:4])
         moved = max(np.mean(values) for values in self.elsewhere[UNKNOWN].values())
         damaged, smoothed = error(DAMAGED, JITTER), error(UNKNOWN, JITTER)
-        filtered = min(error(name, JITTER) for name in FILTERS if name[0] == "S")
-        ratios, shortest = self.ratios(), f" {HOLES[0]} frames"
-        most = max(ratios.values(), default=np.inf)
-        long = max((r for hole, r in ratios.items() if not hole.endswith(shortest)), default=most)
+        best_filter = min(FILTERS, key=lambda name: error(name, JITTER))
+        filtered = error(best_filter, JITTER)
+        ratios = {hole: values[BEST] for hole, values in self.ratios().items()}
         measured = [
             (
                 "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it",
@@ -218,15 +244,28 @@ class _Trial:
                 for kind, share in REMAINS.items()
             ),
             (
-                "Smoothing leaves no more jitter than the better Savitzky-Golay filter",
+                "Smoothing leaves no more jitter than the best filter",
                 smoothed <= filtered,
-                f"{damaged:.2f} cm before, {smoothed:.2f} after, {filtered:.2f} by the filter.",
+                f"{damaged:.2f} cm before, {smoothed:.2f} after, {filtered:.2f} by {best_filter}.",
             ),
-            (
-                "Holes with the mask given have at most 0.75 of the spline's error from "
-                f"{HOLES[1]} frames on, never more than it",
-                long <= 0.75 and most <= 1.0,
-                f"{long:.2f} of it at most from {HOLES[1]} frames on, {most:.2f} at any length.",
+            *(
+                (
+                    f"Holes with the mask given, {part}: at most {most:.2f} of the error of the "
+                    "best rotation curve at every length",
+                    bool(of_part) and max(of_part.values()) <= most,
+                    ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items()) + ".",
+                )
+                for part, most in MOST.items()
+                for of_part in [{h: r for h, r in ratios.items() if h.startswith(part)}]
+            ),
+            *(
+                (
+                    f"Repair, mask given, has at most the error of the best rotation curve: {kind}",
+                    error(GIVEN, kind) <= min(error(name, kind) for name in CURVES),
+                    f"{error(GIVEN, kind):.2f} cm, the curves "
+                    f"{', '.join(f'{error(name, kind):.2f}' for name in CURVES)}.",
+                )
+                for kind in self.errors[GIVEN]
             ),
             (
                 "Repair, mask unknown, moves everything else by at most 0.2 cm",
@@ -254,7 +293,7 @@ def _table(caption: str, values: Values, columns: Sequence[str]) -> Table:
 
 
 def _figure(source: str, errors: Values):
-    colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", SPLINE: PLAIN}
+    colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", next(iter(CURVES)): PLAIN}
     colours[next(iter(FILTERS))] = "#4aa6a6"
     groups = [
         (name, [np.mean(errors[name].get(kind, 0.0)) for kind in DAMAGES], colour)
@@ -276,10 +315,11 @@ def filtered(motion: Motion, name: str) -> Motion:
     return filter_motion(motion, smooth)
 
 
-def filled(body: Body, mask: np.ndarray, filling: Filling) -> Motion:
-    """The body's motion with the joints of a mask (frames, 20) filled in."""
-    holes = Holes(body, mask)
-    return holes.filled(filling(holes.features, holes.mask)).motion
+def curve_filling(curve: Curve, body: Body, mask: np.ndarray) -> Motion:
+    """The unknown rotations on a curve, other joints back at their positions."""
+    start = on_curves(body.motion, mask, curve)
+    positions = np.where(mask[..., None], body_positions(start), body.positions_in_file)
+    return body.retarget(positions, mask, start)
 
 
 def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
@@ -293,7 +333,9 @@ def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
     explained = np.cumsum(fitted.variances) / fitted.variances.sum()
     size = int(np.searchsorted(explained, EXPLAINED)) + 1
 
-    def fill_in(features: np.ndarray, missing: np.ndarray) -> np.ndarray:
+    def fill_in(body: Body, mask: np.ndarray) -> Motion:
+        holes = Holes(body, mask)
+        features, missing = holes.features, holes.mask
         known = np.ones(features.shape, bool)
         known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
         frames = np.flatnonzero(missing.any(axis=1))
@@ -302,6 +344,6 @@ def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
         middle = np.split(found, TAPS, axis=1)[TAPS // 2]
         result = features.copy()
         result[frames] = manifold.denormalise(middle)
-        return np.where(known, features, result)
+        return holes.filled(np.where(known, features, result)).motion
 
     return fill_in

@@ -3,6 +3,7 @@
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -159,13 +160,19 @@ class Body:
         """Positions (F, N, 3) at 30 frames a second, resampled to the frames of the file."""
         return at_rate_of(self.motion, positions)
 
-    def retarget(self, positions: np.ndarray, touched: np.ndarray | None = None) -> Motion:
-        """The motion, changed so that its joints follow `positions` (frames, 20, 3).
+    def retarget(
+        self,
+        positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
+        touched: np.ndarray | None = None,
+        start: Motion | None = None,
+    ) -> Motion:
+        """The motion, changed so that its joints follow `positions` (frames, 20, 3), which may be a
+        function of frames.
 
         Frames are those of the file. Where `touched` (frames, 20) is given, only the joints that
-        are True in it follow.
+        are True in it follow. `start` is that of `to_rig.retarget`.
         """
-        return retarget(self.motion, positions, touched)
+        return retarget(self.motion, positions, touched, start)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
         """The motion, changed so that its twenty joints follow features.

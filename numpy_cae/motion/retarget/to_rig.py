@@ -64,6 +64,7 @@ def retarget(
     motion: Motion,
     positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
     touched: np.ndarray | None = None,
+    start: Motion | None = None,
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
@@ -82,6 +83,9 @@ def retarget(
         Joints that move to their targets; the others keep their positions as far as bones of
         constant length allow. Wrists and ankles keep theirs exactly, if necessary at the cost of
         the elbow or the knee. By default all joints are touched.
+    start : Motion, optional
+        The rotations and translations that are changed as little as the positions need, such as
+        those of `on_curves`; by default those of `motion`.
 
     Returns
     -------
@@ -111,13 +115,16 @@ def retarget(
         raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
     if touched.shape != shape:
         raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
-    bones = _bones_through(motion, joints)
+    bones = bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
-    rotations, translations = motion.rotations.copy(), motion.translations
+    rotations, translations = (start or motion).rotations.copy(), (start or motion).translations
     if touched[:, 0].any():
         translations = translations.copy()
     for joint, passing in bones.items():
-        damaged = np.any(touched[:, [joints.index(end) for *_, end in passing]], axis=1)
+        ends = touched[:, [joints.index(end) for *_, end in passing]]
+        damaged = ends.any(axis=1)
+        if start is not None:  # where every bone is damaged, `on_curves` has interpolated
+            damaged &= ~ends.all(axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
         targets = positions(frames) if callable(positions) else positions[frames]
@@ -239,14 +246,14 @@ def moves_alone(motion: Motion, joint: str) -> bool:
     Nor can a collar or a hip whose bone comes straight from them.
     """
     joints = find_joints(motion.skeleton)
-    bones = _bones_through(motion, joints)
+    bones = bones_through(motion, joints)
     index = joints[JOINTS.index(joint)]
     outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]
     incoming = [bone for group in bones.values() for bone in group if bone[-1] == index]
     return len(outgoing) < 2 and any(_free_joints(bone, bone[0], bones) for bone in incoming)
 
 
-def _bones_through(motion: Motion, joints: list[int]) -> _Bones:
+def bones_through(motion: Motion, joints: list[int]) -> _Bones:
     bones: _Bones = {}
     for name, joint in zip(JOINTS[1:], joints[1:], strict=True):
         path = motion.skeleton.path(joint)

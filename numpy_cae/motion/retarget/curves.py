@@ -1,0 +1,199 @@
+"""The rotations of a rig, interpolated over the frames in which they are unknown.
+
+Where some of the twenty joints are missing, a rotation of the rig is unknown if every bone that it
+moves ends at a missing joint. Each unknown rotation is interpolated in the joint's own coordinates,
+as rotation vectors relative to the last known frame before the hole:
+
+    R_t = R_a exp(x(t)),    x(t_k) = log(R_a⁻¹ R_k)  at the known frames t_k
+
+`eased` is the curve x of `fill` and `repair`: a monotone cubic (PCHIP), to which the difference
+between the speed v at an end of the hole and the slope d of the cubic is added. With t the time
+from that end and T = min(EASE, duration of the hole):
+
+    x(t) = PCHIP(t) + (v - d) t (1 - |t| / T)²,  |t| < T
+
+So rotation and speed are continuous at both ends. In a hole shorter than EASE this is the cubic
+through values and speeds at both ends; in the middle of a long hole it is PCHIP.
+"""
+
+import itertools
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from numpy_cae.motion.masks import runs
+from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
+from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.to_rig import bones_through
+
+EASE = 2 / 3
+"""EASE: the speed at an end of a hole acts for at most this time (s). Chosen among 0.13 to 0.8 s
+(docs/lab_book/filling.md)."""
+Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
+times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
+
+
+def on_curves(motion: Motion, missing: np.ndarray, curve: Curve | None = None) -> Motion:
+    """The motion with unknown rotations and translations interpolated over time.
+
+    Values of the file are ignored where they are unknown. A rotation that is unknown in all frames
+    is that of the rest pose. A translation is unchanged if it is unknown in all frames or constant.
+
+    Parameters
+    ----------
+    motion : Motion
+        A motion at any rate, on any rig in which the twenty joints can be found.
+    missing : (frames, 20) array of bool
+        In the frames of the file.
+    curve : Curve, optional
+        `eased` by default.
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    UnknownRigError
+        If joints of the rig are missing.
+
+    Examples
+    --------
+    An elbow's rotation from frames 20 to 39 of a walk, in degrees from the true one:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.motion.joints import joint_mask
+    >>> from numpy_cae.motion.quaternions import angle
+    >>> walk = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> hole = joint_mask(60, ["left_wrist"], slice(20, 30))
+    >>> elbow = walk.skeleton.index("lradius")
+    >>> there, true = on_curves(walk, hole).rotations[:, elbow], walk.rotations[:, elbow]
+    >>> off = np.degrees(angle(product(inverse(true), there)))
+    >>> off[18:32:3].round(1)
+    array([0. , 0.2, 0.6, 0.3, 0. ])
+    """
+    if not missing.any():
+        return motion
+    curve = eased if curve is None else curve
+    turned, moved = unknown_channels(motion, missing)
+    rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve)
+    translations = motion.translations  # an hour of them takes 0.3 GB
+    if moved.any():
+        translations = over_holes(translations, moved, motion.rate, curve)
+    return replace(motion, rotations=rotations, translations=translations)
+
+
+def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The unknown rotations and translations, two masks (frames, J) of the joints of the rig.
+
+    A translation is unknown where the joint, or the end of the bone in which it lies, is missing.
+    Where all twenty joints are missing, every channel of the rig is unknown.
+    """
+    joints = find_joints(motion.skeleton)
+    everything = missing.all(axis=1, keepdims=True)
+    turned, moved = (np.repeat(everything, len(motion.skeleton.names), axis=1) for _ in range(2))
+    bones = bones_through(motion, joints)
+    for joint, passing in bones.items():
+        ends = missing[:, [joints.index(end) for *_, end in passing]]
+        turned[:, joint] |= np.asarray(ends.all(axis=1))
+        for _, *below, end in passing:
+            moved[:, [*below, end]] |= missing[:, [joints.index(end)]]
+    moved[:, motion.skeleton.path(joints[0])] |= missing[:, [0]]
+    moved &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
+    return turned, moved
+
+
+def over_holes(
+    values: np.ndarray, missing: np.ndarray, rate: float, curve: Curve | None = None
+) -> np.ndarray:
+    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept."""
+    filled = np.array(values, dtype=np.float64)
+    for columns, first, end, keys in _holes(missing, rate):
+        known = filled[np.ix_(keys, columns)]
+        times = np.arange(first, end) / rate
+        filled[first:end, columns] = (curve or eased)(keys / rate, known, times)
+    return filled
+
+
+def rotations_over_holes(
+    rotations: np.ndarray, missing: np.ndarray, rate: float, curve: Curve | None = None
+) -> np.ndarray:
+    """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
+    filled = rotations.copy()
+    filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
+    for columns, first, end, keys in _holes(missing, rate):
+        before = int(np.searchsorted(keys, first))  # keys before the hole
+        start = filled[keys[max(before - 1, 0)], columns]
+        vectors = to_vector(product(inverse(start), filled[np.ix_(keys, columns)]))
+        for side in (vectors[:before][::-1], vectors[max(before - 1, 0) :]):
+            _unwrap(side)
+        times = np.arange(first, end) / rate
+        turned = (curve or eased)(keys / rate, vectors, times)
+        filled[first:end, columns] = product(start, from_vector(turned))
+    return filled
+
+
+def eased(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """PCHIP with the speeds at both ends of the hole; see the equation of the module."""
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    pchip, after = PchipInterpolator(keys, values), int(np.searchsorted(keys, times[0]))
+    curve = pchip(np.clip(times, keys[0], keys[-1]))
+    inner = 0 < after < len(keys)
+    longest = min(EASE, keys[after] - keys[after - 1]) if inner else EASE
+    # Both sides, each from the hole outwards.
+    for own, x in (
+        (keys[:after][::-1], values[:after][::-1]),
+        (keys[after:], values[after:]),
+    ):
+        speed = speed_at(own, x)
+        if speed is not None:
+            t = (times - own[0])[:, None, None]
+            excess = speed - (pchip(own[0], 1) if inner else 0.0)
+            curve += excess * t * np.clip(1 - np.abs(t) / longest, 0.0, None) ** 2
+    return curve
+
+
+def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """The speed (N, C) at the first of some keys: the derivative of the parabola through it and
+    the keys 1/30 s and 2/30 s away. None where these are not successive frames: speeds between
+    sparse keyframes are PCHIP's."""
+    if len(times) < 3:
+        return None
+    step = max(1, round(1 / (RATE * abs(times[1] - times[0]))))
+    if len(times) <= 2 * step or abs(times[2 * step] - times[0]) > 2.5 / RATE:
+        return None
+    x0, x1, x2 = values[[0, step, 2 * step]]
+    return (3 * x0 - 4 * x1 + x2) / (times[0] - times[2 * step])
+
+
+def _holes(missing: np.ndarray, rate: float) -> Iterator[tuple[np.ndarray, int, int, np.ndarray]]:
+    """Each hole of a mask (F, N): its columns (those with the same holes together), its first frame
+    and its end, and the known frames next to it, 2/30 s and a few frames more on both sides."""
+    columns: dict[bytes, list[int]] = defaultdict(list)
+    for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
+        columns[missing[:, column].tobytes()].append(int(column))
+    near = 2 * max(1, round(rate / RATE)) + 4
+    for alike in columns.values():
+        known = np.flatnonzero(~missing[:, alike[0]])
+        for first, end in runs(missing[:, alike[0]]):
+            after = int(np.searchsorted(known, first))
+            yield np.array(alike), first, end, known[max(after - near, 0) : after + near]
+
+
+def _unwrap(vectors: np.ndarray) -> None:
+    """Change rotation vectors (K, N, 3) in place by whole turns, so that none of them is more than
+    half a turn from the one before it."""
+    if np.abs(vectors).max(initial=0.0) < np.pi / 2:
+        return
+    for before, vector in itertools.pairwise(vectors):
+        length = np.maximum(np.linalg.norm(vector, axis=-1, keepdims=True), 1e-12)
+        axis = vector / length
+        along = np.sum(before * axis, axis=-1, keepdims=True)
+        vector += 2 * np.pi * np.round((along - length) / (2 * np.pi)) * axis
