@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.manifold.detect import find_damage, residual
-from numpy_cae.manifold.fill import checked_mask, corrected, spline
+from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.smooth import smooth_motion
 from numpy_cae.motion.features import positions_to_features
@@ -252,10 +252,7 @@ class Holes:
         after, before = (start.positions_of(x, self.root) for x in (features, self.features))
         correction = np.where(self.mask[..., None], after - before, 0.0)
         correction = body.in_file_frames(correction)
-        # Resampling does not give exactly zero next to a hole. What is left, interpolated over the
-        # hole, is removed, so that there is no jump.
-        sometimes = ~holes.all(axis=0)
-        correction[:, sometimes] -= spline(correction[:, sometimes], holes[:, sometimes])
+        correction *= _ramps(holes, body.motion.rate)[..., None]
         joints = find_joints(original.skeleton)
 
         def targets(frames: np.ndarray) -> np.ndarray:
@@ -264,6 +261,17 @@ class Holes:
 
         motion = body.retarget(targets, holes, start.motion)
         return Repaired(motion, holes, distances(original, motion, np.asarray(holes.any(axis=1))))
+
+
+def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:
+    """A weight for each frame of a mask (frames, 20): 0 outside the holes, and within them it rises
+    smoothly to 1 in 1/30 s from each end. A correction at thirty frames a second, resampled, is not
+    exactly zero next to a hole; with this weight neither place nor speed jumps."""
+    frame = np.arange(len(holes), dtype=np.float32)[:, None]
+    before = np.maximum.accumulate(np.where(holes, -np.inf, frame), axis=0)
+    after = np.minimum.accumulate(np.where(holes, np.inf, frame)[::-1], axis=0)[::-1]
+    u = np.minimum(np.minimum(frame - before, after - frame) * (RATE / rate), 1.0)
+    return u * u * (3 - 2 * u)
 
 
 def distances(before: Motion, after: Motion, changed: np.ndarray | None = None) -> np.ndarray:
