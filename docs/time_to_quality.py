@@ -131,12 +131,14 @@ Change = Callable[[np.ndarray], np.ndarray]
 
 
 def trainings(
-    windows: np.ndarray, stage: Stage, error: Callable[[Change], float], seed: int = 0
+    windows: np.ndarray, schedule: Schedule, error: Callable[[Change], float], seed: int = 0
 ) -> list[Training]:
-    """Denoising end to end of normalised windows (N, T, 63): ours by `stage`, PyTorch's by `USUAL`
-    and by `stage`. `error` measures a repair, in cm."""
+    """Denoising end to end of normalised windows (N, T, 63): ours by the fine tuning of `schedule`,
+    PyTorch's by `USUAL` and by the same, all from the initial weights of `schedule`. `error`
+    measures a repair, in cm."""
     torch.manual_seed(seed)
-    model = accelerate(ConvAutoencoder(rng=np.random.default_rng(seed)))
+    stage, rng = schedule.fine_tuning, np.random.default_rng(seed)
+    model = accelerate(ConvAutoencoder(rng=rng, initial=schedule.initial))
     usual, same, first = (TorchModel(model) for _ in range(3))
     # The first step takes seconds.
     next(torch_epochs(first, windows[: USUAL.batch], USUAL, USUAL_BETA_2))
@@ -267,12 +269,13 @@ def convolutional_trainings(folders: list[Path], test: list[str]) -> list[Traini
         for plan in plan_takes(MINUTES):
             halves[plan.number % 4 == 0].append(body_of(plan.make(RATE).motion))
         material = unlabelled(*halves)
-    evaluation = Evaluation(material)
+    schedule = recipe("fast")
+    evaluation = Evaluation(material, schedule.rms)
 
     def error(repair: Change) -> float:
         return evaluation.measure(repair, seed=0)[HALF_REMOVED]
 
-    return trainings(evaluation.windows, recipe("fast").fine_tuning, error)
+    return trainings(evaluation.windows, schedule, error)
 
 
 def sequential_trainings() -> list[Training]:

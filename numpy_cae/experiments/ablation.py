@@ -149,11 +149,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
 
 class Evaluation:
-    """Takes, cut into windows once; ValueError for none to train on or none to test."""
+    """Takes, cut once into windows that are scaled to `rms`, as in `Schedule`; ValueError for none
+    to train on or none to test."""
 
-    def __init__(self, material: Material):
+    def __init__(self, material: Material, rms: float = Schedule().rms):
         takes = [take.positions for take in material.training]
-        untrained = Schedule(Stage(epochs=0), Stage(epochs=0))
+        untrained = Schedule(Stage(epochs=0), Stage(epochs=0), rms=rms)
         # For the mean pose, the scale and the mean skeleton; its network is not used.
         self.frame = learn_manifold(takes, untrained, filters=(1,), taps=1)
         self.testing, self.sample = testing_of(self.frame, material)

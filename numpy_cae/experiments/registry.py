@@ -20,7 +20,7 @@ experiment needs."""
 
 LONG = {"ablation": "ablation"}
 """Experiments like these that take a quarter of an hour: they are run only if they are named."""
-PUBLISHED = {"cmu35": "published.cmu35"}
+PUBLISHED = {"cmu35": "published.cmu35", "sources": "sources"}
 """Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
 they are named."""
 

@@ -24,13 +24,9 @@ from numpy_cae.training import (
     train_sequential,
 )
 
-RMS = 0.25
-"""RMS: positions, velocities and turns are each scaled to this root mean square. The paper does not
-state it; at a rate of 0.5, much smaller values hardly learn and much larger ones diverge
-(docs/lab_book/input_scale.md)."""
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
-this times RMS: a person lying down among people standing would make training diverge."""
+this times that of all: a person lying down among people standing would make training diverge."""
 MIN_SPREAD = 1e-3
 """MIN_SPREAD: a spread (m, rad) smaller than this may be rounding error. Instead of it a sequential
 network divides by 1, and a convolutional one by MIN_SPREAD."""
@@ -51,7 +47,6 @@ def learn_manifold(
     filters: Sequence[int] = (64, 128, 256),
     taps: int = 15,
     bound: float = 0.9,
-    rms: float = RMS,
     report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
@@ -70,8 +65,6 @@ def learn_manifold(
         by half a window where None.
     filters, taps, bound
         As in `ConvAutoencoder`.
-    rms : float
-        Root mean square of the scaled features; see `RMS` and `MAX_WINDOW_RMS`.
     report, checkpoint, engine
         As in `train_autoencoder` and `with_engine`.
     mirror : bool
@@ -109,7 +102,10 @@ def learn_manifold(
     schedule = schedule or Schedule()
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
-    network = with_engine(ConvAutoencoder(filters=filters, taps=taps, bound=bound, rng=rng), engine)
+    initial = ConvAutoencoder(
+        filters=filters, taps=taps, bound=bound, rng=rng, initial=schedule.initial
+    )
+    network = with_engine(initial, engine)
     if window % network.stride:
         raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
 
@@ -117,7 +113,7 @@ def learn_manifold(
     # The features of a large database are gigabytes: keep them once, as views of one array.
     frames = np.concatenate(features)
     features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
-    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, rms)
+    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, schedule.rms)
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE, window=window)
     manifold.rescales = schedule.fine_tuning.rescaled
     windows = _windows(manifold, features, overlap)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -44,6 +45,8 @@ class ConvAutoencoder:
     rng : numpy.random.Generator, optional
         Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
+    initial : {"random", "passing"}
+        The initial weights: those of `ConvLayer.initial` or of `ConvLayer.passing`.
 
     Attributes
     ----------
@@ -71,12 +74,13 @@ class ConvAutoencoder:
         bound: float = 0.9,
         rng: np.random.Generator | None = None,
         dtype: np.dtype | type = np.float32,
+        initial: Literal["random", "passing"] = "random",
     ):
         rng = rng or np.random.default_rng(0)
         channels = (features, *filters)
+        make = ConvLayer.passing if initial == "passing" else ConvLayer.initial
         self.layers = [
-            ConvLayer.initial(taps, below, above, bound, rng, dtype)
-            for below, above in pairwise(channels)
+            make(taps, below, above, bound, rng, dtype) for below, above in pairwise(channels)
         ]
 
     @classmethod

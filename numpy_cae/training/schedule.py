@@ -45,6 +45,16 @@ class Schedule:
     With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
     fine tuning; we take as many as for one layer.
 
+    Parameters
+    ----------
+    layer, fine_tuning : Stage
+    initial : {"random", "passing"}
+        The initial weights, as in `ConvAutoencoder`.
+    rms : float
+        The root mean square to which positions, velocities and turns are each scaled before
+        training. The paper does not state it; at a rate of 0.5, much smaller values hardly learn
+        and much larger ones diverge (docs/lab_book/input_scale.md).
+
     Examples
     --------
     >>> [(name, stage.rate) for name, _, stage in Schedule().stages(layers=2)]
@@ -53,6 +63,8 @@ class Schedule:
 
     layer: Stage = field(default_factory=Stage)
     fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
+    initial: Literal["random", "passing"] = "random"
+    rms: float = 0.25
 
     def stages(self, layers: int) -> list[tuple[str, int | None, Stage]]:
         """(name, index of the layer or None for the whole stack, stage) of each stage in turn.
@@ -93,8 +105,8 @@ class SequenceSchedule:
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
 
 
-_FAST = Stage(
-    epochs=40,
+_BEST = Stage(
+    epochs=130,
     rate=0.0015,
     alpha=0.0,
     batch=16,
@@ -104,14 +116,15 @@ _FAST = Stage(
     optimiser="adam",
     rate_schedule="one-cycle",
 )
+_FAST = replace(_BEST, epochs=40, rate=0.0008, norm=0.007)
 RECIPES = {
     "paper": Schedule(),
-    "fast": Schedule(layer=Stage(epochs=0), fine_tuning=_FAST),
-    "best": Schedule(layer=Stage(epochs=0), fine_tuning=replace(_FAST, epochs=130)),
+    "fast": Schedule(Stage(epochs=0), _FAST, initial="passing", rms=0.12),
+    "best": Schedule(Stage(epochs=0), _BEST),
 }
-"""Schedules by name; docs/lab_book/end_to_end.md lists the error that each reaches. The settings of
-fast and best were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test
-takes *_005."""
+"""Schedules by name; docs/lab_book/end_to_end.md lists the error that each reaches. The settings
+were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test takes *_005;
+those of fast also on sources left out of training (docs/lab_book/other_sources.md)."""
 SEQUENCE_RECIPES = {
     "paper": SequenceSchedule(),
     "fast": SequenceSchedule(
@@ -128,8 +141,8 @@ def recipe(name: str) -> Schedule:
     Parameters
     ----------
     name : {"paper", "fast", "best"}
-        The schedule of holden2015; all layers at once with Adam; the latter for 130 epochs
-        instead of 40.
+        The schedule of holden2015; all layers at once with Adam for 40 epochs, from weights that
+        let motion pass; the same for 130 epochs, from random weights.
 
     Returns
     -------

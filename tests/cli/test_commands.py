@@ -91,7 +91,7 @@ FINE = recipe("paper").fine_tuning
     [
         ("", Schedule()),
         ("--epochs 3 --rate 0.2", Schedule(Stage(epochs=3, rate=0.2), replace(FINE, epochs=3))),
-        ("--recipe fast --epochs 9 --rate 0.01", Schedule(Stage(epochs=0), FAST)),
+        ("--recipe fast --epochs 9 --rate 0.01", replace(recipe("fast"), fine_tuning=FAST)),
     ],
 )
 def test_options_change_the_recipe(monkeypatch, options, expected):

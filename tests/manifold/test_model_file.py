@@ -6,16 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from data_synth import make_take
-from numpy_cae.manifold import (
-    ModelFileError,
-    learn_manifold,
-    learn_sequences,
-    load_manifold,
-    save_manifold,
-)
+from numpy_cae.manifold import ModelFileError, load_manifold, save_manifold
 from numpy_cae.motion import angles_of, cut_clips
-from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
 TYPES = pytest.mark.parametrize("kind", ["conv", "sequence"])
 
@@ -30,21 +22,6 @@ def models(tiny_manifolds, tmp_path_factory):
         assert [each.name for each in file.parent.iterdir()] == ["m.npz"]
         saved[kind] = file.read_bytes()
     return saved
-
-
-@pytest.fixture
-def train_again(walk_takes):
-    """A function that trains a small model of a kind, from the same motions and the same seed."""
-    motion = make_take("walk", 0, seconds=3.0, rate=50.0).motion
-
-    def train(kind):
-        if kind == "conv":
-            schedule = Schedule(Stage(epochs=1), Stage(epochs=2, optimiser="adam"))
-            return learn_manifold(walk_takes, schedule, 0, 32, 16, (6, 8), 5)
-        schedule = SequenceSchedule(epochs=2, steps=3, batch=4, directions=4)
-        return learn_sequences([angles_of(motion)], schedule, hidden=6, latent=3, frames=30)
-
-    return train
 
 
 @pytest.fixture
@@ -70,14 +47,6 @@ def test_a_manifold_comes_back(tiny_manifolds, models, file, kind, engine):
     np.testing.assert_allclose(*results, atol=0 if engine == "fast" else 1e-5)
     with pytest.raises(ValueError, match="engine is 'slow'"):
         load_manifold(file, "slow")
-
-
-@TYPES
-def test_two_trainings_with_one_seed_write_the_same_bytes(tmp_path, train_again, kind):
-    files = [tmp_path / "one.npz", tmp_path / "two.npz"]
-    for file in files:
-        save_manifold(train_again(kind), file)
-    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def arrays_of(data: bytes) -> dict[str, np.ndarray]:

@@ -14,13 +14,13 @@ from data_synth import make_take
 from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import learn_manifold, repair, save_manifold, starter
 from numpy_cae.motion import RATE, body_of, write_bvh
-from numpy_cae.training import ProgressPrinter, Schedule, Stage, recipe
+from numpy_cae.training import ProgressPrinter, recipe
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES, SECONDS, TEST_EVERY = 96, 8.0, 6
 """Number and length of the takes; every sixth take of each kind is for testing."""
 _FEWER = replace(recipe("fast").fine_tuning, epochs=14, batch=8)
-SCHEDULE = Schedule(layer=Stage(epochs=0), fine_tuning=_FEWER)
+SCHEDULE = replace(recipe("fast"), fine_tuning=_FEWER)
 """Recipe fast with fewer epochs and smaller batches. Both were chosen on the third take in six of
 each kind, after training on the takes that are neither the third nor the sixth (tested) ones."""
 

@@ -1,6 +1,6 @@
 """Learn a manifold from every motion file (.bvh, .amc, exponential-map .txt) in one or more
 folders. A recipe is a set of training options: `paper` is the training of holden2015, `fast` trains
-all layers at once with Adam, `best` does the same for three times as many epochs, `starter` made
+all layers at once with Adam, `best` does so for three times as many epochs, `starter` made
 the model of the package. Other options replace those of the recipe. Only one training at a time can
 write a model file: a second one is refused as soon as the first has saved its state in
 MODEL.checkpoint.npz.

@@ -75,12 +75,11 @@ def require_options_of_model(args: argparse.Namespace) -> None:
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The recipe with the options that are given."""
-    layer, fine_tuning = RECIPES[args.recipe].layer, RECIPES[args.recipe].fine_tuning
-    changed = given(args, *COMMON)
-    if layer.epochs:
-        layer = replace(layer, **changed)
+    schedule, changed = RECIPES[args.recipe], given(args, *COMMON)
+    if schedule.layer.epochs:
+        schedule = replace(schedule, layer=replace(schedule.layer, **changed))
         changed.pop("rate", None)
-    return Schedule(layer, replace(fine_tuning, **changed))
+    return replace(schedule, fine_tuning=replace(schedule.fine_tuning, **changed))
 
 
 def sequence_schedule_of(args: argparse.Namespace, recipe: str = "paper") -> SequenceSchedule:
