@@ -17,6 +17,7 @@ INCH = 0.0254
 CMU_UNIT = INCH / 0.45
 UNITS = {
     "metres": 1.0,
+    "decimetres": 0.1,
     "CMU's units of 1/0.45 inch": CMU_UNIT,
     "inches": INCH,
     "centimetres": 0.01,
@@ -78,7 +79,7 @@ def is_plausible(metres: float) -> bool:
 def stated_unit(unit: float, source: str, height: float) -> str:
     """A note on the unit, its source and the stature. `height` is in metres, 0 if unknown."""
     odd = height > 0 and not is_plausible(height)
-    advice = ", which no adult is; give the right unit" if odd else ""
+    advice = ", which no adult is: give the right unit" if odd else ""
     return f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
 
 

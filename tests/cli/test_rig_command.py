@@ -4,12 +4,10 @@ import json
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import JOINTS, find_joints, load_motion, write_bvh
-from numpy_cae.motion.axes import as_in_file
+from numpy_cae.motion import JOINTS, find_joints, write_bvh
 
 WALK = make_take("walk", 5, 3.0, 30.0).motion
 
@@ -50,16 +48,3 @@ def test_each_file_takes_the_mapping_that_fits(strange, run, error_of, walks, mo
     assert len(table.read_text().splitlines()) == 4
     message = error_of("compare", *strange, "-m", model, "-o", table, *mappings[:2])
     assert "b.bvh" in message and "hierarchy suggests" in message
-
-
-def test_a_result_has_the_axes_and_the_floor_of_its_file(strange, run, model, tmp_path):
-    mapping, out = tmp_path / "a.json", tmp_path / "fixed.bvh"
-    run("rig", strange[0], "-o", mapping)
-    coordinates = ("--up", "z", "--floor", 0.3, "--unit", 0.01, "--mapping", mapping)
-    run("interpolate", strange[0], strange[0], "-m", model, "-o", out, *coordinates)
-    fixed, came = (load_motion(path, 0.01, up="y", floor=0) for path in (out, strange[0]))
-    assert fixed.skeleton.names == came.skeleton.names
-    lowest = fixed.positions()[..., 2].min(), came.positions()[..., 2].min()
-    assert abs(lowest[0] - lowest[1]) < 0.2 and lowest[1] > 0.25
-    again = as_in_file(load_motion(out, 0.01, up="z", floor=0.3))
-    np.testing.assert_allclose(again.positions(), fixed.positions(), atol=1e-9)

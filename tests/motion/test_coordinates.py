@@ -74,6 +74,13 @@ def test_a_floor_above_and_below_stairs_stays():
         assert in_y_up(replace(walk, translations=translations), Coordinates()).floor == 0
 
 
+def test_a_body_that_hangs_in_most_frames_is_turned():
+    """A pose estimator whose image axis points down, and which loses the body for some frames."""
+    hung = in_file(make_take("walk", 1, 4.0, 30.0).motion, "-y", 0.0)
+    hung.rotations[10:45, 0] = [1.0, 0.0, 0.0, 0.0]
+    assert in_y_up(hung, Coordinates()).up == "-y"
+
+
 def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
     """A body that stands at 0 rests on both axes' floors; the rest pose decides."""
     idle = make_take("idle", 2, 4.0, 30.0).motion

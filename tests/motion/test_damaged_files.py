@@ -32,8 +32,9 @@ DAMAGES = [
     # file, what is replaced, by what, the line of the error, words of its message
     ("a.bvh", ROW, "1 2 3\n", 19, "3 values, expected 9"),
     ("a.bvh", ROW, "1 2 nan 4 5 6 7 8 9\n", 19, "'nan' is not a number, expected a finite"),
-    ("a.bvh", "Frames: 3", "Frames: 1000000000", 17, "says 1000000000, but 3 lines"),
-    ("a.bvh", "Frames: 3", "Frames: 0", 17, "'0', expected a whole number above 0"),
+    ("a.bvh", 3 * ROW, "", 17, "says 3, but no line of values follows"),
+    ("a.bvh", "Frames: 3", "Frames: many", 17, "'many', expected a whole number"),
+    ("a.bvh", "  JOINT", "  scale { 1 }\n  JOINT", 6, "expected } or JOINT or End Site in 'Hips'"),
     ("a.bvh", "Frames: 3\n", "", 17, "expected Frames: and a number"),
     ("a.bvh", "Frame Time: 0.025\n", "", 18, "expected Frame Time: and seconds"),
     ("a.bvh", "0.025", "0", 18, "Frame Time: 0, expected seconds, 0.0001 to 1"),
@@ -107,7 +108,8 @@ def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(tm
             continue
         read += 1
         # Only BVH states its number of frames.
-        assert len(found) == len(whole[which]) or name in ("02_01.amc", "a.txt"), length
+        missing = name == "a.bvh" and len(found) < len(whole[which])
+        assert ("lines of values follow" in found.unit_note) >= missing, length
         last = len(found) - 1
         np.testing.assert_array_equal(found.rotations[:last], whole[which].rotations[:last])
     assert read < 30

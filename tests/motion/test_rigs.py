@@ -1,6 +1,7 @@
 """The twenty joints in a rig: by its names, a mapping or its hierarchy; joints that a rig lacks."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,26 +15,23 @@ from numpy_cae.motion import (
     UnknownRigError,
     body_positions,
     find_joints,
-    load_body,
     load_motion,
-    read_bvh,
     read_mapping,
     retarget,
     write_bvh,
 )
-from numpy_cae.motion.axes import TO_Y_UP
+from numpy_cae.motion.lengths import bone_lengths
+from numpy_cae.motion.retarget.checks import doubt
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.fit import body_skeleton
+from numpy_cae.motion.retarget.recognise import recognised
 from numpy_cae.motion.retarget.rig_names import RIGS
 from numpy_cae.motion.retarget.rigs import joint_index, with_joint_names
-from numpy_cae.motion.retarget.suggest import suggest_mapping
 
 
 def skeleton_of(names):
-    """A person whose joints have these names, in the order of `JOINTS`, below a joint "world"."""
-    rest = body_skeleton(np.full(20, 0.3))
-    parents = (-1, *(parent + 1 for parent in PARENTS))
-    return Skeleton(("world", *names), parents, np.concatenate([np.zeros((1, 3)), rest.offsets]))
+    """A person whose joints have these names, in the order of `JOINTS`."""
+    return person(dict(zip(JOINTS, names, strict=True)).get).skeleton
 
 
 def names_in(rig, which=0):
@@ -102,67 +100,79 @@ def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
         read_mapping(file)
 
 
-@pytest.mark.parametrize(
-    "file",
-    ["bandai/dataset-2_walk_normal_001.bvh", "cmu/asfamc/02/02_01.amc"]
-    + ["cmu/bvh/02_03_first_frames.bvh"],
-)
-def test_real_rigs_stand_upright_with_their_left_on_the_left(data_folder, file):
-    positions, _ = load_body(data_folder / file)
-    at = dict(zip(JOINTS, positions.transpose(1, 0, 2), strict=True))
-    tall = at["head"][:, 1] - np.minimum(at["left_toe"][:, 1], at["right_toe"][:, 1])
-    assert 1.05 < np.median(tall) < 1.9
-    # Facing along (across × up), the toes lie before the ankles.
-    across = at["left_hip"] - at["right_hip"]
-    forward = np.cross(across, [0, 1, 0])
-    toes = at["left_toe"] + at["right_toe"] - at["left_ankle"] - at["right_ankle"]
-    assert np.median(np.sum(toes * forward, axis=1)) > 0
+@pytest.mark.parametrize("file", ["asfamc/02/02_01.amc", "bvh/02_03_first_frames.bvh"])
+def test_the_joints_of_real_rigs_are_beyond_doubt(data_folder, file):
+    motion = load_motion(data_folder / "cmu" / file)
+    unnamed = replace(motion.skeleton, names=tuple(map(str, range(len(motion.skeleton.names)))))
+    joints = find_joints(motion.skeleton)
+    assert doubt(unnamed, joints, motion.positions(joints)) == ""
+    assert find_joints(recognised(replace(motion, skeleton=unnamed)).skeleton) == joints
 
 
 WALK = make_take("walk", 1, 2.0, 30.0).motion
 
 
-@pytest.mark.parametrize("axes", ["y", "z", "-x"])
-def test_a_rig_of_meaningless_names_is_suggested_by_its_hierarchy(axes, data_folder):
-    cmu = load_motion(data_folder / "cmu/asfamc/02/02_01.amc").skeleton
-    turn = np.array(TO_Y_UP[axes], dtype=float)
-    for skeleton in (WALK.skeleton, cmu):
-        offsets = skeleton.offsets @ turn
-        tips = {joint: tip @ turn for joint, tip in skeleton.end_sites.items()}
-        names = [f"bone {number}" for number in range(len(skeleton.names))]
-        unknown = Skeleton(tuple(names), skeleton.parents, offsets, tips)
-        mapping = suggest_mapping(unknown)
-        truth = [names[joint] for joint in find_joints(skeleton)]
-        assert mapping == dict(zip(JOINTS, truth, strict=True))
-        assert find_joints(with_joint_names(unknown, mapping)) == find_joints(skeleton)
+LENGTHS = bone_lengths(body_positions(WALK))
+TOES, COLLARS = ["left_toe", "right_toe"], ["left_collar", "right_collar"]
 
 
-def test_nothing_is_suggested_where_nothing_is_like_a_person():
-    chain = Skeleton(("a", "b", "c"), (-1, 0, 1), np.ones((3, 3)))
-    star = Skeleton(tuple("abcde"), (-1, 0, 0, 0, 0), np.ones((5, 3)))
-    assert suggest_mapping(chain) == suggest_mapping(star) == {}
+def person(name, lacking=(), lengths=LENGTHS):
+    """Someone in a T-pose whose rig lacks some of the twenty joints and End Sites; `name` maps a
+    joint to its name in the rig."""
+    kept = [joint for joint in range(20) if JOINTS[joint] not in lacking]
+    nearest = [joint if joint in kept else PARENTS[joint] for joint in range(20)] + [-1]
+    parents = [nearest[PARENTS[joint]] for joint in kept]
+    places = body_skeleton(lengths).rest_positions()
+    offsets = places[kept] - places[np.maximum(parents, 0)]
+    parents = [-1 if parent < 0 else kept.index(parent) for parent in parents]
+    skeleton = Skeleton(tuple(name(JOINTS[joint]) for joint in kept), tuple(parents), offsets)
+    still = np.tile([0.0, 0.0, 0.0, 1.0], (4, len(kept), 1))
+    return Motion(skeleton, 30.0, still, np.tile(offsets, (4, 1, 1)), 0.01)
+
+
+def bone(joint):
+    return f"bone {JOINTS.index(joint)}"
+
+
+def swapped(joint):
+    """Names of a known rig in the wrong order, which are not believed."""
+    return {"left_shoulder": "left_elbow", "left_elbow": "left_shoulder"}.get(joint, joint)
 
 
 def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_path):
-    lacking = ("spine", "left_collar", "right_collar", "left_toe", "right_toe")
-    names = [joint for joint in JOINTS if joint not in lacking]
-    above = {"chest": "hips", "left_shoulder": "chest", "right_shoulder": "chest"}
-    parents = [
-        names.index(above.get(name, JOINTS[max(0, PARENTS[JOINTS.index(name)])])) for name in names
-    ]
-    offsets = body_skeleton(np.full(20, 0.3)).offsets[[JOINTS.index(name) for name in names]]
-    offsets[[names.index("left_shoulder"), names.index("right_shoulder")], 1] += 0.1
-    tips = {names.index(f"{side}_ankle"): np.array([0, -0.05, 0.12]) for side in ("left", "right")}
-    turn = np.tile([0.0, 0.0, 0.0, 1.0], (4, len(names), 1))
-    skeleton = Skeleton(tuple(names), (-1, *parents[1:]), offsets, tips)
-    file = Motion(skeleton, 30.0, turn, np.tile(offsets, (4, 1, 1)), 0.01)
+    lacking = ("spine", *COLLARS, *TOES)
+    own = (file := person(str, lacking)).skeleton.names
+    file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
+    for side in ("left", "right"):
+        file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
     found = completed(file)
-    assert found.skeleton.names[len(names) :] == tuple(f"{joint} (added)" for joint in lacking)
+    assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
     at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
     np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)
     np.testing.assert_allclose(at["spine"], (at["hips"] + at["chest"]) / 2, atol=1e-12)
     targets = body_positions(found) + [0.1, 0.0, 0.0]
     write_bvh(retarget(found, targets), tmp_path / "moved.bvh")
-    assert read_bvh(tmp_path / "moved.bvh").skeleton.names == file.skeleton.names
     again = body_positions(load_motion(tmp_path / "moved.bvh", unit=0.01, up="y", floor=0))
     np.testing.assert_allclose(again, targets, atol=1e-5)
+
+
+INCOMPLETE = [(str, ["head", *TOES]), (str, TOES), (bone, ["spine", *COLLARS]), (swapped, [])]
+DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh to shin is 2")]
+
+
+@pytest.mark.parametrize(("name", "lacking"), INCOMPLETE)
+def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
+    found = recognised(person(name, lacking))
+    names = [found.skeleton.names[joint] for joint in find_joints(found.skeleton)]
+    assert names == [f"{j} (added)" if j in lacking else name(j) for j in JOINTS]
+    assert "`numpy-cae rig` lists the joints" in found.unit_note
+    np.testing.assert_allclose(body_positions(found)[0], body_positions(person(str))[0], atol=0.2)
+
+
+@pytest.mark.parametrize(("lacking", "scale", "problem"), DOUBTS)
+def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
+    lengths = LENGTHS * np.where([joint.endswith("knee") for joint in JOINTS], scale, 1)
+    found = recognised(person(bone, lacking, lengths=lengths))
+    assert f"rig not recognised: {problem}" in found.unit_note
+    with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
+        find_joints(found.skeleton)

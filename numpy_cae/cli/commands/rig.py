@@ -32,26 +32,31 @@ def run(args: argparse.Namespace) -> int:
     """Print how the file is understood, and write the mapping."""
     from numpy_cae.atomic_write import atomic_write
     from numpy_cae.motion import JOINTS, load_motion
-    from numpy_cae.motion.retarget.rigs import match_rig
+    from numpy_cae.motion.retarget.rigs import match_rig, with_joint_names
     from numpy_cae.motion.retarget.suggest import suggest_mapping
 
     mapping, coordinates = arguments.reading(args)
     motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-    rig, indices = match_rig(motion.skeleton)
-    names = {joint: motion.skeleton.names[index] for joint, index in indices.items()}
-    if len(names) < len(JOINTS):
-        suggested = suggest_mapping(motion.skeleton)
+    rig, by_name = match_rig(with_joint_names(motion.skeleton, mapping))
+    own = len(motion.skeleton.names) - motion.skeleton.added
+    names = {joint: motion.skeleton.names[at] for joint, at in by_name.items() if at < own}
+    indices = match_rig(motion.skeleton)[1]
+    if len(indices) < len(JOINTS):
         # If only a few names are those of a known rig, they may mean other joints here.
+        suggested = suggest_mapping(motion.skeleton)
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
         motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
         indices = match_rig(motion.skeleton)[1]
+    if indices != by_name:
         rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
     skeleton = motion.skeleton
     joints = len(skeleton.names) - skeleton.added
+    unit, *notes = motion.unit_note.split("; ")
     print(
-        f"{args.file}: {motion}\nunit   {motion.unit_note.split('; ')[0]}\n"
-        f"up     {motion.up.upper()}\nfloor  {motion.floor:.2f} m\nrig    {rig}"
+        f"{args.file}: {motion}\nunit   {unit}\nup     {motion.up.upper()}\n"
+        f"floor  {motion.floor:.2f} m\nrig    {rig}"
     )
+    print("".join(f"note   {note}\n" for note in notes), end="")
     for joint in JOINTS:
         name = skeleton.names[indices[joint]] if joint in indices else "missing: name one"
         guessed = name != names.get(joint) and indices.get(joint, joints) < joints

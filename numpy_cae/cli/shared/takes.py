@@ -50,7 +50,8 @@ def read_takes(
         + ", ".join(f"{unit} ({count})" for unit, count in notes.most_common())
     )
     if changed:
-        note(f"{changed} files turned to Y up or moved to a floor at 0; see `numpy-cae rig FILE`")
+        what = "were turned, moved to a floor at 0 or are odd in another way"
+        note(f"{changed} files {what}; see `numpy-cae rig FILE`")
     return training, testing
 
 

@@ -5,7 +5,6 @@ Where it is ambiguous, the common interpretation is used: rotations are about th
 in the order of its channels, and a position channel of any joint replaces the joint's offset.
 """
 
-import logging
 import re
 from pathlib import Path
 
@@ -23,9 +22,7 @@ from numpy_cae.motion.formats.text_file import (
 )
 from numpy_cae.motion.motion import Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
-from numpy_cae.motion.units import guess_unit, is_plausible, require_unit, stated_unit, stature
-
-log = logging.getLogger(__name__)
+from numpy_cae.motion.units import guess_unit, require_unit, stated_unit, stature
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
@@ -36,7 +33,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     path : path of the file
     unit : float, optional
         Metres in one unit of length of the file: 0.01 for centimetres. By default guessed from
-        the size of the skeleton; `Motion.unit_note` and the log state the guess.
+        the size of the skeleton; `Motion.unit_note` states the guess.
     max_rate : float, optional
         A rate (frames a second) that is high enough. If every n-th frame of the file gives this
         rate, the motion has this rate, and the frames between are only counted.
@@ -45,11 +42,13 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     -------
     Motion
         In metres, in the axes and the order of joints of the file; `load_motion` turns it Y up.
+        `unit_note` also says what is odd in the file: lines of the hierarchy that were skipped, a
+        number of frames that is not that of the lines, or frames that are all equal.
 
     Raises
     ------
     MotionFileError
-        If the file is damaged anywhere; a motion is never truncated or padded.
+        If the file is damaged elsewhere; no frame is left out or added.
     ValueError
         If `unit` is not above 0.
 
@@ -66,11 +65,12 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     if unit is not None:
         unit = require_unit(unit)
     file = TextFile.read(path)
-    joints, motion_line = read_hierarchy(file)
-    rate, values = _read_motion(file, motion_line, joints, max_rate)
+    joints, motion_line, skipped = read_hierarchy(file)
+    rate, values, miscounted = _read_motion(file, motion_line, joints, max_rate)
     del file  # the text of an hour at 120 Hz takes half a gigabyte
     offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
     rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
+    is_still = len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all()
     del values
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
@@ -79,15 +79,15 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         note = stated_unit(unit, "as given", unit * height)
     else:
         unit, note = guess_unit(height)
-        report = log.info if is_plausible(unit * height) else log.warning
-        report("%s: lengths taken as %s", path, note)
     translations *= unit
+    still = "nothing moves: all frames are equal" if is_still else ""
+    note = "; ".join(filter(None, [note, skipped, miscounted, still]))
     return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
 
 
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of a BVH file; `unit` is metres in its unit of length."""
-    joints, _ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
+    joints, *_ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
     return _channels(joints, unit)
 
 
@@ -111,27 +111,37 @@ def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
 
 def _read_motion(
     file: TextFile, motion_line: int, joints: list[BvhJoint], max_rate: float | None
-) -> tuple[float, np.ndarray]:
-    """The frames a second and the table (frames, channels) in the text below MOTION."""
+) -> tuple[float, np.ndarray, str]:
+    """The frames a second and the table (frames, channels) in the text below MOTION.
+
+    Last a note if the number of frames that the file states is not that of the lines, else "".
+    """
     channels = sum(len(joint.channels or []) for joint in joints)
     count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
     pattern = r"frame\s*time\s*:?\s*(.*)"
     time_line, time = _header(file, count_line, pattern, "Frame Time: and seconds")
-    if not whole_number(count):
-        raise file.error(count_line, f"Frames: {quoted(count)}, expected a whole number above 0")
+    stated = whole_number(count)
+    if stated is None:
+        raise file.error(count_line, f"Frames: {quoted(count)}, expected a whole number")
     rate = _rate(file, time_line, time)
     if channels == 0:
         raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
 
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     expected = "a line for each frame, with one value for each channel of the hierarchy"
-    frames = int(count)
     rate = rate if step == 1 or max_rate is None else max_rate
-    file.require_frames(min(frames, file.count) // step, len(joints), rate)
-    values, lines = file.table(time_line, channels, frames, expected, step)
-    if lines != frames:
-        raise file.error(count_line, f"Frames: says {count}, but {lines} lines of values follow")
-    return rate, values
+
+    def read(frames: int) -> tuple[np.ndarray, int]:
+        file.require_frames(min(frames, file.count) // step, len(joints), rate)
+        return file.table(time_line, channels, frames, expected, step)
+
+    values, lines = read(max(stated, 1))
+    if lines == stated:
+        return rate, values, ""
+    if lines == 0:
+        raise file.error(count_line, f"Frames: says {count}, but no line of values follows")
+    note = f"Frames: says {count}, but {lines} lines of values follow and were read"
+    return rate, read(lines)[0], note
 
 
 def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[int, str]:

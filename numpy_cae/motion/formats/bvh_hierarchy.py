@@ -1,5 +1,7 @@
 """The first half of a BVH file, HIERARCHY: joints in a tree, each with its own channels.
 
+Lines that begin with none of the format's words, such as comments, are skipped and counted.
+
 HIERARCHY
 ROOT Hips
 {
@@ -25,6 +27,11 @@ CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
 CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
 """CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
 _LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
+_KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
+_BRACKETS = str.maketrans("[](),", "     ")
+"""_BRACKETS: what scripts write around and between the numbers of a vector."""
+_SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
+"""_SKIPPABLE: a line that may be skipped has no brace and is no row of numbers."""
 
 
 @dataclass
@@ -54,8 +61,9 @@ class BvhJoint:
         return keywords
 
 
-def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
-    """The joints, parents before children, and the number of the line MOTION.
+def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, str]:
+    """The joints, parents before children, the number of the line MOTION, and a note on the lines
+    that were skipped, "" if none were.
 
     Raises MotionFileError if the block is not valid BVH.
     """
@@ -63,7 +71,8 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
     indices: dict[str, int] = {}
     blocks: list[BvhJoint] = []  # the blocks that are open, the root's first
     announced: BvhJoint | None = None  # the block whose { must follow
-    for line, keyword, value in _statements(file):
+    skipped: list[int] = []
+    for line, keyword, value in _statements(file, skipped):
         if announced is not None:
             expected = ["{"]
         elif blocks:
@@ -75,7 +84,9 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
             found = quoted(f"{keyword} {value}".strip())
             raise file.error(line, f"expected {' or '.join(expected)}{where}, found {found}")
         if keyword == "MOTION":
-            return joints, line
+            lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
+            note = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
+            return joints, line, note
         if keyword == "{" and announced is not None:
             blocks.append(announced)
             announced = None
@@ -84,7 +95,8 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
             if block.is_end_site:
                 joints[block.parent].tip = block.offset
         elif keyword == "OFFSET":
-            blocks[-1].offset = file.numbers(line, value.split(), 3, "OFFSET")
+            words = value.translate(_BRACKETS).split()
+            blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")
         elif keyword == "CHANNELS":
             blocks[-1].channels = _channels(file, line, value)
         elif keyword == "End Site":
@@ -105,8 +117,11 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int]:
     raise file.error(file.count, f"the file ends{inside} without MOTION: is it cut off?")
 
 
-def _statements(file: TextFile) -> Iterator[tuple[int, str, str]]:
-    """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""
+def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:
+    """(line number, keyword, value) of each statement; a brace is one anywhere in a line.
+
+    The numbers of the lines that hold no statement are added to `skipped`.
+    """
     started = False
     for line, text in file.numbered():
         for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
@@ -116,6 +131,8 @@ def _statements(file: TextFile) -> Iterator[tuple[int, str, str]]:
                 raise file.error(line, f"{problem} {quoted(statement)}")
             if re.match(r"END\s*SITE\b", statement, re.IGNORECASE):
                 yield line, "End Site", ""
+            elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
+                skipped.append(line)
             elif started:
                 yield line, keyword.upper(), value
             started = True

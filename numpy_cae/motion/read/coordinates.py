@@ -3,30 +3,32 @@
 Nearly all files have Y up and the floor at 0; such files pass through unchanged. Two observations
 decide, on the twenty joints:
 
-- Upright: the mean direction from the ankles to the head. People stand, walk and sit upright; if it
-  is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
-  who does press-ups or lies.
+- Upright: the median direction from the ankles to the head. People stand, walk and sit upright; if
+  it is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
+  who does press-ups or lies. A body whose head is below its feet in most frames hangs: -Y is up.
 - Support: the lowest joint is near the floor most of the time. If the lowest level at which it
   stays is far from 0, and it is seldom near 0, the floor is there.
 """
 
-import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from numpy_cae.motion.axes import TO_Y_UP, to_y_up
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.completed import sampled
 from numpy_cae.motion.retarget.rigs import match_rig
-from numpy_cae.motion.retarget.suggest import suggest_mapping
-from numpy_cae.motion.units import require_unit
+from numpy_cae.motion.units import guess_unit, require_unit
 
-log = logging.getLogger(__name__)
-
+_ENDS = ("knee", "ankle", "elbow", "wrist")
+_LIMBS = [f"{side}_{end}" for side in ("left", "right") for end in _ENDS]
+LIMBS = 0.77
+"""LIMBS: a leg from hip to ankle and an arm from shoulder to wrist are together this part of a
+person's stature."""
 UPRIGHT = 0.8
-"""UPRIGHT: an axis is up if the mean direction from the ankles to the head, a unit vector, has at
-least this component along it."""
+"""UPRIGHT: an axis is up if the direction from the ankles to the head, a unit vector, has at least
+this component along it in most frames."""
 TOE = 0.04
 """TOE: height in metres of the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR = 0.15
@@ -84,13 +86,40 @@ class Coordinates:
             raise ValueError(f"floor is {self.floor}, expected its height in metres")
 
 
+def with_unit_of_limbs(motion: Motion) -> Motion:
+    """The motion with its unit guessed again, from the twenty joints' legs and arms alone: props,
+    hair and fingers do not count. The same motion if they were not found."""
+    found = match_rig(motion.skeleton)[1]
+    if not set(_LIMBS) <= set(found):
+        return motion
+    lengths = np.linalg.norm(np.median(sampled(motion).translations, axis=0), axis=-1)
+    total = 0.0
+    for end in _LIMBS:
+        path = motion.skeleton.path(found[end])
+        start = found[JOINTS[PARENTS[JOINTS.index(end)]]]
+        total += lengths[path[: path.index(start)]].sum() if start in path else 0.0
+    unit, note = guess_unit(total / 2 / LIMBS / motion.unit)
+    scale = unit / motion.unit
+    ends = motion.skeleton.end_sites.items()
+    skeleton = replace(
+        motion.skeleton,
+        offsets=scale * motion.skeleton.offsets,
+        end_sites={joint: scale * tip for joint, tip in ends},
+    )
+    _, *notes = motion.unit_note.split("; ")
+    motion = replace(motion, unit=unit, unit_note="; ".join([note, *notes]))
+    if scale == 1:
+        return motion
+    return replace(motion, skeleton=skeleton, translations=scale * motion.translations)
+
+
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     """The axis that is up, from positions (F, 20, 3) of the twenty joints in metres.
 
     `rest` (20, 3) are their positions in the rest pose.
     """
-    mean, up = _upright(body)
-    if abs(mean) < UPRIGHT:
+    component, up = _upright(body)
+    if abs(component) < UPRIGHT:
         return "y"
     if _rests_at_zero(body, "y") and (
         not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
@@ -100,13 +129,13 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
 
 
 def _upright(body: np.ndarray) -> tuple[float, str]:
-    """The largest component of the mean direction from the ankles to the head, and its axis."""
+    """The largest component of the median direction from the ankles to the head, and its axis."""
     ankles = [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]
     direction = body[:, JOINTS.index("head")] - body[:, ankles].mean(axis=1)
     direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
-    mean = direction.mean(axis=0)
-    axis = int(np.argmax(np.abs(mean)))
-    return float(mean[axis]), ("-" if mean[axis] < 0 else "") + "xyz"[axis]
+    median = np.median(direction, axis=0)
+    axis = int(np.argmax(np.abs(median)))
+    return float(median[axis]), ("-" if median[axis] < 0 else "") + "xyz"[axis]
 
 
 def _rests_at_zero(body: np.ndarray, up: str) -> bool:
@@ -128,15 +157,12 @@ def detect_floor(body: np.ndarray) -> float:
 def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
     """The motion as a file has it, turned to Y up and moved to a floor at 0.
 
-    What `coordinates` leaves open is detected; in a rig in which the twenty joints cannot be found
-    and are not suggested by the hierarchy either, Y is taken to be up and the floor to be at 0.
+    What `coordinates` leaves open is detected; in a rig in which the twenty joints are not found, Y
+    is taken to be up and the floor to be at 0.
     """
     up, floor = coordinates.up, coordinates.floor
     reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
     rig_joints = match_rig(motion.skeleton)[1]
-    if len(rig_joints) < len(JOINTS):
-        suggested = replace(motion.skeleton, joint_names=suggest_mapping(motion.skeleton))
-        rig_joints = match_rig(suggested)[1]
     if len(rig_joints) == len(JOINTS) and (up is None or floor is None):
         joints = [rig_joints[joint] for joint in JOINTS]
         body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)
@@ -147,6 +173,4 @@ def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
     changes = [f"{up.upper()} up ({reasons[0]})"] if up != "y" else []
     changes += [f"floor at {floor:.2f} m ({reasons[1]})"] if floor else []
     note = "; ".join([motion.unit_note, *changes])
-    if changes:
-        log.info("%s", note)
     return replace(to_y_up(motion, up, floor), unit_note=note)

@@ -1,11 +1,12 @@
 """Read any supported motion file, chosen by its suffix."""
 
 import filecmp
+import logging
 import os
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -21,11 +22,13 @@ from numpy_cae.motion.formats.text_file import MotionFileError
 from numpy_cae.motion.formats.write import write_motion
 from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.read.coordinates import Coordinates, in_y_up
+from numpy_cae.motion.read.coordinates import Coordinates, in_y_up, with_unit_of_limbs
 from numpy_cae.motion.retarget.body import body_of
-from numpy_cae.motion.retarget.completed import completed
-from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError, with_joint_names
+from numpy_cae.motion.retarget.recognise import recognised
+from numpy_cae.motion.retarget.rigs import Mappings, UnknownRigError
 from numpy_cae.motion.retarget.to_angles import angles_of
+
+log = logging.getLogger(__name__)
 
 SUPPORTED = (
     "supported are .bvh (BVH), .amc (Acclaim, its skeleton in an .asf file beside it) and .txt "
@@ -143,7 +146,7 @@ def load_motion(
     >>> write_bvh(walk, "walk.bvh", unit=0.01)
     >>> motion = load_motion("walk.bvh")
     >>> len(motion), motion.rate, motion.unit_note
-    (240, 120.0, 'centimetres (guessed: the skeleton is about 2.0 m tall)')
+    (240, 120.0, 'centimetres (guessed: the skeleton is about 1.8 m tall)')
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -164,8 +167,13 @@ def load_motion(
             motion = read_amc(path, unit=unit, max_rate=max_rate)
         else:
             motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
-        named = replace(motion, skeleton=with_joint_names(motion.skeleton, mapping))
-        return FileMotion(**vars(in_y_up(completed(named), coordinates)), source=path)
+        motion = recognised(motion, mapping)
+        if suffix == ".bvh" and unit is None:
+            motion = with_unit_of_limbs(motion)
+        is_odd = "; " in motion.unit_note or "no adult" in motion.unit_note
+        motion = in_y_up(motion, coordinates)
+    log.log(logging.WARNING if is_odd else logging.INFO, "%s: %s", path, motion.unit_note)
+    return FileMotion(**vars(motion), source=path)
 
 
 @contextmanager

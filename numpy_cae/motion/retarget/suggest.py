@@ -11,6 +11,7 @@ from itertools import combinations, pairwise, product
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.retarget.checks import left_or_right
 from numpy_cae.motion.skeleton import Skeleton
 
 _MAX_JOINTS, _MAX_PAIRS = 1000, 50
@@ -152,8 +153,7 @@ def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int
 
 def _left_first(skeleton: Skeleton, starts: list[int], leftness: np.ndarray) -> list[int]:
     """The first joints of two limbs, the left one first; their names or the rest pose decide."""
-    one, other = (skeleton.names[start].lower() for start in starts)
-    differing = next(((a, b) for a, b in zip(one, other, strict=False) if a != b), ("", ""))
-    if differing in (("l", "r"), ("r", "l")):
-        return starts if differing[0] == "l" else starts[::-1]
+    side = left_or_right(*(skeleton.names[start] for start in starts))
+    if side:
+        return starts if side == "left" else starts[::-1]
     return sorted(starts, key=lambda start: -leftness[start])
