@@ -94,8 +94,7 @@ def test_killed_at_random_moments(walks, whole, tmp_path, options, times):
             out.unlink()
     assert main(["train", str(walks), "-o", str(out), *options, "--resume"]) == 0
     assert same(out, whole)
-    left = [path.name for path in out.parent.iterdir()]
-    assert [name for name in left if not name.endswith(".part.npz")] == ["m.npz"]
+    assert os.listdir(out.parent) == ["m.npz"]  # what killed runs left is removed
     assert kept > times / 10
 
 

@@ -1,7 +1,16 @@
-"""Whatever happened to a motion file: it is read, all finite, or refused with its file and line."""
+"""Whatever happened to a motion file: it is read, all finite, or refused with its file and line.
 
+    pytest -m thorough tests/motion/test_damaged_files.py
+
+mutates 100,000 files in 100 parts and cuts each format after every byte. A part that has been
+counted is not repeated until the code changes, so that an interrupted run is resumed by the same
+command; `pytest --cache-clear` begins anew.
+"""
+
+import hashlib
 import time
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +18,7 @@ from acclaim_files import AMC, ASF
 from mutations import mutated
 from plain_bvh import HIERARCHY
 
+import numpy_cae.motion
 from numpy_cae.motion import MotionFileError, load_motion
 
 ROW = "1 2 3 4 5 6 7 8 9\n"
@@ -93,13 +103,17 @@ def test_damage_is_refused_with_its_file_and_line(tmp_path, name, old, new, line
     assert words in message and len(message) < 400 + len(str(path)), message
 
 
+@pytest.mark.parametrize("step", [2, pytest.param(1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("name", FILES)
-def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(tmp_path, name):
+def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(
+    tmp_path, name, step, counted
+):
     data = FILES[name].encode()
     rates = None, 30.0
     whole = [load_motion(write(tmp_path, name, data), max_rate=rate) for rate in rates]
     read = 0
-    for length in range(0, len(data), 5 if name == "a.txt" else 2):
+    lengths = range(0, len(data), 5 if name == "a.txt" and step > 1 else step)
+    for length in lengths:
         path, which = write(tmp_path, name, data[:length]), length // 2 % 2
         try:
             found = load_motion(path, max_rate=rates[which])
@@ -112,7 +126,8 @@ def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(tm
         assert ("lines of values follow" in found.unit_note) >= missing, length
         last = len(found) - 1
         np.testing.assert_array_equal(found.rotations[:last], whole[which].rotations[:last])
-    assert read < 30
+    assert read < 60 / step
+    counted(f"{len(lengths)} cuts of {name}: {read} read, {len(lengths) - read} refused")
 
 
 def read_or_refuse(path, name, size, mutations):
@@ -136,17 +151,38 @@ def read_or_refuse(path, name, size, mutations):
         assert time.process_time() - begun < SECONDS, mutations
 
 
-@pytest.mark.parametrize("count", [25, pytest.param(25_000, marks=pytest.mark.thorough)])
+PARTS, PART = 25, 1000
+
+
+def code() -> str:
+    """A digest of the code that reads motions, and of the mutations."""
+    paths = [*sorted(Path(numpy_cae.motion.__file__).parent.rglob("*.py")), Path(__file__)]
+    paths.append(Path(__file__).with_name("mutations.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
+
+
+@pytest.mark.parametrize(
+    "part", [None, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(PARTS))]
+)
 @pytest.mark.parametrize("name", FILES)
-def test_mutated_files(tmp_path, name, count, counted):
+def test_mutated_files(tmp_path, name, part, counted, request):
+    numbers = range(25) if part is None else range(PART * part, PART * (part + 1))
+    cache, key = getattr(request.config, "cache", None), f"mutations/{code()}/{name}/{part}"
+    if part is not None and cache and (before := cache.get(key, None)):
+        counted(f"{before}, in an earlier run")
+        return
     read = 0
-    for number in range(count):
+    for number in numbers:
         data, mutations = mutated(FILES[name].encode(), np.random.default_rng([1, number]))
         size = len(data) + len(ASF) + len(AMC)
         read += read_or_refuse(write(tmp_path, name, data), name, size, (name, number, mutations))
     # Some mutations are harmless and some are not, or this test would test nothing.
+    count = len(numbers)
     assert 0 < read < count
-    counted(f"{count} mutations of {name}: {read} read, {count - read} refused")
+    text = f"{name}, part {part}: {count} mutations, {read} read, {count - read} refused"
+    counted(text)
+    if part is not None and cache:
+        cache.set(key, text)
 
 
 @pytest.mark.parametrize("joints,frames,seconds", [(7, 20_000, "1"), (1000, 20_000, "0.0333333")])
