@@ -14,8 +14,6 @@ from collections import Counter
 import pytest
 from test_hostile_files import CHEAT, FILLS, IMPORTS, REPLACES_MODULES, REPLACES_TESTS, WAITS
 
-from numpy_cae.verify.operations.catalogue import CATALOGUE
-
 ROUNDS = int(os.environ.get("ROUNDS", "2"))
 BUSY = 4
 TANH = "def tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: dy * (1 - {0} * {0})\n"
@@ -71,7 +69,8 @@ def test_marks_do_not_depend_on_luck(tmp_path, counted):
     different = Counter()
     expected = marks(tmp_path)
     assert len(expected) == len(FILES) == 20
-    assert json.loads(expected["right_and_slow.py"])[0] == CATALOGUE["tanh"].points
+    points, possible, *_ = json.loads(expected["right_and_slow.py"])
+    assert points == possible > 0
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
     try:
         for number in range(ROUNDS):

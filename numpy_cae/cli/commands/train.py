@@ -12,6 +12,7 @@ import argparse
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,12 @@ from numpy_cae.motion import find_motion_files
 from numpy_cae.motion.angles import ANGLE_RATE
 from numpy_cae.motion.read.load import is_test
 from numpy_cae.training import Checkpoint, ProgressPrinter
+
+MEASURES = {
+    "convolutional": "numpy_cae.experiments.repair.half_removed",
+    "sequential": "numpy_cae.experiments.sequences.sequential",
+}
+"""The module that measures a model on test takes."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,6 +66,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
+    # A signal in the middle of an import may end as an ImportError: import before they are handled.
+    import_module(MEASURES[args.model])
     with interruptible(checkpoint):
         settings = {
             "seed": args.seed,
