@@ -1,7 +1,7 @@
 """What `repair` and `fill` share: which files they read and write, and the report about them."""
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +17,9 @@ from numpy_cae.motion import RATE, Motion, UnknownRigError, body_of, find_motion
 from numpy_cae.motion.formats.write import WRITERS, require_writer
 from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.viz import CORRUPTED, PROJECTED
+
+READING = 1 / 12
+"""READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +58,7 @@ class ChangedFiles:
         self.single = len(args.files) == 1 and not args.files[0].is_dir()
         self.targets = self._targets()
         self.unusable: list[str] = []
+        self.is_done: Callable[[float], None] | None = None
 
     def files(self) -> Iterator[tuple[Path, Path | None]]:
         """Each motion file with the file to write, None in a dry run."""
@@ -64,7 +68,8 @@ class ChangedFiles:
     def reported(self, source: Path) -> Iterator[None]:
         """Of several files, list one that cannot be used instead of ending with its error."""
         try:
-            with working(str(source)) if self.single else nullcontext():
+            with working(str(source)) if self.single else nullcontext() as is_done:
+                self.is_done = is_done
                 yield
         except (NumpyCaeError, ValueError, OSError) as error:
             where = f"{source}: " if isinstance(error, UnknownRigError) else ""
@@ -75,6 +80,8 @@ class ChangedFiles:
     def load(self, source: Path) -> Motion:
         """The motion in a file."""
         motion = load_motion(source, mapping=self.mapping, **vars(self.coordinates))
+        if self.is_done:
+            self.is_done(READING)
         print(f"{source}: {len(motion)} frames, {motion.unit_note}")
         return motion
 

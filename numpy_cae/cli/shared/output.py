@@ -5,7 +5,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
@@ -72,20 +72,30 @@ def with_progress(items: Iterable[Item], count: int, done: str) -> Iterator[Item
 
 
 @contextmanager
-def working(on: str) -> Iterator[None]:
-    """Print how long the block has been running: after 2 s, then at intervals that double."""
-    begun, ended = time.monotonic(), threading.Event()
+def working(on: str) -> Iterator[Callable[[float], None]]:
+    """Print how long the block has been running: after 2 s, then at intervals that double.
+
+    Yields a function that takes the share of the work that is done by now; from then on the
+    remaining time is printed too.
+    """
+    begun, ended, total = time.monotonic(), threading.Event(), 0.0
+
+    def is_done(share: float) -> None:
+        nonlocal total
+        total = (time.monotonic() - begun) / share
 
     def report() -> None:
         wait = 2.0
         while not ended.wait(wait):
-            note(f"{on}: {time.monotonic() - begun:.0f} s")
+            passed = time.monotonic() - begun
+            left = f", about {max(total - passed, 1):.0f} s to go" if total else ""
+            note(f"{on}: {passed:.0f} s{left}")
             wait = min(2 * wait, 60.0)
 
     thread = threading.Thread(target=report, daemon=True)
     thread.start()
     try:
-        yield
+        yield is_done
     finally:
         ended.set()
         thread.join()
