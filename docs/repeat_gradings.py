@@ -1,20 +1,21 @@
 """A mark does not depend on luck: the same files get the same marks beside busy processes.
 
-    ROUNDS=25 pytest -m thorough tests/verify/test_repeated_gradings.py
+    python docs/repeat_gradings.py 25
 
-grades twenty files 25 times by the command, beside four processes that compute without end.
+grades twenty files 25 times by the command, beside four processes that compute without end, and
+prints how often the marks of each file were others than those of a first grading without these.
 """
 
 import json
-import os
 import subprocess
 import sys
+import tempfile
 from collections import Counter
+from pathlib import Path
 
-import pytest
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verify"))
 from test_hostile_files import CHEAT, FILLS, IMPORTS, REPLACES_MODULES, REPLACES_TESTS, WAITS
 
-ROUNDS = int(os.environ.get("ROUNDS", "2"))
 BUSY = 4
 TANH = "def tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: dy * (1 - {0} * {0})\n"
 RIGHT, WRONG = IMPORTS + TANH.format("y"), IMPORTS + TANH.format("x")
@@ -62,23 +63,24 @@ def marks(folder) -> dict:
     }
 
 
-@pytest.mark.thorough
-def test_marks_do_not_depend_on_luck(tmp_path, counted):
-    for name, content in FILES.items():
-        (tmp_path / f"{name}.py").write_text(content)
-    different = Counter()
-    expected = marks(tmp_path)
-    assert len(expected) == len(FILES) == 20
-    points, possible, *_ = json.loads(expected["right_and_slow.py"])
-    assert points == possible > 0
-    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
-    try:
-        for number in range(ROUNDS):
-            found = marks(tmp_path)
-            different.update(name for name in expected if found.get(name) != expected[name])
-            counted(f"{(number + 1) * 20} gradings beside {BUSY} busy processes: {different}")
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
-    assert not different
+def main(rounds: int) -> None:
+    """Grade the files again and again, and count what differs."""
+    different: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in FILES.items():
+            Path(folder, f"{name}.py").write_text(content)
+        expected = marks(folder)
+        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
+        try:
+            for number in range(1, rounds + 1):
+                found = marks(folder)
+                different.update(name for name in expected if found.get(name) != expected[name])
+                print(f"{number * len(FILES)} gradings, different: {dict(different)}", flush=True)
+        finally:
+            for process in busy:
+                process.kill()
+                process.wait()
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
