@@ -25,8 +25,9 @@ UNITS = {
 }
 """The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
-ADULT = 1.7
-"""ADULT: the stature of an adult (m) to which a guess comes closest."""
+TYPICAL = 1.55
+"""TYPICAL: the stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a child of
+five) and 2.2 m (nobody is taller)."""
 TIP_TO_TIP = 1.3
 """TIP_TO_TIP: the way from a toe to the finger tips along the bones, in statures."""
 PLAUSIBLE = (0.9, 2.4)
@@ -84,8 +85,8 @@ def stated_unit(unit: float, source: str, height: float) -> str:
 
 
 def guess_unit(height: float) -> tuple[float, str]:
-    """The unit in metres in which a person of this height is closest to an adult, and a note."""
+    """The unit in metres in which a person of this height is closest to `TYPICAL`, and a note."""
     if not height > 0:
         return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"
-    unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / ADULT)))
+    unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / TYPICAL)))
     return unit, stated_unit(unit, "guessed", height * unit)
