@@ -6,7 +6,6 @@ from numpy_cae.evaluation.interpolation import (
     ROTATION_CURVES,
     interpolate_cubically,
     interpolate_linearly,
-    on_curves,
 )
 from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.evaluation.pca import PCA
@@ -30,6 +29,5 @@ __all__ = [
     "jitter",
     "nearest_distance",
     "nearest_neighbour_accuracy",
-    "on_curves",
     "position_error",
 ]

@@ -8,14 +8,15 @@ rotations of the rig on both sides of it, and nothing else:
 - "cubic", the cubic spline with continuous acceleration
 - "slerp", a rotation at constant speed from the last known frame to the next one
 
-`on_curves(motion, missing, ROTATION_CURVES["pchip"])` is a motion filled by such a curve.
+`motion.retarget.curves.on_curves(motion, missing, ROTATION_CURVES["pchip"])` is a motion filled
+by such a curve.
 """
 
 import numpy as np
 
-from numpy_cae.motion.retarget.curves import Curve, on_curves
+from numpy_cae.motion.retarget.curves import Curve
 
-__all__ = ["ROTATION_CURVES", "interpolate_cubically", "interpolate_linearly", "on_curves"]
+__all__ = ["ROTATION_CURVES", "interpolate_cubically", "interpolate_linearly"]
 
 
 def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -68,20 +69,21 @@ def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
 
 def pchip(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The monotone cubic of Fritsch and Butland (1984) through all keys, a `Curve`."""
-    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
-
-    if len(keys) == 1:
-        return np.repeat(values, len(times), axis=0)
-    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]))
+    return _through("PchipInterpolator", keys, values, times)
 
 
 def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The cubic spline through all keys, a `Curve`."""
-    from scipy.interpolate import CubicSpline  # slow to import, and seldom needed
+    return _through("CubicSpline", keys, values, times)
+
+
+def _through(kind: str, keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """One of SciPy's interpolators through all keys; a single key, and the outer ones, are held."""
+    from scipy import interpolate  # slow to import, and seldom needed
 
     if len(keys) == 1:
         return np.repeat(values, len(times), axis=0)
-    return CubicSpline(keys, values)(np.clip(times, keys[0], keys[-1]))
+    return getattr(interpolate, kind)(keys, values)(np.clip(times, keys[0], keys[-1]))
 
 
 def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A report as one self-contained HTML page with its pictures inside it, and as plain text."""
+"""A report as one self-contained HTML page with its pictures inside it."""
 
 import base64
 import json
@@ -48,15 +48,6 @@ def page(results: Mapping[str, Result], provenance: Mapping[str, str]) -> str:
         ),
         viewer=head() if any(result.animation for result in results.values()) else "",
     )
-
-
-def plain_text(results: Iterable[Result], provenance: Mapping[str, str]) -> str:
-    """The same for a terminal: provenance, tables and claims."""
-    lines = [f"{name}: {value}" for name, value in provenance.items()]
-    for result in results:
-        lines += ["", "", result.title, "=" * len(result.title), "", result.text(), ""]
-        lines += [claim.text() for claim in result.claims]
-    return "\n".join(lines) + "\n"
 
 
 def section(result: Result) -> str:

@@ -30,6 +30,17 @@ COMMANDS = {
 }
 
 
+ONE_JOINT = """HIERARCHY
+ROOT paw { OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+End Site { OFFSET 0 1 0 } }
+MOTION
+Frames: 2
+Frame Time: 0.0333
+0 0 0 0 0 0
+0 1 0 0 9 0
+"""
+
+
 @pytest.fixture(scope="module")
 def things(tiny_manifolds, tmp_path_factory):
     """What the words of a command stand for, all of it valid; in `base` also what is not."""
@@ -46,8 +57,8 @@ def things(tiny_manifolds, tmp_path_factory):
     for number, mask in enumerate(["{", "[]", '[{"joint": 3}]', '[{}, {"limb": "tail"}]']):
         (base / f"mask_{number}.json").write_text(mask)
     text = (base / "motions" / "walk_0.bvh").read_text()
-    (base / "cut.bvh").write_text("\n".join(text.splitlines()[:-3]))
-    (base / "paw.bvh").write_text(text.replace("JOINT lwrist", "JOINT paw"))
+    (base / "cut.bvh").write_text(text[: text.index("MOTION")])
+    (base / "paw.bvh").write_text(ONE_JOINT)
     words = {"WALK": "motions/walk_0.bvh", "FOLDER": "motions", "MODEL": "model.npz"}
     words["SCRIPT"] = "missing.py"
     return {"base": base, **{word: base / name for word, name in words.items()}}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.page import page
 from numpy_cae.experiments.registry import EXPERIMENTS
 
 
@@ -19,8 +19,8 @@ def test_the_result_is_well_formed(result_of, name):
         assert "nan" not in claim.figures
     picture = result.png()
     assert picture.startswith(b"\x89PNG") and len(picture) > 5000
-    text, html = plain_text([result], {}), page({name: result}, {})
-    assert result.title in text and result.tables[0].header[-1] in text
+    text, html = result.text(), page({name: result}, {})
+    assert result.tables[0].header[-1] in text and result.title in html
     assert html.count("<img ") == 1
     assert html.count('class="viewer-data') == bool(result.animation)
     assert html.count("<table>") == len(result.tables)

@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 from matplotlib.figure import Figure
 
-from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.page import page
 from numpy_cae.experiments.result import Claim, Result, Table
 
 CLAIMS = [
@@ -56,6 +56,4 @@ def test_the_page_is_self_contained_and_the_text_has_the_same():
     assert "<th>a</th><th class=number>error, cm</th>" in html
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
     assert escape(NOTE) in RESULT._repr_html_()
-    text = plain_text(RESULTS.values(), {"model": "m.npz"})
-    for part in ("model: m.npz", TABLE.text(), *(claim.text() for claim in CLAIMS), "no press-ups"):
-        assert part in text
+    assert TABLE.text() in RESULT.text()

@@ -73,10 +73,7 @@ def _names(motions: Sequence[Path]) -> dict[Path, str]:
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:
-    with (
-        atomic_write(path) as temporary,
-        open(temporary, "w", newline="", encoding="utf-8") as file,
-    ):
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["", *map(csv_cell, names)])
         for name, row in zip(names, distances, strict=True):

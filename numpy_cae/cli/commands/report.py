@@ -1,6 +1,6 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
-pictures), and the same as report.txt and report.json. `--only cmu35` needs no model: it trains on
+pictures), and the same as report.json. `--only cmu35` needs no model: it trains on
 CMU subject 35 and compares with published figures (get the files by `numpy-cae download cmu
 --subjects 35`). `--only ablation` trains fifty networks to measure what each choice of the paper
 contributes. The exit status is 2 if no experiment could be run.
@@ -23,7 +23,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, working, write_texts
 from numpy_cae.experiments.material import Material, read_material
-from numpy_cae.experiments.page import page, plain_text
+from numpy_cae.experiments.page import page
 from numpy_cae.experiments.registry import EXPERIMENTS, LONG, PUBLISHED, run_experiment
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
@@ -74,11 +74,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write(results: dict[str, Result], provenance: dict[str, str], folder: Path) -> None:
-    """Write the report as a page, text and JSON, and print how many claims are confirmed."""
+    """Write the report as a page and as JSON, and print how many claims are confirmed."""
     data = {"provenance": provenance, "results": {n: r.data() for n, r in results.items()}}
     texts = {
         "report.html": page(results, provenance),
-        "report.txt": plain_text(results.values(), provenance),
         "report.json": json.dumps(data, indent=1, default=lambda value: value.item()),
     }
     write_texts(folder, texts)

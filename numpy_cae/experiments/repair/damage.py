@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import PCA, ROTATION_CURVES, foot_sliding, on_curves
+from numpy_cae.evaluation import PCA, ROTATION_CURVES, foot_sliding
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.repair.damaged_motion import DAMAGES, stretch
@@ -25,7 +25,7 @@ from numpy_cae.manifold.smooth import filter_motion
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.body import Body
-from numpy_cae.motion.retarget.curves import Curve
+from numpy_cae.motion.retarget.curves import Curve, on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
 TAKES = 10

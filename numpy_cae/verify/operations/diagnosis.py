@@ -14,7 +14,7 @@ import numpy as np
 from numpy_cae.verify.checks.call import copies
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.patch import bugs_of, conventions_of
-from numpy_cae.verify.operations.property import Property, property_of, results
+from numpy_cae.verify.operations.property import Property, differentiated, property_of, results
 
 SEVERAL = 2
 GENERAL_CASES = 8
@@ -22,6 +22,14 @@ GENERAL_CASES = 8
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or ""."""
+    mistake = _known_mistake(stated, implementation)
+    if mistake or stated.name != "independence" or not _has_one_buffer(stated, implementation):
+        return mistake
+    return "Results are kept in one array: what a call returns is overwritten by the next."
+
+
+def _known_mistake(stated: Property, implementation: Callable) -> str:
+    """The sentence on the planted bug that does the same, or ""."""
     operation = stated.definition
     if operation is None:
         return ""
@@ -40,6 +48,18 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
             explained[sentence] = _shared_effects(operation, implementation, wrong)
     best = max(explained, key=explained.__getitem__, default="")
     return best if best and explained[best] >= 0 else ""
+
+
+def _has_one_buffer(stated: Property, implementation: Callable) -> bool:
+    """Whether two calls, or two calls of one pullback, return the same memory to write to."""
+    operation, given = stated.check.operation, stated.arguments(stated.cases()[0]).values()
+    try:
+        (value, pullback), (other, _) = (implementation(*copies([*given])) for _ in range(2))
+        pulled = (differentiated(operation, pullback(np.ones_like(value))) for _ in range(2))
+        pairs = [(value, other), *zip(*(each.values() for each in pulled), strict=True)]
+    except Exception:  # another mistake
+        return False
+    return any(np.ndim(a) and a.flags.writeable and np.shares_memory(a, b) for a, b in pairs)
 
 
 def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:

@@ -168,7 +168,8 @@ def operation_of(
     if differentiable is None:
         drawn_once = arguments(simplest_case(every))
         differentiable = [name for name, array in drawn_once.items() if array.dtype.kind == "f"]
-    smooth = {"values": tuple(name for name in VALUES if name not in ("near ties", "mixed"))}
+    not_smooth = ("near ties", "tiny", "mixed")  # where differences are coarse
+    smooth = {"values": tuple(name for name in VALUES if name not in not_smooth)}
     others = {"without_ties": smooth, "saturates": True, **others}
     return Operation(name, every, arguments, tuple(differentiable), **others)
 

@@ -161,8 +161,8 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    is_rounded = np.ndim(dy) or (isinstance(dy, np.generic) and not operation.reference)
-    dy = np.float32(dy) if is_rounded else dy
+    is_number = not isinstance(dy, np.ndarray | np.generic)
+    dy = dy if is_number or (operation.reference and not np.ndim(dy)) else np.float32(dy)
 
     def in_float64(rounding: float) -> dict:
         def widened(array: np.ndarray) -> np.ndarray:

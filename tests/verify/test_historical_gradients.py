@@ -1,0 +1,37 @@
+"""The wrong gradients of tests/verify/historical are found; docs/historical_gradients.py tries all
+of their fixed versions, this file every fourth."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+from numpy_cae import verify
+from numpy_cae.verify.operations.trial import failing_case
+
+SCRIPT = Path(__file__).parents[2] / "docs" / "historical_gradients.py"
+BUGS = runpy.run_path(str(SCRIPT))["bugs"]()
+
+
+def properties(bug):
+    return verify.properties_of(bug.function(fixed=False), bug.shapes, values=bug.ranges)
+
+
+@pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.name)
+def test_the_wrong_version_is_found(bug):
+    assert any(failing_case(stated, bug.function(fixed=False)) for stated in properties(bug))
+
+
+@pytest.mark.parametrize("bug", BUGS[::4], ids=lambda bug: bug.name)
+def test_the_fixed_version_holds(bug):
+    for stated in properties(bug):
+        assert failing_case(stated, bug.function(fixed=True)) is None, stated.name
+
+
+def test_each_has_its_thread_and_its_fix_and_is_short():
+    assert len(BUGS) >= 40
+    for bug in BUGS:
+        assert bug.fields["thread"].startswith("https://github.com/")
+        assert bug.fields["fix"].startswith("https://github.com/")
+        assert 4 <= len(bug.code.splitlines()) <= 30
+        assert bug.fields["mistake"].endswith(".")
