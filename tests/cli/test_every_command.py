@@ -161,7 +161,7 @@ train FOLDER -o OUT.npz --epochs 0                          | argument --epochs:
 train FOLDER -o OUT.npz --rate nan                          | argument --rate: nan is not
 train FOLDER -o OUT.npz --unit 0                            | argument --unit: 0 is not
 train FOLDER -o OUT/no/m.npz                                | No such file or directory
-repair BASE/cut.bvh -m MODEL -o OUT.bvh                     | Frames
+repair BASE/cut.bvh -m MODEL -o OUT.bvh                     | ends without MOTION
 repair BASE/paw.bvh -m MODEL -o OUT.bvh                     | paw.bvh
 repair WALK -m MODEL -o OUT.fbx                             | written as .bvh
 repair FOLDER -m MODEL -o OUT.bvh                           | expected a folder
