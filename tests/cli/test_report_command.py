@@ -36,14 +36,12 @@ def test_it_writes_its_files_and_an_experiment_that_cannot_be_run_stops_no_other
     captured = capsys.readouterr()
     assert "interpolation: Could not be run: " in captured.err and "[2/2]" in captured.err
     assert "claims confirmed\n" in captured.out
-    html, text, data = (out / f"report.{suffix}" for suffix in ("html", "txt", "json"))
-    html, text = html.read_text(), text.read_text()
+    html, data = ((out / f"report.{suffix}").read_text() for suffix in ("html", "json"))
     assert html.count('<section id="') == 2
     assert "data:image/png;base64," in html
-    assert "| fitted prior " in text and "test takes: *_01.bvh" in text
-    assert f"NumPy {np.__version__}" in text
-    assert set(json.loads(data.read_text())["results"]) == {"interpolation", "sampling"}
-    assert len(list(out.iterdir())) == 3
+    assert "fitted prior" in html and "*_01.bvh" in html and f"NumPy {np.__version__}" in html
+    assert set(json.loads(data)["results"]) == {"interpolation", "sampling"}
+    assert len(list(out.iterdir())) == 2
 
 
 def test_a_report_without_any_result_fails(folder, tmp_path, capsys):

@@ -1,5 +1,7 @@
 """Every experiment runs and returns a result of which text and pictures can be made."""
 
+from html import escape
+
 import pytest
 
 from numpy_cae.experiments.page import page
@@ -20,7 +22,7 @@ def test_the_result_is_well_formed(result_of, name):
     picture = result.png()
     assert picture.startswith(b"\x89PNG") and len(picture) > 5000
     text, html = result.text(), page({name: result}, {})
-    assert result.tables[0].header[-1] in text and result.title in html
+    assert result.tables[0].header[-1] in text and escape(result.title) in html
     assert html.count("<img ") == 1
     assert html.count('class="viewer-data') == bool(result.animation)
     assert html.count("<table>") == len(result.tables)

@@ -20,7 +20,9 @@ from numpy_cae.verify.operations.trial import try_property
 
 def by_loops(operation):
     """The operation without its reference: values from loops, gradients from differences."""
-    return replace(operation, reference=None, definition=getattr(values_by_loops, operation.name))
+    loops = getattr(values_by_loops, operation.name)
+    ordinary = {name: ("ordinary",) for name in ("values", "state") if name in operation.sizes}
+    return replace(operation, reference=None, definition=loops, without_ties=ordinary)
 
 
 def test_no_operation_is_left_out():

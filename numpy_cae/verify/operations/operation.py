@@ -66,6 +66,9 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
 
 
 CLASSES = {"values": tuple(VALUES)}
+SMOOTH = {"values": tuple(v for v in VALUES if v not in ("near ties", "tiny", "mixed", "wide"))}
+"""Classes of values where differences are a good derivative: not beside kinks, nor where entries
+are tiny or of very different size."""
 EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
@@ -168,9 +171,7 @@ def operation_of(
     if differentiable is None:
         drawn_once = arguments(simplest_case(every))
         differentiable = [name for name, array in drawn_once.items() if array.dtype.kind == "f"]
-    not_smooth = ("near ties", "tiny", "mixed")  # where differences are coarse
-    smooth = {"values": tuple(name for name in VALUES if name not in not_smooth)}
-    others = {"without_ties": smooth, "saturates": True, **others}
+    others = {"without_ties": SMOOTH, "saturates": True, **others}
     return Operation(name, every, arguments, tuple(differentiable), **others)
 
 
