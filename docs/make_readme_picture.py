@@ -19,7 +19,7 @@ from data_synth import make_take
 from numpy_cae.manifold import repair, starter
 from numpy_cae.motion import PARENTS, RATE, body_positions
 from numpy_cae.motion.quaternions import product
-from numpy_cae.viz.camera import bones, camera_view, floor_point
+from numpy_cae.viz.camera import bones, camera_view
 
 SECONDS, STEP, AZIMUTH = 6.0, 2, 60.0
 """Duration; frames of the motion for each picture; degrees from which the camera looks."""
@@ -54,7 +54,8 @@ def draw(walks: dict[str, np.ndarray], path: str) -> None:
         bodies[name] = axes.add_collection(lines)
 
     def show(frame: int) -> list:
-        follow = floor_point(walks["true walk"][frame])
+        middle = np.median(walks["true walk"][frame], axis=0)
+        follow = middle * [1.0, 0.0, 1.0]  # the point of the floor below it
         for name, lines in bodies.items():
             lines.set_segments(bones(camera_view(walks[name][frame] - follow, AZIMUTH), PARENTS))
         return list(bodies.values())
