@@ -20,14 +20,15 @@ from sequential_step import SequenceCase, TorchSequenceModel
 from data_synth import plan_takes
 from numpy_cae.bench.convolutional import TorchModel, torch
 from numpy_cae.bench.table import PAUSE
-from numpy_cae.experiments.ablation import HALF_REMOVED, Evaluation
-from numpy_cae.experiments.material import read_material, unlabelled
+from numpy_cae.experiments.clips import Clips, testing_of
+from numpy_cae.experiments.material import Material, read_material, unlabelled
 from numpy_cae.experiments.sequences.study import synthetic_action
 from numpy_cae.fast import accelerate
+from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion import RATE, body_of, cut_clips, draw_clips
+from numpy_cae.motion import RATE, body_of, cut_clips, cut_windows, draw_clips
 from numpy_cae.training import (
     SEQUENCE_RECIPES,
     Schedule,
@@ -36,6 +37,7 @@ from numpy_cae.training import (
     TrainingState,
     recipe,
     unit_directions,
+    zero_values,
 )
 from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
@@ -270,12 +272,19 @@ def convolutional_trainings(folders: list[Path], test: list[str]) -> list[Traini
             halves[plan.number % 4 == 0].append(body_of(plan.make(RATE).motion))
         material = unlabelled(*halves)
     schedule = recipe("fast")
-    evaluation = Evaluation(material, schedule.rms)
+    windows, testing = windows_of(material, schedule.rms)
+    damaged = zero_values(testing.x, 0.5, np.random.default_rng(0))
+    return trainings(windows, schedule, lambda repair: testing.error(repair(damaged)))
 
-    def error(repair: Change) -> float:
-        return evaluation.measure(repair, seed=0)[HALF_REMOVED]
 
-    return trainings(evaluation.windows, schedule, error)
+def windows_of(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
+    """Normalised windows (N, T, 63) to train on, scaled to `rms`, and the windows to test on."""
+    takes = [take.positions for take in material.training]
+    untrained = Schedule(Stage(epochs=0), Stage(epochs=0), rms=rms)
+    # For the mean pose, the scale and the mean skeleton; its network is not used.
+    frame = learn_manifold(takes, untrained, filters=(1,), taps=1)
+    cut = [frame.normalise(cut_windows(frame.features(take)[0])[0]) for take in takes]
+    return np.concatenate(cut), testing_of(frame, material)[0]
 
 
 def sequential_trainings() -> list[Training]:

@@ -17,18 +17,15 @@ EXPERIMENTS = {
 `run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
 experiment needs."""
 
-
-LONG = {"ablation": "ablation"}
-"""Experiments like these that take a quarter of an hour: they are run only if they are named."""
 PUBLISHED = {"cmu35": "published.cmu35", "sources": "sources"}
 """Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
 they are named."""
 
 
 def run_experiment(name: str, *given: object, seed: int = 0) -> Result:
-    """Run one of `EXPERIMENTS` or `LONG` (`given` a manifold and material) or of `PUBLISHED` (given
-    folders); where it cannot be run, the result has no tables and its note says why."""
-    run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | LONG | PUBLISHED)[name]}").run
+    """Run one of `EXPERIMENTS` (`given` a manifold and material) or of `PUBLISHED` (given folders);
+    where it cannot be run, the result has no tables and its note says why."""
+    run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | PUBLISHED)[name]}").run
     try:
         return run(*given, seed)
     except (ValueError, ArithmeticError) as error:

@@ -2,14 +2,12 @@
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
 pictures), and the same as report.json. `--only cmu35` needs no model: it trains on
 CMU subject 35 and compares with published figures (get the files by `numpy-cae download cmu
---subjects 35`). `--only ablation` trains fifty networks to measure what each choice of the paper
-contributes. The exit status is 2 if no experiment could be run.
+--subjects 35`). The exit status is 2 if no experiment could be run.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
   numpy-cae report --only cmu35 --data cmu35/ -o report
   numpy-cae report --data motions/ --only damage -o report
-  numpy-cae report --data motions/ --only ablation --test '*_005.bvh' -o ablation
 """
 
 import argparse
@@ -24,7 +22,7 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, working, write_texts
 from numpy_cae.experiments.material import Material, read_material
 from numpy_cae.experiments.page import page
-from numpy_cae.experiments.registry import EXPERIMENTS, LONG, PUBLISHED, run_experiment
+from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import find_motion_files
@@ -44,10 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--test", **arguments.PATTERNS, help=test)
     unseen = "the model has seen none of these files: test on --test or on every fifth file"
     add("--unseen", **arguments.FLAG, help=unseen)
-    on_request = (*LONG, *PUBLISHED)
-    only = f"run only these, of {', '.join(names)} (the default) and {', '.join(on_request)}"
-    every = (*names, *on_request)
-    add("--only", nargs="+", choices=every, default=names, metavar="NAME", help=only)
+    only = f"run only these, of {', '.join(names)} (the default) and {', '.join(PUBLISHED)}"
+    add("--only", nargs="+", choices=(*names, *PUBLISHED), default=names, metavar="NAME", help=only)
     arguments.add_shared(parser, "seed mapping unit up floor")
 
 
