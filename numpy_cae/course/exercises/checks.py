@@ -158,7 +158,7 @@ class Differentiated:
         def check(function: Callable, case: Case, **given: object) -> None:
             given = {name: _narrowed(name, argument) for name, argument in given.items()}
             value, *others = self._call(function, given)
-            upstream = np.ones_like(value) if np.ndim(value) else np.float32(1)
+            upstream = np.ones_like(value) if np.ndim(value) else 1.0
             results = [value, *self._gradients(others, given, upstream)]
             for result in results:
                 dtype = np.asarray(result).dtype

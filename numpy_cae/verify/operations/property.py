@@ -17,7 +17,7 @@ from numpy_cae.verify.operations.operation import Operation
 EXACT = 1e-10
 EXAMPLES = 24
 """The number of cases of a property that does not set `examples`."""
-NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": np.array(1.7)}
+NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
@@ -200,10 +200,13 @@ def _by_name(operation: Operation, value, pulled) -> dict:
 
 
 def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
-    """An upstream gradient for a value, of the case's class; never all ones if ordinary."""
+    """An upstream gradient for a value, of the case's class; never all ones if ordinary.
+
+    That of a number is a Python number, which leaves float32 arrays float32.
+    """
     rng, kind, shape = np.random.default_rng([case.seed, 1]), case.get("upstream"), np.shape(value)
     if not shape:
-        return NUMBERS.get(kind, np.float64(rng.uniform(1.5, 2.5)))
+        return NUMBERS.get(kind, float(rng.uniform(1.5, 2.5)))
     dy = spread(rng, shape)
     if kind == "integers":
         return rng.choice([-3.0, 1.0, 2.0], shape)

@@ -161,8 +161,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
         _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    is_number = not isinstance(dy, np.ndarray | np.generic)
-    dy = dy if is_number or (operation.reference and not np.ndim(dy)) else np.float32(dy)
+    dy = np.float32(dy) if np.ndim(dy) else dy
 
     def in_float64(rounding: float) -> dict:
         def widened(array: np.ndarray) -> np.ndarray:
@@ -170,7 +169,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
                 return array
             return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
 
-        wide_dy = widened(dy) if np.ndim(dy) else np.float64(dy)
+        wide_dy = widened(dy) if np.ndim(dy) else dy
         return results(operation, implementation, copies(given, widened), wide_dy)
 
     exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
