@@ -83,7 +83,7 @@ def errors_in(manifold: MotionManifold, motion: Motion, mask: np.ndarray) -> np.
     holes = Holes(body, mask)
     everything = np.ones(holes.mask.shape)
     full = corrected(manifold, holes.features, holes.mask, everything)
-    start, end = (holes.start.positions_of(x, holes.root) for x in (holes.features, full))
+    start, end = map(holes.positions_of, (holes.features, full))
     mixed = start + STRENGTHS[:, None, None, None] * (end - start)
     distance = np.linalg.norm(mixed - body.positions, axis=-1)
     return np.maximum(distance[:, holes.mask].mean(axis=1), LEAST)

@@ -15,7 +15,7 @@ from numpy_cae.motion.lengths import frame_lengths
 from numpy_cae.motion.masks import at_thirty, in_file, run_lengths, runs, runs_with, with_margin
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.retarget.body import Body
-from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.rigs import body_positions, find_joints
 
 RATIO = 4.0
 """RATIO: a joint is damaged where its distance from the manifold exceeds max(RATIO · the median of
@@ -157,7 +157,7 @@ def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
 def direct_damage(body: Body) -> np.ndarray:
     """Damage that shows without a manifold, (frames, 20) of bool: spikes, bones of wrong length and
     repeated poses."""
-    positions = body.positions_in_file
+    positions = body_positions(body.motion)
     spikes = between_jumps(*find_jumps(positions - positions[:, :1]), SPIKE_FRAMES)
     return spikes | find_stretched(positions) | find_repeated(positions)[:, None]
 

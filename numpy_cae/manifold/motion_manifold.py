@@ -1,6 +1,7 @@
 """A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from hashlib import blake2b
 from pathlib import Path
 from typing import TypeVar, overload
 
@@ -27,6 +28,8 @@ def with_engine(network: Network, engine: str) -> Network:
 
 MAX_HIDDEN_FRAMES = 120
 """MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of this length, to bound memory."""
+MAX_PIECES = 400
+"""MAX_PIECES: the number of projected pieces that `remembering` keeps, 0.1 GB."""
 
 
 @dataclass(repr=False)
@@ -71,6 +74,7 @@ class MotionManifold:
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
+    _pieces: dict[bytes, np.ndarray] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         filters = ", ".join(str(layer.b.size) for layer in self.network.layers)
@@ -166,8 +170,7 @@ class MotionManifold:
         for start in range(0, len(projected), piece):
             # Each piece is projected with the frames around it that influence it.
             first = max(start - margin, 0)
-            near = x[:, first : start + piece + margin]
-            near = project_shifted(self.network, near, average_shifts)[0]
+            near = self._project_once(x[:, first : start + piece + margin], average_shifts)
             projected[start : start + piece] = near[start - first :][:piece]
         return self.denormalise(self.unpadded(projected[None], len(motion))[0])
 
@@ -175,11 +178,28 @@ class MotionManifold:
         """Φ†(Φ(X)) of normalised windows (N, F, 63) as in training, with zeros around them."""
         return project_shifted(self.network, self._rescaled(x), average_shifts)
 
+    def remembering(self) -> "MotionManifold":
+        """The same manifold, for repeated projections of a motion that changes in few places: a
+        piece that is equal to one projected before is not projected again. The weights must not
+        change meanwhile."""
+        return replace(self, _pieces={})
+
     def save(self, path: str | Path) -> None:
         """Write the manifold as `.npz`; `load_manifold` reads it."""
         from numpy_cae.manifold.model_file import save_manifold  # imports this module
 
         save_manifold(self, path)
+
+    def _project_once(self, x: np.ndarray, average_shifts: bool) -> np.ndarray:
+        """`project_shifted` of one window (1, T, 63), (T, 63); see `remembering`."""
+        if self._pieces is None:
+            return project_shifted(self.network, x, average_shifts)[0]
+        digest = blake2b(x.tobytes(), salt=bytes([average_shifts])).digest()
+        if digest not in self._pieces:
+            if len(self._pieces) == MAX_PIECES:
+                del self._pieces[next(iter(self._pieces))]
+            self._pieces[digest] = project_shifted(self.network, x, average_shifts)[0]
+        return self._pieces[digest]
 
     def _padded(self, features: np.ndarray) -> np.ndarray:
         """A clip of features (F, 63) as one normalised window, padded."""

@@ -15,14 +15,15 @@ from numpy_cae.manifold.detect import find_damage, residual
 from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.features import positions_to_features
+from numpy_cae.motion.features import features_to_positions, positions_to_features
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import change_lengths
 from numpy_cae.motion.masks import at_thirty, runs
 from numpy_cae.motion.motion import RATE, Motion, blocks
-from numpy_cae.motion.retarget.body import Body
+from numpy_cae.motion.retarget.body import Body, at_rate_of
 from numpy_cae.motion.retarget.curves import on_curves, over_holes, rotations_over_holes
 from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.retarget.to_rig import retarget
 
 UNKNOWN = 0.12
 """UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
@@ -139,6 +140,7 @@ def repair(
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")
     motion, not_finite = _finite(motion)
+    manifold = manifold.remembering()
     body = manifold.body(motion)
     if damaged is None:
         damaged = find_damage(manifold, body)
@@ -210,8 +212,9 @@ class Holes:
     ----------
     mask : (F, 20) array of bool
         What is damaged or missing at thirty frames a second.
-    start : Body
-        The motion with the rotations of its own rig interpolated over the holes (`on_curves`).
+    start : Motion
+        The frames that have holes, with the rotations of the rig interpolated over these
+        (`on_curves`). All frames of an hour would take half a gigabyte more.
     features, root : (F, 63) array of float64, RootTransform
         Of the motion with the joints of the holes where they are in `start`: the X_0 of `fill`.
     """
@@ -219,10 +222,17 @@ class Holes:
     def __init__(self, body: Body, in_file: np.ndarray):
         self.body, self.in_file = body, in_file
         self.mask = at_thirty(body.motion, in_file)
-        self.start = replace(body, motion=on_curves(body.motion, in_file))
-        positions = np.where(self.mask[..., None], self.start.positions, body.positions)
-        lengths = change_lengths(positions, self.start.lengths, body.mean_lengths)
-        self.features, self.root = positions_to_features(lengths, RATE)
+        start = replace(body, motion=on_curves(body.motion, in_file))
+        self.start = start.motion.at(np.asarray(in_file.any(axis=1)))
+        self.lengths = start.lengths
+        positions = np.where(self.mask[..., None], start.positions, body.positions)
+        positions = change_lengths(positions, self.lengths, body.mean_lengths)
+        self.features, self.root = positions_to_features(positions, RATE)
+
+    def positions_of(self, features: np.ndarray) -> np.ndarray:
+        """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres."""
+        on_mean_bones = features_to_positions(features, self.root)
+        return change_lengths(on_mean_bones, self.body.mean_lengths, self.lengths)
 
     def typical_residual(self, manifold: MotionManifold) -> float:
         """The median distance of a joint outside the holes from its projection, metres."""
@@ -245,22 +255,24 @@ class Holes:
         strength : float
             Share of the way to the features, 0 to 1.
         """
-        body, start, holes = self.body, self.start, self.in_file
+        body, holes = self.body, self.in_file
         original = body.motion if original is None else original
         if not holes.any():
             return Repaired(original, holes, np.zeros(holes.shape))
-        after, before = (start.positions_of(x, self.root) for x in (features, self.features))
+        after, before = map(self.positions_of, (features, self.features))
         correction = np.where(self.mask[..., None], after - before, 0.0)
-        correction = body.in_file_frames(correction)
-        correction *= _ramps(holes, body.motion.rate)[..., None]
-        joints = find_joints(original.skeleton)
+        weight = _ramps(holes, body.motion.rate)
+        joints, changed = find_joints(original.skeleton), np.asarray(holes.any(axis=1))
+        row = np.cumsum(changed) - 1  # of a frame in `start`
 
         def targets(frames: np.ndarray) -> np.ndarray:
-            before, after = (m.at(frames).positions(joints) for m in (body.motion, start.motion))
-            return before + strength * (after + correction[frames] - before)
+            before = body.motion.at(frames).positions(joints)
+            after = self.start.at(row[frames]).positions(joints)
+            moved = at_rate_of(body.motion, correction, frames) * weight[frames, :, None]
+            return before + strength * (after + moved - before)
 
-        motion = body.retarget(targets, holes, start.motion)
-        return Repaired(motion, holes, distances(original, motion, np.asarray(holes.any(axis=1))))
+        motion = retarget(body.motion, targets, holes, self.start)
+        return Repaired(motion, holes, distances(original, motion, changed))
 
 
 def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:

@@ -149,8 +149,10 @@ class Motion:
 
 
 def blocks(frames: np.ndarray, size: int = 2048) -> list[np.ndarray]:
-    """The frames in pieces: work on a piece at a time needs little memory for a long motion."""
-    return [frames[start : start + size] for start in range(0, len(frames), size)]
+    """Ascending frames in pieces, those of each stretch of `size` frames of the motion: work on a
+    piece at a time needs little memory for a long motion."""
+    parts = np.split(frames, np.flatnonzero(np.diff(frames // size)) + 1)
+    return [part for part in parts if len(part)]
 
 
 def whole_step(rate: float, new_rate: float) -> int:

@@ -26,6 +26,7 @@ from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.curves import Curve, on_curves
+from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
 TAKES = 10
@@ -318,8 +319,8 @@ def filtered(motion: Motion, name: str) -> Motion:
 def curve_filling(curve: Curve, body: Body, mask: np.ndarray) -> Motion:
     """The unknown rotations on a curve, other joints back at their positions."""
     start = on_curves(body.motion, mask, curve)
-    positions = np.where(mask[..., None], body_positions(start), body.positions_in_file)
-    return body.retarget(positions, mask, start)
+    positions = np.where(mask[..., None], body_positions(start), body_positions(body.motion))
+    return retarget(body.motion, positions, mask, start.at(mask.any(axis=1)))
 
 
 def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:

@@ -3,7 +3,6 @@
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -88,15 +87,17 @@ def at_rate_of(
     if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
         resampled[:] = positions[0 if len(times) == 1 else frames]
         return resampled
-    step = times[1]
-    for part in blocks(np.arange(len(frames))):
+    step, done = times[1], 0
+    for part in blocks(frames):
         # The curve in these frames depends on three poses before and three poses after them.
-        first, end = (frames[part[[0, -1]]] / step).astype(int) + [-3, 5]
+        first, end = (part[[0, -1]] / step).astype(int) + [-3, 5]
         near = positions[max(first, 0) : end]
         if end > len(times):
             near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
         near_times = step * (max(first, 0) + np.arange(len(near)))
-        resampled[part] = Akima1DInterpolator(near_times, near, method="makima")(frames[part])
+        curve = Akima1DInterpolator(near_times, near, method="makima")
+        resampled[done : done + len(part)] = curve(part)
+        done += len(part)
     return resampled
 
 
@@ -122,11 +123,6 @@ class Body:
     def positions(self) -> np.ndarray:
         """World positions at 30 frames a second on the motion's own bones, (F, 20, 3) in metres."""
         return body_of(self.motion)
-
-    @cached_property
-    def positions_in_file(self) -> np.ndarray:
-        """World positions in each frame of the file, (frames, 20, 3) in metres."""
-        return body_positions(self.motion)
 
     @cached_property
     def lengths(self) -> np.ndarray:
@@ -155,24 +151,6 @@ class Body:
         """
         on_mean_bones = features_to_positions(features, root or self.root)
         return change_lengths(on_mean_bones, self.mean_lengths, self.lengths)
-
-    def in_file_frames(self, positions: np.ndarray) -> np.ndarray:
-        """Positions (F, N, 3) at 30 frames a second, resampled to the frames of the file."""
-        return at_rate_of(self.motion, positions)
-
-    def retarget(
-        self,
-        positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
-        touched: np.ndarray | None = None,
-        start: Motion | None = None,
-    ) -> Motion:
-        """The motion, changed so that its joints follow `positions` (frames, 20, 3), which may be a
-        function of frames.
-
-        Frames are those of the file. Where `touched` (frames, 20) is given, only the joints that
-        are True in it follow. `start` is that of `to_rig.retarget`.
-        """
-        return retarget(self.motion, positions, touched, start)
 
     def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
         """The motion, changed so that its twenty joints follow features.
