@@ -8,3 +8,8 @@ from numpy_cae.course.catalogue import example, report, solved
 from numpy_cae.course.mine import load_mine
 
 __all__ = ["example", "load_mine", "report", "solved"]
+
+
+def __dir__() -> list[str]:
+    """What tab completion offers: the modules with the solutions are not among it."""
+    return __all__

@@ -7,6 +7,9 @@ from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.catalogue import Exercise
 
 EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
+SHARES = {0: 0.4, 1: 0.4, 2: 0.2}
+"""SHARES: the parts of an exercise's points for its value, its gradients and the rest. If an
+exercise has no gradients or no rest, the value has their part, too."""
 EASY = frozenset(
     "square chain_to_root speeds conv1d_by_loops unfold pooled_again tanh zero_values sgd_step "
     "frames_seen stage_inputs fill_unknown norms_through_time sigmoid clip_gradients unit_rows "
@@ -21,16 +24,20 @@ HARD = frozenset(
 def with_points(exercise: Exercise) -> Exercise:
     """The exercise with the points of its difficulty: easy, hard, or else medium.
 
-    Its properties get whole numbers in proportion to the points that they state, at least 1; those
-    with the largest remainders are rounded up.
+    Properties of one group of `SHARES` have equal points, except that "value" has as many as all
+    others of its group together.
     """
     name = exercise.name
     total = EASY_POINTS if name in EASY else HARD_POINTS if name in HARD else MEDIUM_POINTS
-    shares = [total * stated.points / exercise.points for stated in exercise.properties]
-    points = [max(1, int(share)) for share in shares]
-    by_remainder = sorted(range(len(shares)), key=lambda n: points[n] - shares[n])
-    for n in by_remainder[: total - sum(points)]:
-        points[n] += 1
+    groups = [stated.group for stated in exercise.properties]
+    shares = {group: SHARES[group] for group in set(groups)}
+    shares[0] += 1 - sum(shares.values())
+    weights = [
+        max(1, groups.count(0) - 1) if stated.name == "value" else 1
+        for stated in exercise.properties
+    ]
+    of_group = {g: sum(w for w, of in zip(weights, groups, strict=True) if of == g) for g in shares}
+    points = (total * shares[g] * w / of_group[g] for w, g in zip(weights, groups, strict=True))
     properties = zip(exercise.properties, points, strict=True)
     return replace(exercise, properties=tuple(replace(p, points=n) for p, n in properties))
 

@@ -21,7 +21,7 @@ PULLBACK = "the pullback"
 
 
 def states(
-    name: str, statement: str, points: int = 1, copied: bool = True, **options
+    name: str, statement: str, copied: bool = True, **options
 ) -> Callable[[Check], Property]:
     """Make a property of the check that is decorated; the options are fields of `Property`.
 
@@ -33,7 +33,7 @@ def states(
         def with_copies(function: Callable, case: Case, **given: object) -> None:
             check(lambda *passed: function(*map(deepcopy, passed)), case, **given)
 
-        return Property(name, statement, with_copies if copied else check, points, **options)
+        return Property(name, statement, with_copies if copied else check, **options)
 
     return stated
 
@@ -43,7 +43,7 @@ def with_arguments(check: Check, arguments: Arguments) -> Callable[[Callable, Ca
     return lambda function, case: check(function, case, **arguments(case))
 
 
-@states("purity", "no argument is changed", copied=False)
+@states("purity", "no argument is changed", copied=False, is_form=True)
 def purity(function, case, **given):
     """The property of every exercise whose arguments are arrays."""
     before = deepcopy(given)
@@ -127,9 +127,9 @@ class Differentiated:
             expected, *_ = self.solution(*given.values())
             require_same(self._call(function, given)[0], expected, self.returns[:1])
 
-        return states("value", statement, 2)(check)
+        return states("value", statement)(check)
 
-    def gradient(self, name: str, points: int, only: tuple[str, ...] | None = None) -> Property:
+    def gradient(self, name: str, only: tuple[str, ...] = ()) -> Property:
         """Gradients agree with differences; `only` names the arrays, by default all."""
 
         def check(function: Callable, case: Case, **given: object) -> None:
@@ -143,14 +143,14 @@ class Differentiated:
                 return value, lambda upstream: self._gradients(others, given, upstream)
 
             names = tuple(arrays)
-            chosen = names if only is None else tuple(name for name in names if name in only)
+            chosen = tuple(name for name in names if not only or name in only)
             try:
                 check_gradients(f, *arrays.values(), rng=case.rng(), names=names, only=chosen)
             finally:  # the call that a report shows
                 function(*given.values())
 
         statement = "it agrees with central differences of the function that you wrote"
-        return states(name, statement, points)(check)
+        return states(name, statement)(check)
 
     def keeps_float32(self) -> Property:
         """The value and the gradients of float32 arguments are float32."""
@@ -166,7 +166,7 @@ class Differentiated:
                     what = "the value" if result is value else "a gradient"
                     raise AssertionError(f"given float32, {what} is {dtype}")
 
-        return states("dtype", "float32 stays float32")(check)
+        return states("dtype", "float32 stays float32", is_form=True)(check)
 
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
         returned = require_parts(function(*given.values()), self.returns)

@@ -60,20 +60,19 @@ def exercise(
     sizes: Sizes,
     *properties: Property,
     value: str = "",
-    points: int = 2,
     pure: bool = True,
     given: str = "",
 ) -> Exercise:
     """An exercise that is no operation, with properties of its own.
 
     `solution` is the package's own function, with the name of the exercise; `arguments` makes its
-    arguments from a case, by name, in the order of the call. `value` states, for `points`, that a
-    function returns what the solution returns; if the exercise is `pure`, a function may change no
+    arguments from a case, by name, in the order of the call. `value` states that a function
+    returns what the solution returns; if the exercise is `pure`, a function may change no
     argument. The sizes of a property replace those of the exercise.
     """
     name = solution.__name__
     if value:
-        properties = (states("value", value, points)(same_as(solution)), *properties)
+        properties = (states("value", value)(same_as(solution)), *properties)
     if pure:
         properties = (*properties, purity)
     bound = (
@@ -97,20 +96,20 @@ def differentiated_exercise(
     sizes: Sizes,
     *properties: Property,
     value: str,
-    gradients: Mapping[str, tuple],
+    gradients: Mapping[str, tuple[str, ...]],
     float32: bool = False,
     given: str = "",
 ) -> Exercise:
     """An exercise that returns a value and its derivatives.
 
     `inputs` are the arguments that get a gradient, and `returns` names what the function returns,
-    as in `Differentiated`. `gradients` has, by the name of a property, its points and the names
-    of the arrays, by default all.
+    as in `Differentiated`. `gradients` has, by the name of a property, the names of the arrays,
+    or () for all.
     """
     function = Differentiated(solution, inputs, returns)
     properties = (
         function.value(value),
-        *(function.gradient(name, *options) for name, options in gradients.items()),
+        *(function.gradient(name, only) for name, only in gradients.items()),
         *((function.keeps_float32(),) if float32 else ()),
         *properties,
     )

@@ -74,13 +74,13 @@ _motion_arguments = drawn(
 )
 
 
-@states("chain", "the joint, its parent, and so on, the root last", 2)
+@states("chain", "the joint, its parent, and so on, the root last")
 def _chain_as_array(function, case, parents, joint):
     returned = np.asarray(function(parents, joint))
     require_same(returned, np.asarray(chain_to_root(parents, joint)), ("the chain",))
 
 
-@states("rotation", "the matrix keeps lengths and does not mirror")
+@states("rotation", "the matrix keeps lengths and does not mirror", is_form=True)
 def _is_rotation(function, case, axes, angles):
     matrix = np.asarray(function(axes, angles))
     require_equal("the matrix times its transpose", matrix @ matrix.T, np.eye(3))
@@ -100,6 +100,7 @@ def _rest_pose(function, case, parents, rotations, translations):
     "own rotation",
     "a joint's own rotation moves its descendants, never the joint itself",
     sizes={"joints": (2, 3, 4, 6)},
+    is_form=True,
 )
 def _own_rotation(function, case, parents, rotations, translations):
     before = function(parents, rotations, translations)
@@ -119,7 +120,7 @@ EXERCISES = (
         _channel_arguments,
         {"channels": (1, 2, 3)},
         states("one channel", _one_channel, sizes={"channels": (1,)})(_channels_as_matrix),
-        states("order", _several_channels, 2)(_channels_as_matrix),
+        states("order", _several_channels)(_channels_as_matrix),
         _is_rotation,
         pure=False,
     ),
@@ -130,7 +131,6 @@ EXERCISES = (
         _rest_pose,
         _own_rotation,
         value="p_j = p_parent + G_parent t_j with G_j = G_parent R_j, joint by joint",
-        points=3,
     ),
     exercise(
         speeds,

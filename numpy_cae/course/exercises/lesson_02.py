@@ -67,7 +67,7 @@ def _feature_arguments(case: Case) -> dict[str, object]:
     return {"features": features, "x": x, "z": z, "heading": heading}
 
 
-@states("faces", "facing +Z is 0, facing +X is a quarter turn (up to whole turns)", 2)
+@states("faces", "facing +Z is 0, facing +X is a quarter turn (up to whole turns)")
 def _known_directions(function, case, across):
     lines = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
     for line, expected in zip(lines, (0.0, np.pi / 2, np.pi), strict=True):
@@ -95,7 +95,9 @@ def _columns(columns: slice, what: str) -> Callable[..., None]:
 
 
 @states(
-    "elsewhere", "the same motion, moved and facing another direction, has the same features", 2
+    "elsewhere",
+    "the same motion, moved and facing another direction, has the same features",
+    is_form=True,
 )
 def _elsewhere(function, case, positions, theta):
     angle = 0.5 + case.seed % 5
@@ -121,14 +123,13 @@ EXERCISES = (
         drawn(vectors="frames vectors 3", angles=array("frames", 3.0)),
         {"frames": (1, 2, 3), "vectors": (1, 2, 3)},
         value="the vectors of each frame are rotated about Y by the angle of that frame",
-        points=3,
     ),
     exercise(
         to_features,
         _position_arguments,
         FRAMES,
-        states("positions", _POSITIONS, 2)(_columns(slice(0, 60), "a position")),
-        states("velocity", _VELOCITY, 2)(_columns(slice(60, 62), "the velocity")),
+        states("positions", _POSITIONS)(_columns(slice(0, 60), "a position")),
+        states("velocity", _VELOCITY)(_columns(slice(60, 62), "the velocity")),
         states("turn", "the last is θ_{t+1} - θ_t")(_columns(slice(62, 63), "the change")),
         _elsewhere,
     ),
@@ -138,6 +139,5 @@ EXERCISES = (
         FRAMES,
         _first_frame,
         value="h_{t+1} = h_t + R(θ_t) v_t, θ_{t+1} = θ_t + ω_t, p_t = h_t + R(θ_t) q_t",
-        points=5,
     ),
 )

@@ -25,7 +25,7 @@ def unfold(x: np.ndarray, taps: int) -> np.ndarray:
     return np.stack(windows, axis=1)
 
 
-@states("dtype", "float32 stays float32")
+@states("dtype", "float32 stays float32", is_form=True)
 def _keeps_float32(function, case, x, taps):
     dtype = np.asarray(function(x.astype(np.float32), taps)).dtype
     if dtype != np.float32:
@@ -35,7 +35,7 @@ def _keeps_float32(function, case, x, taps):
 def convolution_exercise(solution: Callable, given: str = "") -> Exercise:
     """An exercise whose value is that of `ops.conv1d`, without a pullback."""
     value = "y[t] = Σ_k x[t + k - K//2] w[k] + b, zeros beyond both ends"
-    return exercise(solution, CONV1D.arguments, CONV1D.sizes, value=value, points=3, given=given)
+    return exercise(solution, CONV1D.arguments, CONV1D.sizes, value=value, given=given)
 
 
 EXERCISES = (
@@ -46,7 +46,6 @@ EXERCISES = (
         {name: CONV1D.sizes[name] for name in ("batch", "frames", "channels", "taps")},
         _keeps_float32,
         value="row t holds x[t - K//2], ..., x[t + K//2], frame after frame",
-        points=3,
     ),
     operation_exercise("transpose_filters"),
     operation_exercise("conv1d"),

@@ -109,7 +109,7 @@ def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
     return returned, [calls[steps * n : steps * (n + 1)] for n in range(epochs)]
 
 
-@states("every window", "loss gets each clean window once an epoch, in a new random order", 3)
+@states("every window", "loss gets each clean window once an epoch, in a new random order")
 def _every_window_once(train_layer, case, **given):
     _, epochs = _epochs_of_calls(train_layer, given)
     orders = [given["windows"][:, 0, 0].tolist()]
@@ -123,7 +123,7 @@ def _every_window_once(train_layer, case, **given):
         orders.append(order.tolist())
 
 
-@states("corruption", "about the share p of each batch is set to zero, newly drawn", 2)
+@states("corruption", "about the share p of each batch is set to zero, newly drawn")
 def _corrupted_anew(train_layer, case, **given):
     _, epochs = _epochs_of_calls(train_layer, given)
     lost = {}
@@ -138,7 +138,7 @@ def _corrupted_anew(train_layer, case, **given):
         raise AssertionError(f"p is {P}, but {share:.0%} of all values are zero")
 
 
-@states("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e", 3)
+@states("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e")
 def _steps_descend(train_layer, case, **given):
     (weights, _), epochs = _epochs_of_calls(train_layer, given)
     pairs = weights if isinstance(weights, tuple | list) else ()
@@ -154,7 +154,7 @@ def _steps_descend(train_layer, case, **given):
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 
-@states("losses", "losses has the mean of what loss returned in each epoch", 2)
+@states("losses", "losses has the mean of what loss returned in each epoch")
 def _mean_losses(train_layer, case, **given):
     (_, losses), epochs = _epochs_of_calls(train_layer, given)
     require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])
@@ -168,7 +168,6 @@ EXERCISES = (
         _corruption_arguments,
         {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
         value="0 where the draw is below p, x everywhere else",
-        points=4,
     ),
     exercise(
         sgd_step,
@@ -189,7 +188,7 @@ EXERCISES = (
         ("the loss", "dw", "db"),
         lesson_05.SIZES,
         value="the loss is that of equation 3",
-        gradients={"gradient for w": (3, ("w",)), "gradient for b": (3, ("b",))},
+        gradients={"gradient for w": ("w",), "gradient for b": ("b",)},
         given=(
             "arctanh conv1d max_pool tanh transpose_filters unpool_random decode_layer encode_layer"
         ),

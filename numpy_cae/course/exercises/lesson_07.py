@@ -63,7 +63,7 @@ def _stack_arguments(case: Case) -> dict[str, object]:
     return {"x": x, "corrupted": corrupted, "layers": _random_layers(case, rng), "bound": BOUND}
 
 
-@states("value", "it is the number of frames counted by following every index down", 2)
+@states("value", "it is the number of frames counted by following every index down")
 def _count_of_indices(function, case, taps, layers):
     """Pooling reads a pair of frames, a filter one frame and K//2 more on either side."""
     read = {1000}
@@ -73,7 +73,7 @@ def _count_of_indices(function, case, taps, layers):
     require_equal("the number of frames", function(taps, layers), len(read))
 
 
-@states("value", "the input of layer k is x encoded by every layer below k", 2)
+@states("value", "the input of layer k is x encoded by every layer below k")
 def _each_stage(function, case, x, layers):
     names = [f"the input of layer {number}" for number in range(1, len(layers) + 1)]
     returned = require_parts(function(x, layers), names)
@@ -102,7 +102,7 @@ EXERCISES = (
         ("the loss", "the gradients"),
         SIZES,
         value="the loss is the mean squared error of the whole stack",
-        gradients={f"gradients for {of}": (4, _names_in_layers(of)) for of in "wb"},
+        gradients={f"gradients for {of}": _names_in_layers(of) for of in "wb"},
         given=(
             "conv1d transpose_filters max_pool unpool_even unpool_random tanh arctanh "
             "mean_squared_error mean_absolute layer_loss sgd_step train_layer zero_values"

@@ -82,7 +82,7 @@ def _ranking_arguments(case: Case) -> dict[str, object]:
     return {"distances": distances, "alike": rng.permutation(alike)}
 
 
-@states("nothing lost", "a window without zeros is not changed")
+@states("nothing lost", "a window without zeros is not changed", is_form=True)
 def _nothing_lost(function, case, x):
     full = spread(case.rng(), x.shape)
     require_same(function(full), full)
@@ -93,7 +93,7 @@ def _known_values_stay(function, case, x, known, project):
     require_same(function(x, known, project)[known], x[known], ("a known value",))
 
 
-@states("nothing there", "the values of x where it is unknown do not matter, NaN included", 2)
+@states("nothing there", "the values of x where it is unknown do not matter, NaN included")
 def _unknown_values_ignored(function, case, x, known, project):
     expected = function(x, known, project)
     with_nan = function(np.where(known, x, np.nan), known, project)
@@ -101,9 +101,9 @@ def _unknown_values_ignored(function, case, x, known, project):
 
 
 STILL = "a feature that is zero in every frame does not count"
-_still_features = states("still features", STILL, 2, sizes={"still": (1, 2)})(same_as(rescale))
+_still_features = states("still features", STILL, sizes={"still": (1, 2)})(same_as(rescale))
 ALL_KEPT = "with kept = 1 they are ordinary least squares"
-_without_mask = states("nothing lost", ALL_KEPT, 2, sizes={"tenths": (10,)})(
+_without_mask = states("nothing lost", ALL_KEPT, sizes={"tenths": (10,)})(
     same_as(denoising_weights)
 )
 
@@ -115,7 +115,6 @@ EXERCISES = (
         _still_features,
         _nothing_lost,
         value="each window is divided by its share of values that are not zero",
-        points=3,
     ),
     exercise(
         denoising_weights,
@@ -123,7 +122,6 @@ EXERCISES = (
         {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
         _without_mask,
         value="they solve M A = B, the means over all masks, weighted by probability",
-        points=4,
     ),
     exercise(
         fill_unknown,
@@ -132,7 +130,6 @@ EXERCISES = (
         _known_values_stay,
         _unknown_values_ignored,
         value="an unknown value is that of the projection of the window with zeros there",
-        points=3,
         given="zero_values",
     ),
     exercise(
@@ -140,13 +137,11 @@ EXERCISES = (
         _hidden_arguments,
         {"first": (1, 2, 3), "second": (1, 2, 3), "units": (1, 2, 3)},
         value="it is equation 4, channel by channel",
-        points=4,
     ),
     exercise(
         average_precision,
         _ranking_arguments,
         {"motions": (1, 2, 3, 5, 8), "alike": (1, 2, 3)},
         value="it is the mean of found so far / rank, over the ranks of the motions alike",
-        points=4,
     ),
 )

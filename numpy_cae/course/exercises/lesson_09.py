@@ -73,7 +73,7 @@ def _require_clipped(function, gradients, bound: float, factor: float) -> None:
 BEYOND = "beyond the bound, every array times bound / norm; and the norm before clipping"
 
 
-@states("value", BEYOND, 2)
+@states("value", BEYOND)
 def _beyond_bound(function, case, gradients, bound):
     _require_clipped(function, gradients, bound, OF_NORM)
 
@@ -94,7 +94,6 @@ EXERCISES = (
         drawn(pull=_linear_pullback, dh="batch hidden", frames=size("frames")),
         {"batch": (1, 2), "hidden": (1, 2, 3), "frames": (1, 2, 3, 4)},
         value="entry t is the norm of dL/dh_t, from t = 0 to the last frame",
-        points=3,
     ),
     operation_exercise("sigmoid"),
     operation_exercise("gru_step", given="linear mean_squared_error tanh"),

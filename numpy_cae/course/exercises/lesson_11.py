@@ -69,8 +69,8 @@ EXERCISES = (
         {**lesson_10.WHOLE_NETWORK, "directions": (1, 2)},
         value="the loss is reconstruction + λ · discrepancy",
         gradients={
-            "gradients of writing": (2, lesson_10.DECODER),
-            "gradients of reading": (4, lesson_10.ENCODER),
+            "gradients of writing": lesson_10.DECODER,
+            "gradients of reading": lesson_10.ENCODER,
         },
         float32=True,
         given="clip_gradients mean_squared_error read_clips write_clips",

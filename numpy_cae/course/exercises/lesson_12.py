@@ -102,7 +102,7 @@ def _wrong_matrix_arguments(case: Case) -> dict[str, object]:
 _seed_arguments = drawn(seed=lambda case, rng: case.seed)
 
 
-@states("right ones", "for a matrix and its transpose it is 0 to rounding")
+@states("right ones", "for a matrix and its transpose it is 0 to rounding", is_form=True)
 def _no_gap(function, case, f, x, y):
     gap = function(Matrix(f.a, f.a), x, y)
     require_equal("for a right pullback, the gap", gap, 0.0, 1e-12)
@@ -144,7 +144,7 @@ def _function_and_inputs(operation: str, implementation: Callable, seed: int, sc
     return f, inputs
 
 
-@states("right ones pass", "no right operation is refused", 2, examples=FEW_EXAMPLES)
+@states("right ones pass", "no right operation is refused", examples=FEW_EXAMPLES)
 def _right_ones_pass(check_gradients, case, seed):
     _require_acceptance(check_gradients, sum(GROUPS.values(), ()), seed)
 
@@ -166,7 +166,7 @@ def _refuses_group(group: str) -> Property:
 
     operations = " or ".join(GROUPS[group])
     statement = f"every planted bug of {operations} is refused, right ones are not"
-    return states(group, statement, 2, examples=FEW_EXAMPLES)(check)
+    return states(group, statement, examples=FEW_EXAMPLES)(check)
 
 
 def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0) -> None:
@@ -201,7 +201,7 @@ def _names_the_input(check_gradients, case, seed):
             raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
 
 
-@states("inputs stay", "the inputs are not changed", copied=False)
+@states("inputs stay", "the inputs are not changed", copied=False, is_form=True)
 def _inputs_stay(check_gradients, case, seed):
     f, inputs = _function_and_inputs("conv1d", ops.conv1d, seed)
     before = {name: x.copy() for name, x in inputs.items()}

@@ -62,7 +62,7 @@ def _complex_product(function, case, a, b, p, q, multiply):
         raise AssertionError("multiply is never called: use it for every product")
 
 
-@states("three", "multiply is called three times", 2)
+@states("three", "multiply is called three times")
 def _three_calls(function, case, a, b, p, q, multiply):
     function(a, b, p, q, multiply)
     if len(multiply.calls) != 3:
@@ -90,7 +90,7 @@ def _convolves(function, case, taps, frames):
     require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), np.array(sums))
 
 
-@states("few products", "three products for a complex frequency, one for a real one", 2)
+@states("few products", "three products for a complex frequency, one for a real one", is_form=True)
 def _few_products(function, case, taps, frames):
     products = len(_checked_matrices(function, taps, frames)[0])
     points = frames + taps - 1

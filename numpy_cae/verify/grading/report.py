@@ -1,7 +1,7 @@
 """A report on one implementation: whether each property of its operation holds, with points."""
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -11,17 +11,20 @@ from numpy_cae.verify.operations.catalogue import (
     find_exercise,
     in_other_conventions,
 )
-from numpy_cae.verify.operations.property import Outcome
-from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, try_property
+from numpy_cae.verify.operations.property import Outcome, Property
+from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, failure, try_property
 from numpy_cae.visible import visible
 
 WIDTH = 98
 INDENT = 10
 LONGEST_REASON = 28
-FORM = ("linearity", "dtype", "purity", "independence", "strides", "x restored", "inputs stay")
-STAGES = {"value": 0, "gradient": 1, "adjoint": 1}
+GROUPS = ("value", "gradients", "the rest")
+"""What a property is about, by its `group`."""
 WHY = ("problem", "counterexample", "likely_mistake")
 UNSOLVED = NotImplementedError.__name__
+WAITS = ("", " (counts once the value is right)", " (counts once value and gradients are right)")
+ROUNDING = 1e-6
+"""ROUNDING: points of properties are parts of a whole number; so much less than one is one."""
 
 
 @dataclass(frozen=True)
@@ -43,25 +46,21 @@ class Report:
 
     @property
     def points(self) -> int:
-        return sum(self.earned())
+        return int(sum(self.earned()) + ROUNDING)
 
-    def earned(self) -> list[int]:
+    def earned(self) -> list[float]:
         """Points per property.
 
-        A gradient earns points only if the value is right, every other property only if value and
-        gradients are. Where a function has neither, its form comes after its other properties.
+        A property about the value earns its points alone, a gradient only if all of those hold,
+        any other property only if values and gradients are right.
         """
-        names = [outcome.stated.name for outcome in self.outcomes]
-        stages = [STAGES.get(name.partition(" ")[0].rstrip("s"), 2) for name in names]
-        if min(stages) == 2:
-            stages = [2 if name in FORM else 0 for name in names]
-        pairs = list(zip(stages, self.outcomes, strict=True))
-        failed = min((stage for stage, outcome in pairs if not outcome.held), default=2)
-        return [o.stated.points if o.held and stage <= failed else 0 for stage, o in pairs]
+        pairs = [(outcome.stated.group, outcome) for outcome in self.outcomes]
+        failed = min((group for group, outcome in pairs if not outcome.held), default=2)
+        return [o.stated.points if o.held and group <= failed else 0 for group, o in pairs]
 
     @property
     def possible(self) -> int:
-        return sum(outcome.stated.points for outcome in self.outcomes)
+        return round(sum(outcome.stated.points for outcome in self.outcomes))
 
     @property
     def held(self) -> bool:
@@ -98,8 +97,9 @@ class Report:
         }
 
     def _lines(self) -> Iterator[str]:
-        as_what = "" if self.called == self.operation else f" as {self.operation}"
-        title = self.called + as_what
+        title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
+        if self.held:
+            title += f": all {len(self.outcomes)} properties hold"
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
         if self.exercise.convention != CONTRACT:
@@ -107,22 +107,52 @@ class Report:
             yield from _wrapped("  ", f"{note}{self.exercise.convention}.", 2)
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
-        longest = max(len(outcome.stated.name) for outcome in self.outcomes)
-        reasons: dict[tuple[str, str], str] = {}
-        for outcome, earned in zip(self.outcomes, self.earned(), strict=True):
-            tried = outcome.stated
-            word = "held" if outcome.held else "-" if self.unsolved else "FAILED"
-            head = f"  {word:8}{tried.name:{longest}}  {earned}/{tried.points}  "
-            yield from _wrapped(head, tried.statement, len(head))
-            if not outcome.held and not self.unsolved:
-                why = (outcome.problem, outcome.mistake)
-                if why in reasons:
-                    yield " " * INDENT + f"as for {reasons[why]}"
-                else:
-                    reasons[why] = tried.name
-                    yield from _why(outcome)
+            for outcome in self.outcomes:
+                head = f"  - {outcome.stated.name}: "
+                yield from _wrapped(head, outcome.stated.statement, INDENT)
+        elif not self.held:
+            yield from self._failures()
         if self.exercise.hint and not self.held:
             yield from _wrapped("  hint: ", self.exercise.hint, 8)
+
+    def _failures(self) -> Iterator[str]:
+        """The first failing property in full, the others in short, and what earned the points."""
+        first, *others = self.failing()
+        yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
+        yield from _why(first)
+        alike = [o for o in others if (o.problem, o.mistake) == (first.problem, first.mistake)]
+        yield from _names("  FAILED  for the same reason: ", alike)
+        for other in others:
+            if other not in alike:
+                what = other.problem.splitlines()[0]
+                yield from _wrapped(f"  FAILED  {other.stated.name}: ", what, INDENT)
+                if other.mistake not in ("", first.mistake):
+                    yield from _wrapped(" " * INDENT + "likely:   ", other.mistake, 2 * INDENT + 2)
+        yield from _names("  not tried: ", [o for o in self.outcomes if not (o.held or o.problem)])
+        yield from _names("  hold: ", [o for o in self.outcomes if o.held])
+        yield from _wrapped("  points: ", self.shares(), INDENT)
+
+    def failing(self) -> list[Outcome]:
+        """The properties that were tried and do not hold, the one about everything last."""
+        failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
+        return sorted(failing, key=lambda outcome: outcome.stated.name == "special inputs")
+
+    def shares(self) -> str:
+        """The points of each group of properties, and why one that holds may have none."""
+        groups = [outcome.stated.group for outcome in self.outcomes]
+        earned, texts = self.earned(), []
+        for number in sorted(set(groups)):
+            of_group = [k for k, group in enumerate(groups) if group == number]
+            possible = sum(self.outcomes[k].stated.points for k in of_group)
+            got = f"{GROUPS[number]} {sum(earned[k] for k in of_group):.3g} of {possible:.3g}"
+            waits = any(self.outcomes[k].held and not earned[k] for k in of_group)
+            texts.append(got + WAITS[number] * waits)
+        return ", ".join(texts)
+
+
+def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
+    names = ", ".join(outcome.stated.name for outcome in outcomes)
+    return _wrapped(head, names, INDENT) if names else []
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
@@ -197,12 +227,21 @@ def report(
                 return Report(
                     followed, called, tuple(Outcome(p, True) for p in followed.properties)
                 )
-    outcomes = [try_property(exercise.properties[0], function)]
-    unsolved = outcomes[0].problem.startswith(UNSOLVED)
-    for stated in exercise.properties[1:]:
-        stub = Outcome(stated, held=False, problem=UNSOLVED)
-        outcomes.append(stub if unsolved else try_property(stated, function))
-    return Report(exercise, called, tuple(outcomes))
+    first, *others = exercise.properties
+    outcome = try_property(first, function)
+    if outcome.problem.startswith(UNSOLVED):
+        rest = [Outcome(stated, False, UNSOLVED) for stated in others]
+    elif not outcome.held and _never_answers(first, function):
+        rest = [Outcome(stated, False) for stated in others]
+    else:
+        rest = [try_property(stated, function) for stated in others]
+    return Report(exercise, called, (outcome, *rest))
+
+
+def _never_answers(stated: Property, function: Callable) -> bool:
+    """Whether a function raises, or returns something else than it has to, in every case."""
+    errors = (failure(stated, function, case) for case in stated.cases())
+    return not any(isinstance(error, AssertionError | None) for error in errors)
 
 
 def report_from_reply(exercise: Exercise, called: str, reply: dict) -> Report:

@@ -38,7 +38,7 @@ class Exercise:
 
     @property
     def points(self) -> int:
-        return sum(stated.points for stated in self.properties)
+        return round(sum(stated.points for stated in self.properties))
 
 
 def properties_of_operation(name: str, convention: Patch | None = None) -> tuple[Property, ...]:

@@ -68,11 +68,23 @@ class Property:
     hint: str = ""
     combined: tuple[str, ...] = ()  # every combination of these sizes and classes is drawn
     together: tuple[dict[str, str], ...] = ()  # classes to try with the last option of every size
+    is_form: bool = False  # functions without the right value may have it, too
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""
         name = f"{self.operation}: {self.name}"
         return random_cases(name, self.sizes, self.examples, self.combined, self.together)
+
+    @property
+    def group(self) -> int:
+        """What it is about: 0 the value, 1 a gradient, 2 anything else.
+
+        An operation has one property about its value, an exercise that is none may have several.
+        """
+        kind = self.name.partition(" ")[0].rstrip("s")
+        if kind in ("value", "gradient"):
+            return int(kind == "gradient")
+        return 2 if self.is_form or isinstance(self.check, Comparison) else 0
 
     @property
     def definition(self) -> Operation | None:
