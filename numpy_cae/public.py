@@ -12,7 +12,7 @@ from pathlib import Path
 from numpy_cae import notebook, viz
 from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
 from numpy_cae.manifold.repair import repair as repair_motion
-from numpy_cae.motion import JOINTS, RATE, Motion, find_motion_files
+from numpy_cae.motion import JOINTS, Motion, find_motion_files
 from numpy_cae.motion import load_motion as load
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.read.many import read_bodies
@@ -99,7 +99,7 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
     Parameters
     ----------
     *motions : Motion
-        Of any rigs and rates.
+        Of any rigs. Frames are those of the first motion; others are taken to its rate.
     path : path, optional
         Of the page, .html, which is then written and not opened.
 
@@ -108,7 +108,7 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
     Player or None
         The viewer, in a notebook; else None.
     """
-    rate = min([RATE, *(motion.rate for motion in motions)])
+    rate = motions[0].rate
     colours = [viz.PROJECTED]
     if len(motions) > 1:
         colours = [viz.CORRUPTED, viz.PROJECTED, viz.TRUTH, viz.PLAIN]

@@ -20,9 +20,9 @@ PLAIN = "#444444"
 
 @dataclass(frozen=True)
 class Actor:
-    """A motion to draw: F frames, at most thirty a second, of J joints.
+    """A motion to draw: F frames of J joints.
 
-    The viewer shows the names, colours joints by `moved`, and shows `damaged` in its timeline.
+    The viewer shows the names and colours joints by `moved`.
     """
 
     positions: np.ndarray  # (F, J, 3), world positions in metres
@@ -31,7 +31,6 @@ class Actor:
     colour: str = PLAIN
     names: tuple[str, ...] = ()  # of the joints
     moved: np.ndarray | None = None  # (F, J), distance from the joint of the first motion, metres
-    damaged: np.ndarray | None = None  # (F, J) bool
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", visible(self.label))
@@ -41,7 +40,7 @@ class Actor:
         """The same motion with other frames, given by their indices."""
         chosen = {
             name: value[frames]
-            for name in ("positions", "moved", "damaged")
+            for name in ("positions", "moved")
             if (value := getattr(self, name)) is not None
         }
         return replace(self, **chosen)
@@ -52,12 +51,14 @@ _RIGID = 0.01
 floor, from which they move away."""
 
 
-def motion_actor(motion: Motion, label: str = "", colour: str = PLAIN, rate: float = 30.0) -> Actor:
-    """A motion of any rig, at `rate` or at its own rate where that is lower.
+def motion_actor(
+    motion: Motion, label: str = "", colour: str = PLAIN, rate: float | None = None
+) -> Actor:
+    """A motion of any rig, in its own frames or at another rate.
 
     A root from which the body moves away (an origin on the floor) is left out.
     """
-    resampled = motion.resampled(min(rate, motion.rate))
+    resampled = motion.resampled(rate or motion.rate)
     positions, parents = resampled.positions(), resampled.skeleton.parents
     first = 0
     while parents.count(first) == 1:

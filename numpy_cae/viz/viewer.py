@@ -1,15 +1,16 @@
 """Motions in an interactive viewer: one HTML file that needs no network.
 
-`viewer_page/viewer.js` draws with three.js. A page has the script once (`head`) and any number of
-motions (`fragment`). Positions are packed: the root as float32, and each joint's offset from the
-root as int16 in steps of at most 0.1 mm for a body of human size. Differences between frames are
-stored, compressed by zlib, in base64.
+`viewer_page/viewer.js` draws with three.js. A page has the scripts once (`head`) and any number of
+viewers (`fragment`), each with a motion or more. Positions are packed in steps of 0.2 mm: the first
+joint in the world, each other joint from the first one. A motion with as many joints as the first
+motion is stored as its difference from that one. Differences between frames are stored with the
+sign in the lowest bit, in four planes of bytes, compressed by zlib, in base64.
 """
 
 import base64
 import json
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from html import escape
@@ -24,14 +25,29 @@ from numpy_cae.visible import visible
 from numpy_cae.viz.actor import Actor
 
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
-_LARGEST = np.iinfo(np.int16).max
-_BONE_RADIUS = 0.011
-"""BONE_RADIUS: a bone's radius as a share of the body's height."""
-DAMAGED_COLOUR, MOVED_COLOUR = "#e8a33a", "#d62728"
+_MODULES = {
+    "three": "three/three.module.min.js",
+    "three-orbit-controls": "three/OrbitControls.js",
+    "motion-data": "motion.js",
+    "motion-figure": "figure.js",
+    "motion-stage": "stage.js",
+    "motion-timeline": "timeline.js",
+    "motion-findings": "findings.js",
+    "motion-viewer": "viewer.js",
+}
+"""Name by which a script imports another, and its file."""
+_STEP = 2e-4
+"""STEP: positions are packed in multiples of this (m)."""
 
 
 def save_viewer(
-    actors: Sequence[Actor], path: str | Path, rate: float, title: str = "", overlaid: bool = False
+    actors: Sequence[Actor],
+    path: str | Path,
+    rate: float,
+    title: str = "",
+    overlaid: bool = False,
+    findings: Sequence[Mapping] = (),
+    command: str = "",
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
 
@@ -45,16 +61,22 @@ def save_viewer(
     title : str
         Of the page; by default the labels of the motions.
     overlaid : bool
-        Start with all motions in one place instead of side by side.
+        Start with all motions in one place instead of side by side. The first is translucent.
+    findings : sequence of dict
+        What the page lists as damaged: "joint", "frames" (first and last), and optionally "kind",
+        "evidence", "cm" and "confidence" (0 to 1).
+    command : str
+        The beginning of a command line. The page adds the joints and frames of a finding.
     """
+    page = page_html(actors, rate, title, overlaid, findings, command)
     with atomic_write(path) as temporary:
-        Path(temporary).write_text(page_html(actors, rate, title, overlaid), encoding="utf-8")
+        Path(temporary).write_text(page, encoding="utf-8")
 
 
-def page_html(actors: Sequence[Actor], rate: float, title: str = "", overlaid: bool = False) -> str:
-    """The page that `save_viewer` writes."""
+def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: object) -> str:
+    """The page that `save_viewer` writes; `more` are its further arguments."""
     title = title or ", ".join(actor.label for actor in actors)
-    viewer = fragment(actors, rate, overlaid, "whole")
+    viewer = fragment(actors, rate, "whole", *more)
     page = Template(_text("page.html"))
     return page.substitute(title=escape(visible(title)), head=head(), viewer=viewer)
 
@@ -62,12 +84,7 @@ def page_html(actors: Sequence[Actor], rate: float, title: str = "", overlaid: b
 @cache
 def head() -> str:
     """The style and the scripts that a page with viewers needs once, after its motions."""
-    modules = {
-        "three": "three/three.module.min.js",
-        "three-orbit-controls": "three/OrbitControls.js",
-        "motion-viewer": "viewer.js",
-    }
-    packed = {name: _deflated(_text(file).encode()) for name, file in modules.items()}
+    packed = {name: _deflated(_text(file).encode()) for name, file in _MODULES.items()}
     return (
         f"<style>{_text('viewer.css')}</style>\n"
         f'<script type="application/json" id="viewer-modules">{json.dumps(packed)}</script>\n'
@@ -75,75 +92,78 @@ def head() -> str:
     )
 
 
-def fragment(actors: Sequence[Actor], rate: float, overlaid: bool = False, style: str = "") -> str:
-    """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`."""
+def fragment(
+    actors: Sequence[Actor],
+    rate: float,
+    style: str = "",
+    overlaid: bool = False,
+    findings: Sequence[Mapping] = (),
+    command: str = "",
+) -> str:
+    """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`; a viewer of
+    the `style` "whole" fills its page, has the page's keys and follows #frame=58 in its address."""
     longest = max(len(actor.positions) for actor in actors)
     actors = [
         actor.at_frames(np.minimum(np.arange(longest), len(actor.positions) - 1))
         for actor in actors
     ]
-    furthest = max((float(a.moved.max()) for a in actors if a.moved is not None), default=0.0)
-    height = max(float(np.median(np.ptp(actor.positions[..., 1], axis=1))) for actor in actors)
-    width = max(float(np.ptp(actor.positions[:, :, 0], axis=1).max()) for actor in actors)
+    furthest = max((float(np.nanmax(a.moved)) for a in actors if a.moved is not None), default=0.0)
     data = {
         "rate": rate,
         "frames": longest,
-        "size": max(width, 0.6 * height, 1e-3) * 1.15,
         "overlaid": overlaid,
         "furthest": furthest,
-        "motions": [_packed(actor, furthest, _BONE_RADIUS * height) for actor in actors],
-        "tracks": [track for actor in actors for track in _tracks(actor, actors[0], furthest)],
+        "motions": [_packed(actor, actors[0], furthest) for actor in actors],
+        "findings": list(findings),
+        "command": visible(command),
     }
     # "</script>" in a joint's name must not end the element.
     text = json.dumps(data).replace("<", "\\u003c")
-    return f'<script type="application/json" class="viewer-data {style}">{text}</script>'
+    labels = escape(", ".join(actor.label for actor in actors))
+    return (
+        f'<script type="application/json" class="viewer-data {style}">{text}</script>'
+        f"<noscript><p>An animation of {labels}. It needs JavaScript, which is switched off."
+        "</p></noscript>"
+    )
 
 
 def _text(name: str) -> str:
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
 
 
-def _packed(actor: Actor, furthest: float, radius: float) -> dict:
-    positions = np.asarray(actor.positions, dtype=np.float64)
-    root = positions[:, 0].astype("<f4")
-    local = positions - root[:, None].astype(np.float64)
-    step = max(1e-4, float(np.abs(local).max()) / _LARGEST)
-    steps = np.round(local / step).astype("<i2")
-    differences = np.diff(steps, axis=0, prepend=np.zeros_like(steps[:1]))
+def _packed(actor: Actor, first: Actor, furthest: float) -> dict:
+    step = max(_STEP, float(np.nanmax(np.abs(first.positions))) / 2**28)
+    steps = _steps(actor.positions, step)
+    from_first = actor is not first and actor.positions.shape == first.positions.shape
+    if from_first:
+        steps -= _steps(first.positions, step)
+    differences = np.diff(steps, axis=1, prepend=0)
+    signed = (differences << 1) ^ (differences >> 31)
     packed = {
         "label": actor.label,
         "colour": actor.colour,
-        "names": [*actor.names] or [f"joint {joint}" for joint in range(positions.shape[1])],
+        "names": [*actor.names] or [f"joint {joint}" for joint in range(len(actor.parents))],
         "parents": [int(parent) for parent in actor.parents],
-        "root": _deflated(root.tobytes()),
-        "local": _deflated(differences.tobytes()),
+        "steps": _deflated(signed.astype("<u4").view(np.uint8).reshape(-1, 4).T.tobytes()),
+        "from_first": from_first,
         "step": step,
-        "radius": radius,
         "furthest": furthest,
     }
     if actor.moved is not None and furthest > 0:
-        levels = np.ceil(actor.moved / furthest * 255).astype(np.uint8)
-        packed["moved"] = _deflated(levels.tobytes())
+        levels = np.ceil(np.nan_to_num(actor.moved) / furthest * 255).astype(np.uint8)
+        packed["moved"] = _deflated(levels.T.tobytes())
     return packed
+
+
+def _steps(positions: np.ndarray, step: float) -> np.ndarray:
+    """(3 J, F) int32: a row for each coordinate, that of a joint but the first from the first."""
+    local = np.nan_to_num(np.asarray(positions, dtype=np.float64))
+    local = np.concatenate([local[:, :1], local[:, 1:] - local[:, :1]], axis=1)
+    return np.round(local / step).astype(np.int32).reshape(len(local), -1).T.copy()
 
 
 def _deflated(values: bytes) -> str:
     return base64.b64encode(zlib.compress(values, 9)).decode()
-
-
-def _tracks(actor: Actor, first: Actor, furthest: float) -> list[dict]:
-    """Rows of the timeline: the share of damaged joints and the largest distance of a joint."""
-    tracks = []
-    if actor.damaged is not None:
-        share = np.where(actor.damaged.any(axis=1), 0.25 + 0.75 * actor.damaged.mean(axis=1), 0.0)
-        tracks.append(("damaged", DAMAGED_COLOUR, share))
-    if actor.moved is not None and furthest > 0:
-        share = actor.moved.max(axis=1) / furthest
-        tracks.append((f"distance from {first.label}", MOVED_COLOUR, share))
-    return [
-        {"label": f"{actor.label}: {label}", "colour": colour, "values": share.round(2).tolist()}
-        for label, colour, share in tracks
-    ]
 
 
 @dataclass(frozen=True, repr=False)

@@ -12,17 +12,17 @@ playwright = pytest.importorskip("playwright.sync_api", reason="needs the extra 
 
 OPTIONS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 """WebGL without a graphics card."""
-SHOWN = """viewer => viewer.stage.figures.map(figure => figure.points.map(
-    point => point.clone().add(figure.group.position).toArray()))"""
-
+SHOWN = "viewer => viewer.stage.figures.map(figure => figure.points.map(point => point.toArray()))"
 HEAD_ON_SCREEN = """viewer => {
     const figure = viewer.stage.figures[0], area = viewer.canvas.getBoundingClientRect();
-    const head = figure.motion.names.indexOf("head");
-    const seen = figure.points[head].clone().add(figure.group.position);
-    seen.project(viewer.stage.camera);
-    const x = (seen.x + 1) / 2 * area.width, y = (1 - seen.y) / 2 * area.height;
+    const pane = viewer.stage.panes().find(({ figures }) => figures.includes(figure));
+    const [x, y] = viewer.stage.onScreen(pane, figure, figure.motion.names.indexOf("head"));
     return [area.left + x, area.top + y];
 }"""
+FOUND = [
+    {"joint": "left_knee", "frames": [30, 45], "kind": "frozen", "cm": 12.0, "confidence": 0.9},
+    {"joint": "left_ankle", "frames": [30, 45], "kind": "frozen", "cm": 31.0, "confidence": 0.9},
+]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def page(browser, motions, tmp_path_factory, request):
     """A page of both motions; no message in the console is an error."""
     actors = [motion_actor(motion, f"walk {n}") for n, motion in enumerate(motions)]
     path = tmp_path_factory.mktemp("page") / "walks.html"
-    save_viewer(actors, path, 30.0)
+    save_viewer(actors, path, 30.0, findings=FOUND, command="numpy-cae repair walk.bvh -o new.bvh")
     width, height = request.param
     opened = browser.new_page(viewport={"width": width, "height": height})
     errors = []
@@ -75,18 +75,61 @@ def test_scrubbing_shows_the_positions_of_the_motion(page, motions):
 
 
 def test_keys_buttons_and_toggles(page):
+    """The keys work on the page as it was opened, without a click into the viewer."""
     viewer = viewer_of(page)
-    page.locator(".viewer").press("Home")
-    page.locator(".viewer").press("ArrowRight")
-    page.locator(".viewer").press("Shift+ArrowRight")
+    for key in ("Home", "ArrowRight", "Shift+ArrowRight"):
+        page.keyboard.press(key)
     assert viewer.evaluate("viewer => [viewer.frame, viewer.playing]") == [31, False]
+    assert page.url.endswith("#frame=31")
     page.get_by_title("play", exact=True).click()
     page.wait_for_function("motionViewers()[0].frame > 32", timeout=60_000)
     page.get_by_title("pause", exact=True).click()
     page.locator("label", has_text="walk 1").locator("input").uncheck()
     assert viewer.evaluate("viewer => viewer.stage.visible().length") == 1
-    page.locator("select").select_option("0.25")
+    page.locator("label", has_text="walk 1").locator("input").check()
+    page.get_by_label("speed", exact=True).select_option("0.25")
     assert viewer.evaluate("viewer => viewer.speed") == 0.25
+    page.keyboard.press("Escape")
+
+
+def test_the_address_names_a_frame(page):
+    page.evaluate("location.hash = '#frame=58'")
+    page.wait_for_function("motionViewers()[0].frame === 58")
+    assert page.get_by_label("frame number").input_value() == "58"
+
+
+def test_a_finding_leads_to_its_frames_and_its_command(page):
+    page.locator(".findings li button").click()
+    viewer = viewer_of(page)
+    assert viewer.evaluate("viewer => [viewer.frame, viewer.loop]") == [30, [20, 55]]
+    assert page.locator(".command code").inner_text() == (
+        "numpy-cae repair walk.bvh -o new.bvh --joint left_knee left_ankle --frames 30 45"
+    )
+    assert "frozen · 31 cm · confidence 90%" in page.locator(".findings li").inner_text()
+
+
+def test_equal_bodies_look_equal_side_by_side(page):
+    """Each body has the same camera, so that a joint is at the same place of each picture."""
+    viewer_of(page).evaluate("viewer => { viewer.overlayBox.checked = false; viewer.arrange(); }")
+    gap = viewer_of(page).evaluate("""viewer => {
+        const [one, other] = viewer.stage.panes(), [a, b] = viewer.stage.figures;
+        b.points.forEach((point, joint) => point.copy(a.points[joint]));
+        const [x, y] = viewer.stage.onScreen({ ...other, anchor: one.anchor }, b, 3);
+        const [u, v] = viewer.stage.onScreen(one, a, 3);
+        return [x - other.left - u + one.left, y - other.top - v + one.top];
+    }""")
+    assert np.abs(gap).max() < 1e-6
+
+
+def test_left_and_right_differ_and_a_standing_foot_is_marked(page):
+    left, right, planted = viewer_of(
+        page
+    ).evaluate("""({ stage: { figures: [{ motion, shades }] } }) => [
+        shades[motion.names.indexOf("lwrist")].getHSL({}).l,
+        shades[motion.names.indexOf("rwrist")].getHSL({}).l,
+        [...motion.planted.values()].map((each) => each.filter(Boolean).length / each.length)]""")
+    assert left > right + 0.1
+    assert planted and all(0.2 < share < 0.9 for share in planted)  # of the frames of a walk
 
 
 def test_a_joint_is_named_under_the_pointer(page):

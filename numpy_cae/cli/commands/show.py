@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     if not args.html:
         require_one_target_each(pictures)
     motions = [load_motion(path, **vars(arguments.reading(args)[1])) for path in args.files]
-    rate = min([30.0, *(motion.rate for motion in motions)])
+    rate = motions[0].rate
     actors = []
     for source, motion in zip(args.files, motions, strict=True):
         print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.unit_note}")

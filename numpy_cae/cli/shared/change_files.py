@@ -3,20 +3,27 @@
 import argparse
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from textwrap import indent
-
-import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import require_one_target_each, with_progress, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import Repaired
-from numpy_cae.motion import RATE, Motion, UnknownRigError, body_of, find_motion_files, load_motion
+from numpy_cae.motion import (
+    JOINTS,
+    PARENTS,
+    Motion,
+    UnknownRigError,
+    find_motion_files,
+    load_motion,
+)
 from numpy_cae.motion.formats.write import WRITERS, require_writer
+from numpy_cae.motion.masks import runs
 from numpy_cae.motion.read.load import KEPT, FileMotion
-from numpy_cae.viz import CORRUPTED, PROJECTED
+from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
 
 READING = 1 / 12
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
@@ -136,12 +143,24 @@ class ChangedFiles:
         return targets
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        before, after = body_of(motion), body_of(repaired.motion)
-        frames = np.round(repaired.motion.source_frames(RATE)).astype(int)
-        touched = repaired.touched[np.minimum(frames, len(repaired.touched) - 1)]
-        moved = np.linalg.norm(after - before, axis=-1)
+        joints = find_joints(motion.skeleton)
+        before, after = (each.positions(joints) for each in (motion, repaired.motion))
         actors = [
-            replace(one_motion.body_actor(before, "before", CORRUPTED), damaged=touched),
-            replace(one_motion.body_actor(after, "after", PROJECTED), moved=moved),
+            Actor(before, PARENTS, "before", CORRUPTED, JOINTS),
+            Actor(after, PARENTS, "after", PROJECTED, JOINTS, repaired.moved),
         ]
-        one_motion.write_page(target, "before and after", actors, overlaid=True)
+        findings = [
+            {
+                "joint": JOINTS[joint],
+                "frames": [int(first), int(end) - 1],
+                "cm": round(100 * float(repaired.moved[first:end, joint].max()), 1),
+            }
+            for joint in range(len(JOINTS))
+            for first, end in runs(repaired.touched[:, joint])
+        ]
+        page = target.with_suffix(".html")
+        source = next(source for source, name in self.targets.items() if name == target)
+        title = f"{source.name}: before and after"
+        command = f"numpy-cae {self.args.command} {quote(str(source))} -o {quote(str(target))}"
+        save_viewer(actors, page, motion.rate, title, True, findings, command)
+        print(f"{page}: before and after; open it in a browser")

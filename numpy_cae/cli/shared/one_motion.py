@@ -52,8 +52,8 @@ def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
     return Actor(body, PARENTS, label, colour, JOINTS)
 
 
-def write_page(output: Path, content: str, actors: list[Actor], overlaid: bool = False) -> None:
+def write_page(output: Path, content: str, actors: list[Actor]) -> None:
     """Write a page beside the output that plays motions at thirty frames a second."""
     page = output.with_suffix(".html")
-    save_viewer(actors, page, RATE, f"{output.stem}: {content}", overlaid)
+    save_viewer(actors, page, RATE, f"{output.stem}: {content}")
     print(f"{page}: {content}; open it in a browser")

@@ -1,0 +1,129 @@
+// One body: a ball for each joint, a cylinder for each bone, a shadow, its path and its planted feet.
+import * as THREE from "three";
+import { jointPosition } from "motion-data";
+
+const CHANGED = new THREE.Color("#d62728"); // a joint that was moved as far as any
+const WHITE = new THREE.Color("#fff"), BLACK = new THREE.Color("#000");
+const UP = new THREE.Vector3(0, 1, 0);
+// Points of the floor below the points of a body, for a light above and beside it.
+const FLAT = new THREE.Matrix4().set(1, -0.2, 0, 0, 0, 0, 0, 0.004, 0, -0.12, 1, 0, 0, 0, 0, 1);
+const GHOST = { opacity: 0.5, wider: 1.9 };
+
+export class Figure {
+  constructor(motion) {
+    this.motion = motion;
+    this.group = new THREE.Group();
+    this.material = new THREE.MeshStandardMaterial({ roughness: 0.6 });
+    this.dark = new THREE.MeshBasicMaterial();
+    this.balls = this.mesh(new THREE.SphereGeometry(1, 16, 12), motion.joints);
+    this.bones = this.mesh(new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), motion.joints);
+    this.shadow = new THREE.Group();
+    for (const mesh of [this.balls, this.bones]) {
+      const flat = new THREE.InstancedMesh(mesh.geometry, this.dark, motion.joints);
+      flat.instanceMatrix = mesh.instanceMatrix;
+      flat.frustumCulled = false;
+      this.shadow.add(flat);
+    }
+    this.shadow.matrixAutoUpdate = false;
+    this.shadow.matrix.copy(FLAT);
+    this.feet = this.mesh(new THREE.RingGeometry(2.2, 3.4, 24).rotateX(-Math.PI / 2), motion.planted.size,
+      new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
+    this.path = this.pathLine();
+    this.group.add(this.shadow, this.path);
+    this.points = Array.from({ length: motion.joints }, () => new THREE.Vector3());
+    this.setColours(false, new THREE.Color("#aab"));
+  }
+
+  mesh(geometry, count, material = this.material) {
+    const mesh = new THREE.InstancedMesh(geometry, material, count);
+    mesh.frustumCulled = false;
+    this.group.add(mesh);
+    return mesh;
+  }
+
+  // Where the first joint was, on the floor. Short pieces: software renderers drop a line that ends
+  // behind the camera.
+  pathLine() {
+    const { positions, joints, frames } = this.motion, ends = [];
+    const stride = Math.max(1, Math.ceil(frames / 2000));
+    const at = (frame) => [positions[3 * frame * joints], 0.006, positions[3 * frame * joints + 2]];
+    for (let frame = stride; frame < frames; frame += stride) ends.push(...at(frame - stride), ...at(frame));
+    const line = new THREE.BufferGeometry();
+    line.setAttribute("position", new THREE.Float32BufferAttribute(ends, 3));
+    const lines = new THREE.LineSegments(line, new THREE.LineBasicMaterial());
+    lines.frustumCulled = false;
+    return lines;
+  }
+
+  // Left is lighter and right is darker, on a dark page everything a little lighter.
+  setColours(onDark, shadow) {
+    const own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark ? 0.2 : 0);
+    this.shades = this.motion.sides.map((side) =>
+      own.clone().lerp(side > 0 ? WHITE : BLACK, side > 0 ? 0.3 : side < 0 ? 0.3 : 0));
+    this.dark.color.copy(shadow);
+    this.path.material.color.copy(own);
+    this.feet.material.color.copy(own).lerp(onDark ? WHITE : BLACK, 0.3);
+  }
+
+  // A ghost is wide and translucent, and only its far side is drawn, so that a body in the same place
+  // is seen within it as if it were not there.
+  setGhost(ghost) {
+    this.wider = ghost ? GHOST.wider : 1;
+    const side = ghost ? THREE.BackSide : THREE.FrontSide;
+    Object.assign(this.material, { transparent: ghost, depthWrite: !ghost, opacity: ghost ? GHOST.opacity : 1, side });
+    this.material.needsUpdate = true;
+    this.balls.renderOrder = this.bones.renderOrder = ghost ? 1 : 0;
+  }
+
+  show(frame) {
+    const { motion, points } = this;
+    const matrix = new THREE.Matrix4(), turn = new THREE.Quaternion(), bone = new THREE.Vector3();
+    const size = new THREE.Vector3(), shade = new THREE.Color(), place = new THREE.Vector3();
+    points.forEach((point, joint) => jointPosition(motion, frame, joint, point));
+    points.forEach((point, joint) => {
+      const moved = motion.moved ? motion.moved[joint * motion.frames + frame] / 255 : 0;
+      shade.copy(this.shades[joint]).lerp(CHANGED, moved ? 0.25 + 0.75 * moved : 0);
+      const radius = motion.radius * (1 + 0.7 * moved) * this.wider;
+      const parent = motion.parents[joint];
+      bone.subVectors(point, parent < 0 ? point : points[parent]);
+      const length = bone.length();
+      if (length > 0) turn.setFromUnitVectors(UP, bone.divideScalar(length));
+      else turn.identity();
+      size.set(radius, length, radius);
+      this.bones.setMatrixAt(joint, matrix.compose(parent < 0 ? point : points[parent], turn, size));
+      place.copy(point);
+      size.setScalar(1.45 * radius);
+      if (joint === motion.head) {
+        place.addScaledVector(bone, 2.5 * motion.radius);
+        size.set(4, 5.3, 4).multiplyScalar(motion.radius * (this.wider + 3) / 4);
+      }
+      this.balls.setMatrixAt(joint, matrix.compose(place, turn, size));
+      for (const mesh of [this.balls, this.bones]) mesh.setColorAt(joint, shade);
+    });
+    [...motion.planted].forEach(([joint, frames], number) => {
+      place.copy(points[joint]).setY(0.008);
+      size.setScalar(frames[frame] ? motion.radius : 0);
+      this.feet.setMatrixAt(number, matrix.compose(place, turn.identity(), size));
+    });
+    this.feet.instanceMatrix.needsUpdate = true;
+    for (const mesh of [this.balls, this.bones]) mesh.instanceMatrix.needsUpdate = mesh.instanceColor.needsUpdate = true;
+  }
+
+  // Fewer triangles and no shadow.
+  lighten() {
+    this.shadow.visible = false;
+    for (const [mesh, coarse] of [[this.balls, new THREE.OctahedronGeometry(1, 1)],
+      [this.bones, new THREE.CylinderGeometry(1, 1, 1, 5, 1, true).translate(0, 0.5, 0)]]) {
+      mesh.geometry.dispose();
+      mesh.geometry = coarse;
+    }
+  }
+
+  dispose() {
+    this.group.traverse((mesh) => {
+      mesh.geometry?.dispose();
+      mesh.material?.dispose();
+      mesh.dispose?.();
+    });
+  }
+}

@@ -1,0 +1,134 @@
+// The rows under the slider: what is damaged, how far joints were moved, the curve of a joint.
+import { speedOf } from "motion-data";
+
+const BAR = 14, CURVE = 60, TEXT = 15; // heights in pixels
+
+export const CURVES = {
+  height: { unit: "m", of: (motion, frame, joint) => motion.positions[3 * (frame * motion.joints + joint) + 1] },
+  speed: { unit: "m/s", of: speedOf },
+};
+
+// For each frame the share of findings' joints, so that one joint is visible.
+function damagedShare(findings, frames) {
+  const counts = new Float32Array(frames);
+  for (const { frames: [first, last] } of findings) {
+    for (let frame = first; frame <= Math.min(last, frames - 1); frame++) counts[frame] += 1;
+  }
+  return counts.map((count) => (count ? Math.min(1, 0.35 + 0.05 * count) : 0));
+}
+
+function largestMoved({ moved, joints, frames }) {
+  const largest = new Float32Array(frames);
+  for (let i = 0; i < joints * frames; i++) largest[i % frames] = Math.max(largest[i % frames], moved[i] / 255);
+  return largest;
+}
+
+export class Timeline {
+  constructor(canvas, motions, findings, frames) {
+    Object.assign(this, { canvas, motions, frames, findings });
+    this.rows = [];
+    if (findings.length) this.rows.push({ label: "damaged", colour: "--damage", values: damagedShare(findings, frames) });
+    for (const motion of motions.filter(({ moved }) => moved)) {
+      const label = `${motion.label}: distance from ${motions[0].label}`;
+      this.rows.push({ label, colour: "--moved", values: largestMoved(motion) });
+    }
+    this.still = document.createElement("canvas");
+  }
+
+  // Show the curve of a joint of that name; "" hides the row.
+  setCurve(name, quantity) {
+    const { of, unit } = CURVES[quantity];
+    this.curves = this.motions.flatMap((motion) => {
+      const joint = motion.names.indexOf(name);
+      if (!name || joint < 0) return [];
+      return [{ colour: motion.colour, values: Float32Array.from({ length: this.frames }, (_, frame) => of(motion, frame, joint)) }];
+    });
+    this.curveLabel = `${quantity} of ${name}`;
+    this.unit = unit;
+    this.width = 0;
+  }
+
+  height() {
+    return this.rows.length * (TEXT + BAR + 3) + (this.curves?.length ? TEXT + CURVE + 3 : 0);
+  }
+
+  // The largest value of each pixel's frames.
+  bars(pen, values, top) {
+    for (let x = 0; x < this.width; x++) {
+      const from = Math.floor(x / this.width * this.frames), to = Math.max(from + 1, Math.ceil((x + 1) / this.width * this.frames));
+      let value = 0;
+      for (let frame = from; frame < Math.min(to, this.frames); frame++) value = Math.max(value, values[frame]);
+      if (value > 0) pen.fillRect(x, top + BAR * (1 - value), 1, BAR * value);
+    }
+  }
+
+  drawCurves(pen, top, ink) {
+    const all = this.curves.map(({ values }) => values);
+    const low = Math.min(...all.map((values) => values.reduce((a, b) => Math.min(a, b))));
+    const high = Math.max(...all.map((values) => values.reduce((a, b) => Math.max(a, b))), low + 1e-3);
+    this.curves.forEach(({ colour, values }) => {
+      pen.strokeStyle = colour;
+      pen.lineWidth = 1.5;
+      pen.beginPath();
+      const stride = Math.max(1, Math.floor(this.frames / 4000));
+      for (let frame = 0; frame < this.frames; frame += stride) {
+        pen.lineTo(frame / Math.max(this.frames - 1, 1) * this.width, top + CURVE - 2 - (values[frame] - low) / (high - low) * (CURVE - 4));
+      }
+      pen.stroke();
+    });
+    pen.fillStyle = ink;
+    pen.fillText(`${this.curveLabel}, ${low.toFixed(2)} to ${high.toFixed(2)} ${this.unit}`, 0, top - 4);
+  }
+
+  drawStill(style, sharp) {
+    Object.assign(this.still, { width: this.canvas.width, height: this.canvas.height });
+    const pen = this.still.getContext("2d"), colour = (name) => style.getPropertyValue(name);
+    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    pen.font = "11.5px system-ui, sans-serif";
+    let top = TEXT;
+    for (const row of this.rows) {
+      pen.fillStyle = style.backgroundColor;
+      pen.fillRect(0, top, this.width, BAR);
+      pen.fillStyle = colour(row.colour);
+      this.bars(pen, row.values, top);
+      pen.fillStyle = style.color;
+      pen.fillText(row.label, 0, top - 4);
+      top += TEXT + BAR + 3;
+    }
+    if (!this.curves?.length) return;
+    pen.fillStyle = style.backgroundColor;
+    pen.fillRect(0, top, this.width, CURVE);
+    this.drawCurves(pen, top, style.color);
+  }
+
+  // The rows are drawn when something in them has changed, then only the marks above them.
+  draw(frame, loop, style) {
+    const width = this.canvas.clientWidth, height = this.height();
+    this.canvas.hidden = !height;
+    if (!height || !width) return;
+    const sharp = Math.min(window.devicePixelRatio, 2);
+    if (this.width !== width) {
+      this.width = width;
+      Object.assign(this.canvas, { width: Math.round(width * sharp), height: Math.round(height * sharp) });
+      this.canvas.style.height = `${height}px`;
+      this.drawStill(style, sharp);
+    }
+    const pen = this.canvas.getContext("2d");
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    pen.drawImage(this.still, 0, 0);
+    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    const x = (value) => value / Math.max(this.frames - 1, 1) * (width - 2);
+    if (loop) {
+      pen.fillStyle = "rgba(110, 130, 150, .3)";
+      pen.fillRect(0, 0, x(loop[0]), height);
+      pen.fillRect(x(loop[1]) + 2, 0, width, height);
+    }
+    pen.fillStyle = style.color;
+    pen.fillRect(x(Math.floor(frame)), 0, 2, height);
+  }
+
+  frameAt(x) {
+    return Math.round(Math.min(Math.max(x / this.canvas.clientWidth, 0), 1) * (this.frames - 1));
+  }
+}
