@@ -2,14 +2,19 @@
 
 import ast
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.operations.catalogue import CATALOGUE
-from numpy_cae.verify.operations.patch import BUGS, Patch, bugs_of, right_operation
+from numpy_cae.verify.operations.patch import BUGS, Patch, bugs_of, read_patches, right_operation
 from numpy_cae.verify.operations.trial import try_property
 
 FEW_CASES = 8
+
+SIZES_AND_HISTORY = read_patches(Path(__file__).parent / "sizes_and_history")
+"""Mistakes that show only at the project's own sizes, in long sequences, or after several calls."""
 
 every_bug = pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.name)
 
@@ -46,6 +51,11 @@ def test_the_source_shows_neither_name_nor_sentence(bug):
     assert function.name == "suspect" and ast.get_docstring(function) is None
     assert bug.name not in bug.source() and "#" not in bug.source()
     assert isinstance(function.body[-1], ast.Return)
+
+
+@pytest.mark.parametrize("bug", SIZES_AND_HISTORY, ids=lambda bug: bug.name)
+def test_mistakes_of_large_sizes_and_of_several_calls_are_caught(bug):
+    assert not holds(CATALOGUE[bug.operation], bug.function())
 
 
 def test_the_right_operation_has_no_likely_mistake():
