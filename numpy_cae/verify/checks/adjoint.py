@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from numpy_cae.verify.checks.call import gradients_of
+
 
 def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
     """Raise unless <f(x), y> = <x, pullback(y)>.
@@ -43,9 +45,7 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
         raise AssertionError(
             f"the value has shape {np.shape(value)}, but y has shape {np.shape(y)}"
         )
-    pulled = pullback(y)
-    if isinstance(pulled, tuple) and len(pulled) == 1:
-        (pulled,) = pulled
+    (pulled,) = gradients_of(pullback(y), 1)
     if np.shape(pulled) != np.shape(x):
         raise AssertionError(
             f"the pullback returns shape {np.shape(pulled)} for an argument of shape {np.shape(x)}"

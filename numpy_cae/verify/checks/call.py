@@ -4,10 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-WORTH_PRINTING = 32
-"""An array of at most so many entries is printed in a counterexample."""
-WORTH_A_RESULT = 12
-"""A result of at most so many entries is printed beside the expected one."""
+from numpy_cae.verify.checks.written import described
 
 
 def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
@@ -77,29 +74,3 @@ def is_float(thing: object) -> bool:
 def copies(things: Sequence) -> list:
     """The arrays among some things copied."""
     return [np.copy(x) if isinstance(x, np.ndarray) else x for x in things]
-
-
-def written(value: object, digits: int = 6) -> str:
-    """An argument or result as it is printed in a counterexample."""
-    if not isinstance(value, np.ndarray):
-        return f"{value:.{digits}g}" if isinstance(value, float) else repr(value)
-    if value.dtype.kind == "f":
-        value = np.array([f"{v:.{digits}g}" for v in value.flat], float).reshape(value.shape)
-    return str(value.tolist())
-
-
-def written_apart(one: object, other: object, fewest: int = 6) -> tuple[str, str]:
-    """Two numbers or arrays with so many digits that they are seen to differ, at most 17."""
-    for digits in range(fewest, 18):
-        texts = written(one, digits), written(other, digits)
-        if texts[0] != texts[1]:
-            break
-    return texts
-
-
-def described(thing: object) -> str:
-    """What kind of thing this is, for a message."""
-    if isinstance(thing, np.ndarray):
-        return f"an array of {thing.dtype}, shape {thing.shape}"
-    kind = type(thing).__name__
-    return f"a {kind} of {len(thing)}" if isinstance(thing, tuple | list | dict) else kind

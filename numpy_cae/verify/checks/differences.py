@@ -65,8 +65,9 @@ class Argument:
     here: np.ndarray  # f(x)
     gradient: np.ndarray
     epsilon: float
+    tolerance: float
 
-    def judge(self, direction: np.ndarray, tolerance: float) -> Verdict:
+    def judge(self, direction: np.ndarray) -> Verdict:
         """Compare the pullback's number for a direction with slopes at several steps.
 
         The tolerance is relative to the larger of both numbers; where rounding hides the remainder,
@@ -75,9 +76,7 @@ class Argument:
         analytic = float(np.sum(self.gradient * direction))
         first, along = np.cbrt(self.epsilon), self.x[direction != 0]
         nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
-        smaller = [*SMALLER]
-        if 0 < nearest < SMALLER[-1]:
-            smaller += [nearest, nearest / 8]
+        smaller = [*SMALLER, *((nearest, nearest / 8) if 0 < nearest < SMALLER[-1] else ())]
         depend = np.zeros(self.here.shape, dtype=bool)  # the outputs that have changed so far
         slopes: list[Slope] = []
         todo = [1.0, *smaller]
@@ -90,7 +89,7 @@ class Argument:
             conclusive = slope.noise <= min(
                 16 * first * max(larger, slope.size), *[g / 8 for g in before], np.inf
             )
-            if conclusive and gap <= tolerance * larger + slope.noise:
+            if conclusive and gap <= self.tolerance * larger + slope.noise:
                 return Verdict(AGREES, slope.central, analytic)
             if not slopes and not (slope.moved and conclusive):
                 todo += LARGER
@@ -103,7 +102,7 @@ class Argument:
         rounded_away = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
         if not any(slope.moved for slope in slopes) and change <= rounded_away:
             return Verdict(AGREES, 0.0, analytic)
-        return _verdict(slopes, analytic, tolerance)
+        return _verdict(slopes, analytic, self.tolerance)
 
     def _slope(
         self, direction: np.ndarray, step: float, analytic: float, depend: np.ndarray

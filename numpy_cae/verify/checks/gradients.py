@@ -8,27 +8,14 @@ The other functions handle arrays with too many entries to try each, float32 and
 
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import (
-    WORTH_PRINTING,
-    call,
-    copies,
-    flat,
-    is_float,
-    parts,
-    written,
-    written_apart,
-)
+from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
-from numpy_cae.verify.checks.leaves import (
-    CONTAINERS,
-    gradients_of_leaves,
-    is_array,
-    leaves,
-    rebuilt,
-)
+from numpy_cae.verify.checks.leaves import gradients_of_leaves, is_array, leaves, rebuilt
+from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
 DIRECTIONS = 4
@@ -39,6 +26,9 @@ AGAIN = (
     "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
     "gradients: it is not linear, or keeps something between calls"
 )
+OTHERWISE = "called again, f returns another {}: randomness comes in as an argument"
+COARSE = "given float64, the value is computed in float32, too coarse to measure its slope"
+SUM = "the gradients from all outputs are not the sum of those from each"
 
 
 def check_gradients(
@@ -113,17 +103,17 @@ def wrong_gradients(
         raise TypeError("no argument is an array of float64 or float32")
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[str] = []
-    for argument, allowed in _arguments(f, inputs, names, upstream, tolerance):
+    for argument in _arguments(f, inputs, names, upstream, tolerance):
         name = argument.name.partition(" from output ")[0]
         if only is None or {name, name.partition("[")[0]} & set(only):
             directions = list(_directions(argument, rng))
-            doubtful = [v for v in directions if not _slope_agrees(argument, v, allowed)]
+            doubtful = [v for v in directions if not _slope_agrees(argument, v)]
             if doubtful:
-                problems += _judge(argument, doubtful, len(directions), rng, allowed, kinks_excused)
+                problems += _judge(argument, doubtful, len(directions), rng, kinks_excused)
     return problems[:1] + ["also: " + " ".join(p.split()[:60]) for p in problems[1:]]
 
 
-def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool:
+def _slope_agrees(at: Argument, direction: np.ndarray) -> bool:
     """Whether the central difference along a direction confirms the gradient's number.
 
     A difference of 0 confirms nothing: the step may be too small to change the value.
@@ -133,17 +123,14 @@ def _slope_agrees(at: Argument, direction: np.ndarray, tolerance: float) -> bool
     ahead, behind = at.f(at.x + step * direction), at.f(at.x - step * direction)
     numeric = np.sum(at.dy * (ahead - behind)) / (2 * step)
     analytic = np.sum(at.gradient * direction)
-    allowed = tolerance * max(abs(numeric), abs(analytic))
+    allowed = at.tolerance * max(abs(numeric), abs(analytic))
     return bool(numeric != 0 and abs(numeric - analytic) <= allowed)
 
 
 def _arguments(
     f: Callable, inputs: Sequence, names: Sequence[str], upstream: Callable, tolerance: float
-) -> Iterator[tuple[Argument, float]]:
-    """Each array, with its gradient from each output and f as a function of it, in float64.
-
-    Beside it, the tolerance.
-    """
+) -> Iterator[Argument]:
+    """Each array, with its gradient from each output and f as a function of it, in float64."""
     dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream)
     named = _all_leaves(inputs, names)
     places = [i for i, gradient in enumerate(next(iter(pulled.values()))) if gradient is not None]
@@ -153,17 +140,14 @@ def _arguments(
     outputs = parts(call(f, rebuilt(inputs, iter(copies(wide))))[0])
     is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
     if is_coarse and tolerance < SINGLE_TOLERANCE:
-        raise AssertionError(
-            "given float64, the value is float32\n"
-            "the value is computed in float32, too coarse for its slope to be measured"
-        )
+        raise AssertionError(COARSE)
     epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
     for i in places:
         for k, gradients in pulled.items():
             name = named[i][0] + (f" from output {k}" if len(pulled) > 1 else "")
             along = _function_of_one(f, inputs, wide, i, k)
-            dy, here = np.ravel(dys[k]), np.ravel(outputs[k])
-            yield Argument(name, along, wide[i], dy, here, gradients[i], epsilon), tolerance
+            both = np.ravel(dys[k]), np.ravel(outputs[k])
+            yield Argument(name, along, wide[i], *both, gradients[i], epsilon, tolerance)
 
 
 def _gradients_of_two_calls(
@@ -197,19 +181,14 @@ def _gradients_of_two_calls(
     _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again)
     _require_same("the gradient that was returned first is overwritten by the second", kept, first)
     other_value, other_pullback = call(f, rebuilt(inputs, iter(copies(before))))
-    what = "called again, f returns another {}: randomness comes in as an argument"
-    _require_same(what.format("value"), outputs, parts(other_value))
-    _require_same(what.format("gradient"), kept, pulled_back(other_pullback, ones))
+    _require_same(OTHERWISE.format("value"), outputs, parts(other_value))
+    _require_same(OTHERWISE.format("gradient"), kept, pulled_back(other_pullback, ones))
     places = [k for k, dy in enumerate(dys) if dy is not None]
     if len(places) == 1:
         return dys, {places[0]: kept}
     of_each = {k: copies(pulled_back(pullback, np.eye(len(dys))[k])) for k in places}
     each = (terms for terms in zip(*of_each.values(), strict=True) if terms[0] is not None)
-    _require_same(
-        "the gradients from all outputs are not the sum of those from each",
-        kept,
-        [sum(terms) for terms in each],
-    )
+    _require_same(SUM, kept, [sum(terms) for terms in each])
     return dys, of_each
 
 
@@ -217,13 +196,11 @@ def _function_of_one(
     f: Callable, inputs: Sequence, leaves: list, place: int, output: int
 ) -> Callable:
     """One output of f, flat, as a function of one array."""
-    is_nested = any(isinstance(x, CONTAINERS) for x in inputs)
 
     def output_at(x: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
-            given = copies([*leaves[:place], x, *leaves[place + 1 :]])
-            given = rebuilt(inputs, iter(given)) if is_nested else given
-            return np.ravel(parts(f(*given)[0])[output])
+            given = iter(copies([*leaves[:place], x, *leaves[place + 1 :]]))
+            return np.ravel(parts(f(*rebuilt(inputs, given))[0])[output])
 
     return output_at
 
@@ -246,26 +223,18 @@ def _require_same(problem: str, first: Sequence, second: Sequence) -> None:
 
 
 def _judge(
-    at: Argument,
-    doubtful: list[np.ndarray],
-    tried: int,
-    rng: np.random.Generator,
-    tolerance: float,
-    kinks_excused: float,
+    at: Argument, doubtful: list, tried: int, rng: np.random.Generator, kinks_excused: float
 ) -> Iterator[str]:
     """Judge the directions that one step did not confirm; say where the numbers disagree most."""
     of_what = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
-    judged = [(direction, at.judge(direction, tolerance)) for direction in doubtful]
-    if of_what != "entries" and any(verdict.kind == KINK for _, verdict in judged):
+    wrong, kinks = _wrong_and_kinks(at, doubtful)
+    if of_what != "entries" and kinks:
         entries = _entries(at.x, rng.choice(at.x.size, EVERY_ENTRY_UP_TO, replace=False))
-        judged = [one for one in judged if one[1].kind == WRONG]
-        tried = len(judged) + EVERY_ENTRY_UP_TO
-        judged += [(direction, at.judge(direction, tolerance)) for direction in entries]
-    wrong = [one for one in judged if one[1].kind == WRONG]
-    kinks = [one for one in judged if one[1].kind == KINK]
+        of_entries, kinks = _wrong_and_kinks(at, entries)
+        tried, wrong = len(wrong) + EVERY_ENTRY_UP_TO, wrong + of_entries
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
-        index, verdict = _trace(at, *worst, tolerance)
+        index, verdict = _trace(at, *worst)
         numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
         rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
         lines = [
@@ -280,12 +249,18 @@ def _judge(
             lines.append(f"upstream gradient, flat: {written(at.dy)}")
         yield "\n    ".join(lines)
     elif len(kinks) > max(1, int(kinks_excused * tried)):
-        index, verdict = _trace(at, *kinks[0], tolerance)
+        index, verdict = _trace(at, *kinks[0])
         yield (
             f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} "
             f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
             "    too many to be excused: choose inputs away from kinks"
         )
+
+
+def _wrong_and_kinks(at: Argument, directions: Iterable[np.ndarray]) -> Iterator[list]:
+    """(direction, verdict) of each direction that is wrong, and of each that has a kink."""
+    judged = [(direction, at.judge(direction)) for direction in directions]
+    return ([one for one in judged if one[1].kind == kind] for kind in (WRONG, KINK))
 
 
 def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
@@ -316,27 +291,23 @@ def _restricted(direction: np.ndarray, entries: Sequence[int]) -> np.ndarray:
     return part.reshape(direction.shape)
 
 
-def _trace(at: Argument, direction, verdict, tolerance) -> tuple[tuple[int, ...], Verdict]:
+def _trace(at: Argument, direction, verdict) -> tuple[tuple[int, ...], Verdict]:
     """Halve a failing direction until one entry is left; return its index and both numbers."""
     entries = np.flatnonzero(direction)
     while len(entries) > 1:
         halves = np.array_split(entries, 2)
-        judged = [at.judge(_restricted(direction, half), tolerance) for half in halves]
+        judged = [at.judge(_restricted(direction, half)) for half in halves]
         worse = max((0, 1), key=lambda i: abs(judged[i].numeric - judged[i].analytic))
         entries, verdict = halves[worse], judged[worse]
     index = tuple(map(int, np.unravel_index(entries[0], direction.shape)))
-    numbers = (verdict.numeric, verdict.analytic, verdict.jump)
-    numbers = (number / direction[index] for number in numbers)
-    return index, Verdict(verdict.kind, *numbers, verdict.rates)
+    numbers = np.array([verdict.numeric, verdict.analytic, verdict.jump]) / direction[index]
+    return index, Verdict(verdict.kind, *numbers.tolist(), verdict.rates)
 
 
 def _names(f: Callable, count: int) -> tuple[str, ...]:
     """The names of f's arguments, or their positions if the signature of f does not name them."""
-    try:
-        parameters = list(inspect.signature(f).parameters.values())
-    except (TypeError, ValueError):
-        parameters = []
-    named = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    if len(named) < count:
-        return tuple(f"argument {i}" for i in range(count))
-    return tuple(named[:count])
+    named: list[str] = []
+    with suppress(TypeError, ValueError):
+        parameters = inspect.signature(f).parameters.values()
+        named = [p.name for p in parameters if p.kind <= p.POSITIONAL_OR_KEYWORD]
+    return tuple(named[:count] if count <= len(named) else [f"argument {i}" for i in range(count)])

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import described, gradients_of, require_array
+from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.checks.written import described
 
 CONTAINERS = (dict, list, tuple)
 
@@ -14,7 +15,7 @@ def leaves(name: str, argument: object) -> Iterator[tuple[str, object]]:
     if not isinstance(argument, CONTAINERS):
         yield name, argument
         return
-    for key in _keys(argument):
+    for key in argument if isinstance(argument, dict) else range(len(argument)):
         yield from leaves(f"{name}[{key!r}]", argument[key])
 
 
@@ -63,26 +64,17 @@ def is_array(name: str, leaf: object) -> bool:
     return True
 
 
-def _keys(argument: dict | list | tuple) -> Sequence:
-    return list(argument) if isinstance(argument, dict) else range(len(argument))
-
-
-def _matched(name: str, argument: object, gradient: object) -> Iterator:
-    """The parts of a gradient that has the structure of its argument."""
+def _matched(name: str, argument: object, gradient: object) -> list:
+    """The parts of a gradient that has the structure of its argument; None for each without one."""
     if not isinstance(argument, CONTAINERS):
-        yield gradient
-        return
-    kind = dict if isinstance(argument, dict) else (list, tuple)
-    if gradient is not None and not (
-        isinstance(gradient, kind) and set(_keys(gradient)) == set(_keys(argument))
-    ):
+        return [gradient]
+    expected, given = dict(leaves(name, argument)), dict(leaves(name, gradient))
+    if gradient is not None and expected.keys() != given.keys():
         raise AssertionError(
             f"the gradient for {name} is {described(gradient)}, expected the structure of {name}, "
             f"a {type(argument).__name__} of {len(argument)}"
         )
-    for key in _keys(argument):
-        part = None if gradient is None else gradient[key]
-        yield from _matched(f"{name}[{key!r}]", argument[key], part)
+    return [given.get(part) for part in expected]
 
 
 def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:

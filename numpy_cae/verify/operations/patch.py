@@ -42,9 +42,13 @@ class Patch:
     replacements: tuple[Replacement, ...]  # of old lines by new ones
     calls: tuple["Patch", ...] = ()  # of the operations that it calls
 
+    @cache  # noqa: B019 (there are few patches, which live as long as the program)
     def function(self) -> Callable:
         """The changed operation; a ValueError if the patch does not fit the operation's source."""
-        return _compiled(self)
+        namespace = dict(right_operation(self.operation).__globals__)
+        namespace |= {called.operation: called.function() for called in self.calls}
+        exec(compile(self.source(self.name), f"<{self.name}>", "exec"), namespace)
+        return namespace[self.name]
 
     def source(self, called: str = "suspect") -> str:
         """The source of the changed operation, under another name and without its docstring."""
@@ -99,14 +103,6 @@ def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name
     place = places[0]
     indent = lines[place][: len(lines[place]) - len(stripped[place])]
     return [*lines[:place], *(indent + line for line in new), *lines[place + len(old) :]]
-
-
-@cache
-def _compiled(patch: Patch) -> Callable:
-    namespace = dict(right_operation(patch.operation).__globals__)
-    namespace |= {called.operation: called.function() for called in patch.calls}
-    exec(compile(patch.source(patch.name), f"<{patch.name}>", "exec"), namespace)
-    return namespace[patch.name]
 
 
 BUGS = read_patches(FOLDER / "planted_bugs")

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import gradients_of, require_array, written_apart
+from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.checks.written import written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
 

@@ -1,9 +1,13 @@
 """The properties that every operation shares: its value, each gradient, dtype, purity, strides.
 
+The first line of the docstring of `_linearity` and the functions below is the statement.
+
 docs/verify.md lists what is not tested because the contract leaves it open.
 """
 
+import inspect
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -41,18 +45,19 @@ ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "re
 def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has; some are stated for each argument."""
     if operation.reference or operation.definition:
-        yield property_of(operation, "value", VALUE, _value, {}, points=VALUE_POINTS)
+        yield property_of(operation, "value", _value.__doc__, _value, {}, points=VALUE_POINTS)
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        classes, points = UPSTREAM | operation.without_ties, {"points": GRADIENT_POINTS}
-        check, title = _gradient_for(name), f"gradient for {name}"
-        yield property_of(operation, title, statement, check, classes, **points)
+        check, classes = partial(_gradient, name), UPSTREAM | operation.without_ties
+        title, points = f"gradient for {name}", GRADIENT_POINTS
+        yield property_of(operation, title, statement, check, classes, points=points)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
-        classes = UPSTREAM | ALIKE_IN_SIZE
-        yield property_of(operation, f"adjoint in {name}", statement, _adjoint_in(name), classes)
-    for name, statement, findings, classes, combined in SHARED:
+        check, classes = partial(_adjoint, name), UPSTREAM | ALIKE_IN_SIZE
+        yield property_of(operation, f"adjoint in {name}", statement, check, classes)
+    for name, findings, classes, combined in SHARED:
+        statement = inspect.getdoc(findings).partition("\n")[0]
         yield property_of(operation, name, statement, findings, classes, combined=combined)
     if operation.reference:
         longer = {
@@ -65,73 +70,66 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """the value is that of the definition, loop by loop"""
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
     right = operation.value(*copies(arguments))
     yield *_again("the value", value, right), EXACT, operation.floor
     others = operation.arguments(Case(case.sizes, case.seed + 1))
     one = list(arguments)[case.seed // 2 % len(arguments)]
-    if case.seed % 2:  # all but one are the same, or only one
-        others = {**arguments, one: others[one]}
-    else:
-        others[one] = arguments[one]
+    kept, new = (arguments, others) if case.seed % 2 else (others, arguments)
+    others = {**kept, one: new[one]}  # all but one are the same, or only one
     value, expected = implementation(*copies(others))[0], operation.value(*copies(others))
     which = "another" if case.seed % 2 else "the same"
     yield f"of {which} {one} after a first call, the value", value, expected
 
 
-def _gradient_for(argument: str) -> Callable:
-    def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
-        """Compare with the definition's gradient, or with differences if the value is wrong."""
-        arguments, names = operation.arguments(case), operation.differentiated
-        value, pullback = call_of_array(implementation, copies(arguments))
-        what, right = f"the gradient for {argument}", {}
-        if operation.reference:
-            dy, right = right_results(operation, case, arguments)
-        if right and agrees(value, right["the value"]):
-            gradient = differentiated(operation, pullback(copied(dy)))[argument]
-            both = (operation.alike(arguments, one) for one in (gradient, right[what]))
-            yield what, *both, rounding(case, arguments), operation.floor_of(dy)
-        elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
+def _gradient(
+    argument: str, operation: Operation, implementation: Callable, case: Case
+) -> Findings:
+    """Compare with the definition's gradient, or with differences if the value is wrong."""
+    arguments, names = operation.arguments(case), operation.differentiated
+    value, pullback = call_of_array(implementation, copies(arguments))
+    what, right = f"the gradient for {argument}", {}
+    if operation.reference:
+        dy, right = right_results(operation, case, arguments)
+    if right and agrees(value, right["the value"]):
+        gradient = differentiated(operation, pullback(copied(dy)))[argument]
+        both = (operation.alike(arguments, one) for one in (gradient, right[what]))
+        yield what, *both, rounding(case, arguments), operation.floor_of(dy)
+    elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
 
-            def f(*inputs):
-                given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
-                value, pullback = call_of_array(implementation, given)
-                return value, lambda dy: pullback(copied(dy))
+        def f(*inputs):
+            given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
+            value, pullback = call_of_array(implementation, given)
+            return value, lambda dy: pullback(copied(dy))
 
-            inputs = [arguments[name] for name in names]
-            others = {"only": (argument,), "kinks_excused": 1.0}
-            upstream = lambda value: drawn_upstream(case, value)  # noqa: E731
-            try:
-                problems = wrong_gradients(
-                    f, inputs, names, case.rng(), upstream=upstream, **others
-                )
-            finally:  # the call that a report shows
-                implementation(*copies(arguments))
-            if problems:
-                raise AssertionError(problems[0])
-
-    return findings
+        inputs = [arguments[name] for name in names]
+        others = {"upstream": partial(drawn_upstream, case), "kinks_excused": 1.0}
+        problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **others)
+        implementation(*copies(arguments))  # the call that a report shows
+        if problems:
+            raise AssertionError(problems[0])
 
 
-def _adjoint_in(argument: str) -> Callable:
-    def findings(operation: Operation, implementation: Callable, case: Case) -> Findings:
-        arguments = operation.arguments(case)
-        if "b" in arguments:
-            arguments["b"] = np.zeros_like(arguments["b"])
-        x = arguments[argument]
-        at_zero = np.copy(implementation(*copies({**arguments, argument: np.zeros_like(x)}))[0])
-        dy = drawn_upstream(case, at_zero)
-        value, *gradients = results(operation, implementation, copies(arguments), dy).values()
-        pulled = gradients[operation.differentiated.index(argument)]
-        check_adjoint(lambda x: (value - at_zero, lambda dy: pulled), x, dy)
-        yield "A' dy", pulled, pulled
-
-    return findings
+def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Findings:
+    arguments = operation.arguments(case)
+    if "b" in arguments:
+        arguments["b"] = np.zeros_like(arguments["b"])
+    x = arguments[argument]
+    at_zero = np.copy(implementation(*copies({**arguments, argument: np.zeros_like(x)}))[0])
+    dy = drawn_upstream(case, at_zero)
+    value, *gradients = results(operation, implementation, copies(arguments), dy).values()
+    pulled = gradients[operation.differentiated.index(argument)]
+    check_adjoint(lambda x: (value - at_zero, lambda dy: pulled), x, dy)
+    yield "A' dy", pulled, pulled
 
 
 def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Give three upstream gradients in the same array, after the value was deleted."""
+    """the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
+
+    Give three upstream gradients in the same array, after the value was deleted.
+    """
     value, pullback = implementation(*copies(operation.arguments(case)))
     one = drawn_upstream(case, value)
     del value
@@ -148,7 +146,10 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Compare float32 with float64; arguments changed by rounding give the error allowed."""
+    """float32 stays float32, with its precision, float64 likewise
+
+    Compare float32 with float64; arguments changed by rounding give the error allowed.
+    """
     if case.get("state") == "huge":  # rounding may turn a gate, and then all frames that follow
         return
     if case.get("layout") == "broadcast" and not operation.reference:
@@ -158,8 +159,6 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
     dy = layout(dy) if np.ndim(dy) else dy
-    for what, result in results(operation, implementation, copies(arguments), copied(dy)).items():
-        _require_dtype(what, result, np.float64)
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
     dy = np.float32(dy) if np.ndim(dy) else dy
 
@@ -177,6 +176,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     laid_out = layout(dy) if np.ndim(dy) else dy
     of_float32 = results(operation, implementation, copies(given, layout), laid_out)
     for what, result in of_float32.items():
+        _require_dtype(what, exact[what], np.float64)
         _require_dtype(what, result, np.float32)
         expected = operation.alike(arguments, exact[what])
         if np.all(np.isfinite(expected)):
@@ -206,6 +206,7 @@ def _require_dtype(what: str, result, dtype: type) -> None:
 
 
 def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """no argument and no upstream gradient is altered"""
     layout, arguments = LAYOUTS[case.get("layout")], operation.arguments(case)
     given = copies(arguments, layout)
     before = copies(dict(zip(arguments, given, strict=True)))
@@ -226,7 +227,9 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
 
 
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Alternate between two calls, overwrite results, then change the arguments in place.
+    """a pullback called again returns the same, whatever was called in between
+
+    Alternate between two calls, overwrite results, then change the arguments in place.
 
     In some cases the results of the first call are kept over eight calls.
     """
@@ -288,6 +291,7 @@ def _with_one_other_entry(
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """views in any memory order, or that cannot be written, give the same as copies"""
     arguments, layout = operation.arguments(case), LAYOUTS[case.get("layout")]
     given = copies(arguments, layout)
     for number, name in enumerate(arguments):
@@ -312,12 +316,6 @@ def _again(what: str, result, expected) -> tuple:
     return what, result, expected
 
 
-VALUE = "the value is that of the definition, loop by loop"
-LINEARITY = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
-DTYPE = "float32 stays float32, with its precision, float64 likewise"
-PURITY = "no argument and no upstream gradient is altered"
-INDEPENDENCE = "a pullback called again returns the same, whatever was called in between"
-STRIDES = "views in any memory order, or that cannot be written, give the same as copies"
 SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
 KEPT = {"state": ORDINARY}
 TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "b"})
@@ -325,10 +323,10 @@ TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "
 that pass the state over all frames."""
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
 SHARED = (
-    ("linearity", LINEARITY, _linearity, UPSTREAM, ()),
-    ("strides", STRIDES, _strides, UPSTREAM | VIEWS, ("layout", "of")),
-    ("dtype", DTYPE, _dtype, UPSTREAM | LAYOUT, ()),
-    ("purity", PURITY, _purity, UPSTREAM | LAYOUT, ()),
-    ("independence", INDEPENDENCE, _independence, UPSTREAM | LAYOUT, ()),
+    ("linearity", _linearity, UPSTREAM, ()),
+    ("strides", _strides, UPSTREAM | VIEWS, ("layout", "of")),
+    ("dtype", _dtype, UPSTREAM | LAYOUT, ()),
+    ("purity", _purity, UPSTREAM | LAYOUT, ()),
+    ("independence", _independence, UPSTREAM | LAYOUT, ()),
 )
-"""(name, statement, findings, classes, the sizes of which every combination is drawn)."""
+"""(name, findings, classes, the sizes of which every combination is drawn)."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import (
+from numpy_cae.verify.checks.call import is_pair, parts
+from numpy_cae.verify.checks.written import (
     WORTH_A_RESULT,
     WORTH_PRINTING,
-    is_pair,
     written,
     written_apart,
 )
@@ -35,14 +35,13 @@ class Recorder:
     """An implementation that records its last call, and what the pullbacks were given since."""
 
     implementation: Callable
-    arguments: list | None = None
-    upstream: tuple = ()
+    arguments: tuple | None = None
     upstreams: list = field(default_factory=list)
     results: list = field(default_factory=list)  # the value, then the gradients
 
     def __call__(self, *arguments):
-        given = deepcopy(list(arguments))
-        self.arguments, self.upstream, self.upstreams, self.results = given, (), [], []
+        given = deepcopy(arguments)
+        self.arguments, self.upstreams, self.results = given, [], []
         returned = self.implementation(*arguments)
         if not is_pair(returned):
             return returned
@@ -50,11 +49,10 @@ class Recorder:
         self.results = [value]
 
         def recorded_pullback(*upstream):
-            self.arguments, self.upstream, self.results = given, deepcopy(upstream), [value]
-            self.upstreams += self.upstream
+            self.arguments, self.results = given, [value]
+            self.upstreams += deepcopy(upstream)
             pulled = pullback(*upstream)
-            gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
-            self.results = [value, *deepcopy(gradients)]
+            self.results = [value, *deepcopy(parts(pulled))]
             return pulled
 
         return returned[0], recorded_pullback
@@ -205,15 +203,15 @@ def failure(tried: Property, implementation: Callable, case: Case) -> Exception 
 
 def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
     """The arguments and results of the last call; if they are long, the call of `example`."""
-    given, operation = tried.arguments(case), tried.definition
-    is_call = last.arguments is not None and len(last.arguments) == len(given)
+    shown, operation, upstreams = tried.arguments(case), tried.definition, last.upstreams
+    is_call = last.arguments is not None and len(last.arguments) == len(shown)
     if is_call:
-        given = dict(zip(given, last.arguments, strict=True))
-    shown = dict(given)
-    if tried.name == "linearity" and len(last.upstreams) == 3:
-        shown |= dict(zip(("dy", "dy'", "2 dy - 3 dy'"), last.upstreams, strict=True))
-    elif is_call and last.upstream:
-        shown["upstream gradient"] = last.upstream[0]
+        shown = dict(zip(shown, last.arguments, strict=True))
+    arguments, names = {**shown}, ("dy", "dy'", "2 dy - 3 dy'")
+    if tried.name == "linearity" and len(upstreams) == len(names):
+        shown |= dict(zip(names, upstreams, strict=True))
+    elif is_call and upstreams:
+        shown["upstream gradient"] = upstreams[-1]
     if sum(np.size(a) for a in shown.values() if isinstance(a, np.ndarray)) > WORTH_PRINTING:
         yield example_call(tried.operation, case)
     else:
@@ -222,17 +220,16 @@ def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
         return
     try:
         value, pullback = operation.reference(*deepcopy(last.arguments))
-        fits = last.upstream and np.shape(last.results[0]) == np.shape(value)
-        pulled = pullback(*deepcopy(last.upstream)) if fits else ()
+        fits = upstreams and np.shape(last.results[0]) == np.shape(value)
+        pulled = pullback(deepcopy(upstreams[-1])) if fits else ()
     except ValueError:  # it was called with its own result, which has a wrong shape
         return
-    expected = [value, *(pulled if isinstance(pulled, tuple) else (pulled,))]
-    names = ["value", *(f"gradient for {name}" for name in operation.differentiated)]
-    for name, one, other in zip(names, last.results, expected, strict=False):
-        if name != tried.name and tried.name.startswith("gradient") and name != "value":
+    names = ("value", *(f"gradient for {name}" for name in operation.differentiated))
+    for name, one, other in zip(names, last.results, (value, *parts(pulled)), strict=False):
+        if tried.name.startswith("gradient") and name not in ("value", tried.name):
             continue
         if max(np.size(one), np.size(other)) <= WORTH_A_RESULT and np.asarray(one).dtype != object:
-            if not agrees(operation.alike(given, one), operation.alike(given, other)):
+            if not agrees(operation.alike(arguments, one), operation.alike(arguments, other)):
                 result, right = written_apart(one, other)
                 yield f"{name}: {result}"
                 yield f"  expected: {right}"

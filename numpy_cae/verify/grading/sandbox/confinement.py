@@ -47,25 +47,15 @@ def _set_process_option(option: int, value: int) -> None:
 
 
 def end_children() -> None:
-    """Kill the processes whose parent this one is, as far as /proc lists them (Linux).
+    """Kill the processes whose parent this one is, where /proc lists them (Linux).
 
     A child's own children become this process's when the child ends, and are killed next.
     """
-    while children := _children():
-        for process in children:
+    children = Path(f"/proc/self/task/{os.getpid()}/children")
+    while children.exists() and (processes := children.read_text().split()):
+        for process in map(int, processes):
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)
-
-
-def _children() -> list[int]:
-    """The numbers of the processes whose parent this one is."""
-    children = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # the process ended while it was read
-            _, parent, *_ = path.read_text(errors="replace").rpartition(")")[2].split()
-            if int(parent) == os.getpid():
-                children.append(int(path.parent.name))
-    return children
 
 
 def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
