@@ -9,8 +9,8 @@ tests an operation for all of it, and `numpy-cae verify student.py` a file, in a
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.gradients import check_gradients
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.operations.catalogue import properties, properties_of
-from numpy_cae.verify.operations.operation_test import operation_test
+from numpy_cae.verify.operations.catalogue import properties
+from numpy_cae.verify.operations.own_operation import operation_test, properties_of
 from numpy_cae.verify.operations.trial import check_property, example
 
 __all__ = [

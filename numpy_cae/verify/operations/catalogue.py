@@ -5,17 +5,10 @@ Another module can have a larger `CATALOGUE`: that of `numpy_cae.course.catalogu
 exercises of the lessons.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.operations.operation import (
-    OPERATIONS,
-    Values,
-    operation_of,
-    simplest_case,
-    sizes_in,
-)
+from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
@@ -101,74 +94,3 @@ def properties(name: str) -> tuple[Property, ...]:
     linearity: the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
     """
     return find_exercise(name).properties
-
-
-def properties_of(
-    f: Callable,
-    shapes: Mapping[str, str],
-    definition: Callable | None = None,
-    *,
-    sizes: Mapping[str, Sequence[int]] | None = None,
-    values: Mapping[str, Values] | None = None,
-    differentiable: Sequence[str] | None = None,
-) -> tuple[Property, ...]:
-    """What must hold of an operation of one's own: the properties that `numpy_cae.ops` has.
-
-    These are the gradient for each argument, and that the pullback is linear, that float32 stays
-    float32, that no argument is altered, that no call depends on another, and that the memory
-    layout does not matter. `check_property` tests for one; `operation_test` makes tests of all.
-
-    Parameters
-    ----------
-    f : (*arrays) -> (value, pullback)
-        In the form of `numpy_cae.ops`, with one array or number as its value.
-    shapes : mapping of str to str
-        For each argument, in the order of the call, the sizes of its axes, such as "taps channels".
-        Equal names are equal sizes. A size may also be a number, a product such as 2*frames, or
-        "...": any number of axes.
-    definition : callable, optional
-        What f should compute: it returns the value alone, or a value and its pullback, with which
-        all results of f are compared. Otherwise gradients are compared with differences of f.
-    sizes : mapping of str to sequence of int, optional
-        The numbers to draw a size from, the simplest first, such as {"taps": (1, 3, 5)}.
-    values : mapping of str to (low, high) or callable, optional
-        The range of an argument's numbers, by default (-2, 2), or a function that draws the
-        argument: (rng, shape) -> array.
-    differentiable : sequence of str, optional
-        The arguments for which the pullback returns a gradient, by default all arrays of floats.
-
-    Returns
-    -------
-    tuple of Property
-
-    Raises
-    ------
-    ValueError
-        If `sizes`, `values` or `differentiable` name something that `shapes` does not have.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from numpy_cae import verify
-    >>> def scaled(x, scale):
-    ...     return scale * x, lambda dy: (scale * dy, np.sum(x * dy, axis=0) / len(x))
-    >>> stated = verify.properties_of(scaled, {"x": "batch channels", "scale": "channels"})
-    >>> [each.name for each in stated][:3]
-    ['gradient for x', 'gradient for scale', 'linearity']
-    >>> verify.check_property(stated[1], scaled)
-    Traceback (most recent call last):
-    AssertionError: the pullback's gradient for scale is that of central differences
-        ...
-    """
-    name = getattr(f, "__name__", "the operation")
-    sizes, values = dict(sizes or {}), {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
-    known = {*shapes, *sizes_in(shapes)}
-    unknown = [one for one in (*values, *sizes, *(differentiable or ())) if one not in known]
-    if unknown:
-        raise ValueError(f"{name}: shapes has no {', '.join(unknown)}, only {', '.join(shapes)}")
-    operation = operation_of(name, shapes, sizes, values, differentiable)
-    if definition is not None:
-        result = definition(*operation.arguments(simplest_case(operation.sizes)).values())
-        which = "reference" if is_pair(result) else "definition"
-        operation = replace(operation, **{which: definition})
-    return tuple(shared_properties(operation))

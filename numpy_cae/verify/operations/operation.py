@@ -1,7 +1,7 @@
 """`OPERATIONS`, a table: the arguments of every operation, its definition and its tolerances."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,9 +66,6 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
 
 
 CLASSES = {"values": tuple(VALUES)}
-SMOOTH = {"values": tuple(v for v in VALUES if v not in ("near ties", "tiny", "mixed", "wide"))}
-"""Classes of values where differences are a good derivative: not beside kinks, nor where entries
-are tiny or of very different size."""
 EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
@@ -76,8 +73,6 @@ FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 
 FILTERED = WINDOW | FILTERS | CLASSES
 ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
 LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0, 4)} | CLASSES
-SIZES = (1, 2, 3, 4, 5, 8, 33)
-"""The options of a size of an operation of one's own."""
 STATE = {"state": (ORDINARY, "zeros", "huge")}
 GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
 BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
@@ -119,7 +114,7 @@ def arguments_of(
     A size may be a number, a product such as 2*frames, or "...", which is any number of axes.
     Numbers outside of the range that `values` states are replaced by its ends.
     """
-    leading = _leading_axes(shapes)
+    leading = leading_axes(shapes)
 
     def size(factors: str, case: Case) -> int:
         return math.prod(int(f) if f.isdigit() else case[f] for f in factors.split("*"))
@@ -143,42 +138,11 @@ def arguments_of(
     return arguments
 
 
-def _leading_axes(shapes: Mapping[str, str]) -> list[str]:
+def leading_axes(shapes: Mapping[str, str]) -> list[str]:
     """The sizes of the axes for which "..." may stand."""
     used = " ".join(shapes.values()).split()
     names = [name for name in ("batch", "frames", "channels") if name not in used]
     return [*names, *"22"[: 5 - len(names) if set(used) - {"..."} else 1]]
-
-
-def operation_of(
-    name: str,
-    shapes: Mapping[str, str],
-    sizes: Sizes,
-    values: Mapping[str, Values],
-    differentiable: Sequence[str] | None = None,
-    **others: object,
-) -> Operation:
-    """An operation by the shapes of its arguments, as in `arguments_of`.
-
-    A size that `sizes` does not have is one of SIZES. Gradients are expected for `differentiable`,
-    by default every array of floats.
-    """
-    arguments, every = arguments_of(shapes, values), dict.fromkeys(sizes_in(shapes), SIZES)
-    if "..." in " ".join(shapes.values()):
-        axes, alone = len(_leading_axes(shapes)), set(shapes.values()) == {"..."}
-        every["axes"] = (3, 4, 2, 1) if alone else (2, *range(axes + 1))
-    every = with_each_array({**every, **CLASSES, **sizes}, arguments)
-    if differentiable is None:
-        drawn_once = arguments(simplest_case(every))
-        differentiable = [name for name, array in drawn_once.items() if array.dtype.kind == "f"]
-    others = {"without_ties": SMOOTH, "saturates": True, **others}
-    return Operation(name, every, arguments, tuple(differentiable), **others)
-
-
-def sizes_in(shapes: Mapping[str, str]) -> list[str]:
-    """The names of the sizes in some shapes."""
-    text = " ".join(shapes.values()).replace("...", " ".join(_leading_axes(shapes)))
-    return [size for size in text.replace("*", " ").split() if not size.isdigit()]
 
 
 def _elementwise(*names: str) -> Callable[[Case], dict[str, object]]:

@@ -115,15 +115,9 @@ def property_of(
     **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
-    return Property(
-        name,
-        statement,
-        Comparison(operation, findings),
-        sizes={**operation.sizes, **classes},
-        operation=operation.name,
-        arguments=operation.arguments,
-        **others,
-    )
+    sizes, check = {**operation.sizes, **classes}, Comparison(operation, findings)
+    of_operation = {"operation": operation.name, "arguments": operation.arguments}
+    return Property(name, statement, check, sizes=sizes, **of_operation, **others)
 
 
 def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:

@@ -110,13 +110,6 @@ def _inverse_of_tanh(arctanh, case, y, bound):
     yield "through arctanh and tanh, the gradient", tanh_pullback(pullback(dx)), dx
 
 
-@states("linear", "rows alone")
-def _rows_alone(linear, case, x, w, b):
-    """each row is mapped as if it were alone"""
-    alone = np.stack([linear(row, w, b)[0] for row in x.reshape(-1, len(w))])
-    yield "of all rows at once the value", linear(x, w, b)[0], alone.reshape(*x.shape[:-1], -1)
-
-
 @states("gru", "causality", frames=(2, 3, 4, 9))
 def _causality(gru, case, x, **others):
     """no frame depends on a later one"""
