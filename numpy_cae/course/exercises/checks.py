@@ -171,7 +171,7 @@ class Differentiated:
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
         returned = require_parts(function(*given.values()), self.returns)
         if PULLBACK in self.returns and not callable(returned[1]):
-            raise AssertionError(f"it does not return {' and '.join(self.returns)}")
+            raise TypeError(f"it does not return {' and '.join(self.returns)}")
         return list(returned)
 
     def _gradients(self, others: list, given: Mapping[str, object], upstream) -> tuple:
@@ -200,28 +200,31 @@ def same_as(definition: Callable, *names: str) -> Check:
 
 
 def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
-    """Raise unless a result equals the expected one, part by part if that is a tuple."""
+    """Raise unless a result equals the expected one, part by part if that is a tuple.
+
+    A TypeError says that something else is returned than it has to be.
+    """
     if not isinstance(expected, tuple):
         returned, expected = (returned,), (expected,)
         names = names[:1] or ("the value",)
     names = names or tuple(f"value {number}" for number in range(len(expected)))
     if not isinstance(returned, tuple | list):
         kind = type(returned).__name__
-        raise AssertionError(f"it returns {kind}, expected {', '.join(names)}")
+        raise TypeError(f"it returns {kind}, expected {', '.join(names)}")
     if len(returned) != len(expected):
-        raise AssertionError(f"it returns {len(returned)} values, expected {', '.join(names)}")
+        raise TypeError(f"it returns {len(returned)} values, expected {', '.join(names)}")
     for name, one, other in zip(names, returned, expected, strict=False):
         if one is None:
-            raise AssertionError(f"{name} is None: is a return missing?")
+            raise TypeError(f"{name} is None: is a return missing?")
         if np.asarray(one).dtype.kind not in "biuf":
-            raise AssertionError(f"{name} is {type(one).__name__}, expected numbers")
+            raise TypeError(f"{name} is {type(one).__name__}, expected numbers")
         require_equal(name, one, other)
 
 
 def require_parts(returned, names) -> tuple | list:
-    """What a function returned; AssertionError unless it is one thing for each name."""
+    """What a function returned; TypeError unless it is one thing for each name."""
     if not isinstance(returned, tuple | list) or len(returned) != len(names):
-        raise AssertionError(f"it does not return {len(names)} things: {', '.join(names)}")
+        raise TypeError(f"it does not return {len(names)} things: {', '.join(names)}")
     return returned
 
 
