@@ -7,15 +7,17 @@ for each limb. Collars and toes do not rotate, but are included so that all `JOI
 
 MBR17 drops the constant columns of Human3.6M's own text, which also leaves 54 numbers: 21 joints
 rotate, six of them (knees, elbows, toes) about x only. That is the second table.
+
+`angle_table.json` has both: the joints, each with its parent, and the axes about which joints
+rotate, in the order of the numbers. Where `JOINTS` has no neck, the first table has one.
 """
 
+import json
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
-
-from numpy_cae.motion.expmap_rigs import HUMAN36M
-from numpy_cae.motion.joints import JOINTS, PARENTS
 
 TRANSLATION = slice(0, 3)
 """The root's translation, metres, relative to the first frame of a clip. Then come the angles."""
@@ -66,32 +68,13 @@ class AngleTable:
         return tuple(nearest)
 
 
-def _table(name: str, parent_of: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
-    """The table of the joints in `parent_of`; those in `rotating` rotate about the axes there."""
-    joints = tuple(parent_of)
-    parents = tuple(-1 if joint is None else joints.index(joint) for joint in parent_of.values())
+def _table(name: str, parent: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
+    """The table with the parent of each joint, and the axes of those that rotate."""
+    joints = tuple(parent)
+    parents = tuple(-1 if joint is None else joints.index(joint) for joint in parent.values())
     return AngleTable(name, joints, parents, tuple(rotating.items()))
 
 
-_LIMBS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
-_PARENT_OF: dict[str, str | None] = {}
-for _joint, _parent in zip(JOINTS, (None, *(JOINTS[place] for place in PARENTS[1:])), strict=True):
-    if _joint == "head":  # `JOINTS` has no neck; here it is between the head and its parent
-        _PARENT_OF["neck"], _parent = _parent, "neck"
-    _PARENT_OF[_joint] = _parent
-SEVENTEEN = _table(
-    "seventeen joints",
-    _PARENT_OF,
-    dict.fromkeys(["hips", "spine", "chest", "neck", "head"], "xyz")
-    | {f"{side}_{limb}": "xyz" for side in ("left", "right") for limb in _LIMBS},
-)
-
-_ABOUT_X = ("RightLeg", "RightToeBase", "LeftLeg", "LeftToeBase", "LeftForeArm", "RightForeArm")
-_VARYING = {row[0]: row[1] for row in HUMAN36M.rows if not row[0].endswith(("Thumb", "WristEnd"))}
-HUMAN36M_TABLE = _table(
-    "the columns of Human3.6M that vary",
-    _VARYING,
-    {joint: "x" if joint in _ABOUT_X else "xyz" for joint in _VARYING},
-)
-
-TABLES = {table.name: table for table in (SEVENTEEN, HUMAN36M_TABLE)}
+_FILE = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
+TABLES = {name: _table(name, **table) for name, table in json.loads(_FILE).items()}
+SEVENTEEN, HUMAN36M_TABLE = TABLES.values()

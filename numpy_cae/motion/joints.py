@@ -3,41 +3,27 @@
 The paper uses "the joint positions of 20 of the most important joints" and does not list them.
 These are four along the spine and four for each limb. There is no neck: its position follows from
 chest and head, and half of the rigs have two.
+
+`joints.json` has for each joint its parent, its direction from the parent in a T-pose and, at the
+end of a limb, the tip of the bone in metres from the joint.
 """
 
+import json
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 
-# joint: (parent, direction of the bone in a T-pose that faces +Z, Y up)
-_BODY = {
-    "hips": (None, (0.0, 0.0, 0.0)),
-    "spine": ("hips", (0.0, 1.0, 0.0)),
-    "chest": ("spine", (0.0, 1.0, 0.0)),
-    "head": ("chest", (0.0, 1.0, 0.0)),
-    "left_collar": ("chest", (0.35, 0.94, 0.0)),
-    "left_shoulder": ("left_collar", (1.0, 0.0, 0.0)),
-    "left_elbow": ("left_shoulder", (1.0, 0.0, 0.0)),
-    "left_wrist": ("left_elbow", (1.0, 0.0, 0.0)),
-    "right_collar": ("chest", (-0.35, 0.94, 0.0)),
-    "right_shoulder": ("right_collar", (-1.0, 0.0, 0.0)),
-    "right_elbow": ("right_shoulder", (-1.0, 0.0, 0.0)),
-    "right_wrist": ("right_elbow", (-1.0, 0.0, 0.0)),
-    "left_hip": ("hips", (0.77, -0.64, 0.0)),
-    "left_knee": ("left_hip", (0.0, -1.0, 0.0)),
-    "left_ankle": ("left_knee", (0.0, -1.0, 0.0)),
-    "left_toe": ("left_ankle", (0.0, -0.5, 0.87)),
-    "right_hip": ("hips", (-0.77, -0.64, 0.0)),
-    "right_knee": ("right_hip", (0.0, -1.0, 0.0)),
-    "right_ankle": ("right_knee", (0.0, -1.0, 0.0)),
-    "right_toe": ("right_ankle", (0.0, -0.5, 0.87)),
-}
-
+_FILE = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
+_BODY: dict[str, list] = json.loads(_FILE)
 JOINTS: tuple[str, ...] = tuple(_BODY)
 PARENTS: tuple[int, ...] = tuple(
-    -1 if parent is None else JOINTS.index(parent) for parent, _ in _BODY.values()
+    -1 if parent is None else JOINTS.index(parent) for parent, *_ in _BODY.values()
 )
-REST_DIRECTIONS: np.ndarray = np.array([direction for _, direction in _BODY.values()])
+REST_DIRECTIONS: np.ndarray = np.array([row[1] for row in _BODY.values()])
+"""REST_DIRECTIONS: of the bone that ends at each joint, in a T-pose that faces +Z, Y up."""
+REST_TIPS = {joint: np.array(row[2]) for joint, row in enumerate(_BODY.values()) if row[2:]}
+"""REST_TIPS: index of a joint at which no other begins -> the tip of its bone in metres."""
 
 LIMBS: dict[str, tuple[str, ...]] = {
     f"{side}_{limb}": tuple(f"{side}_{joint}" for joint in joints)

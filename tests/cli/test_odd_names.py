@@ -69,14 +69,10 @@ def test_no_cell_is_a_formula(walks, model, tmp_path, run):
     for name in (FORMULA, "walk.bvh"):
         shutil.copy(walks / "walk_0.bvh", tmp_path / name)
     run("compare", tmp_path, "-m", model, "-o", tmp_path / "g.csv")
-    text = (walks / "walk_0.bvh").read_text().replace("head\n", "=HYPERLINK(1)\n")
-    (tmp_path / "joint.bvh").write_text(text)
-    load_motion(tmp_path / "joint.bvh").save(tmp_path / "joint.csv")
-    for path in (tmp_path / "g.csv", tmp_path / "joint.csv"):
-        with path.open(newline="", encoding="utf-8") as file:
-            cells = [cell for row in csv.reader(file) for cell in row]
-        assert not any(cell.startswith("=") for cell in cells)
-        assert any(cell.startswith("'=") for cell in cells)
+    with (tmp_path / "g.csv").open(newline="", encoding="utf-8") as file:
+        cells = [cell for row in csv.reader(file) for cell in row]
+    assert not any(cell.startswith("=") for cell in cells)
+    assert any(cell.startswith("'=") for cell in cells)
 
 
 def test_two_inputs_are_not_written_to_one_file(walks, model, tmp_path, error_of):

@@ -13,7 +13,7 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
 from numpy_cae.motion import body_of, load_body
-from numpy_cae.motion.formats.write import require_writer
+from numpy_cae.motion.formats.write import require_bvh
 from numpy_cae.viz import PROJECTED, TRUTH
 
 
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
-    require_writer(args.output)
+    require_bvh(args.output)
     manifold, reading = one_motion.load_model(args), arguments.reading(args)
     motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
     first, second = map(manifold.body, motions)

@@ -15,7 +15,7 @@ from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold,
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.motion import Motion, body_of, features_to_positions, find_motion_files, load_body
 from numpy_cae.motion.features import RootTransform
-from numpy_cae.motion.formats.write import require_writer
+from numpy_cae.motion.formats.write import require_bvh
 from numpy_cae.motion.retarget.body import hold_first_pose
 from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.viz import PROJECTED
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
-    require_writer(args.output)
+    require_bvh(args.output)
     manifold = one_motion.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):

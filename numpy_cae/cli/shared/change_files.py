@@ -19,7 +19,7 @@ from numpy_cae.motion import (
     find_motion_files,
     load_motion,
 )
-from numpy_cae.motion.formats.write import WRITERS, require_writer
+from numpy_cae.motion.formats.write import require_bvh
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.motion.retarget.rigs import find_joints
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     files = "motion files, or folders that are searched with their subfolders"
     add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=files)
     output = "for one motion the file to write: in the same format, where unchanged text is kept, "
-    output += "or .bvh, .npz, .csv. For several motions a folder, created if it does not exist"
+    output += "or .bvh. For several motions a folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
     add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
     add("--overwrite", **arguments.FLAG, help="allow -o to be the file or the folder that is read")
@@ -124,9 +124,9 @@ class ChangedFiles:
         if self.single and not args.output.is_dir():
             targets = {args.files[0]: args.output}
             if not args.files[0].suffix.lower() == args.output.suffix.lower() in KEPT:
-                require_writer(args.output)
+                require_bvh(args.output)
         else:
-            if args.output.suffix.lower() in (*KEPT, *WRITERS) and not args.output.is_dir():
+            if args.output.suffix.lower() in KEPT and not args.output.is_dir():
                 problem = "is a file's name, expected a folder for the motions"
                 raise ValueError(f"{args.output}: {problem}")
             targets = {

@@ -8,8 +8,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion
-from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion, write_bvh
 from numpy_cae.viz import Actor, save_viewer
 
 
@@ -22,8 +21,7 @@ def add_model_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_output_arguments(parser: argparse.ArgumentParser) -> None:
     """The motion file to write, and the page."""
-    output = "motion file to write: .bvh, or positions as .npz or .csv"
-    parser.add_argument("-o", "--output", type=Path, required=True, help=output)
+    parser.add_argument("-o", "--output", type=Path, required=True, help="motion file, .bvh")
     arguments.add_shared(parser, "html")
 
 
@@ -43,7 +41,7 @@ def load_model(args: argparse.Namespace, sequential: bool = False) -> Manifold:
 
 def write(motion: Motion, path: Path) -> None:
     """Write a motion and print what was written."""
-    write_motion(motion, path)
+    write_bvh(motion, path)
     print(f"{path}: {motion}")
 
 

@@ -1,6 +1,6 @@
-"""Write a motion as BVH or as a table of positions; the suffix of the file decides.
+"""Write a motion as BVH.
 
-Our BVH opens in Blender, and `read_bvh` reads the same motion from it. Blender's importer reads
+The file opens in Blender, and `read_bvh` reads the same motion from it. Blender's importer reads
 line by line and requires more than the format does: every brace on a line of its own, OFFSET
 directly below '{' and CHANNELS directly below OFFSET, all three rotations of a joint or none, and
 `Frames:` and `Frame Time:` as written here. Its bones end at the next joint, so the last joint of
@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion.axes import as_in_file, without_added
+from numpy_cae.motion.axes import as_in_file
 from numpy_cae.motion.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.skeleton import Skeleton, depth_first
 from numpy_cae.motion.units import require_unit
-from numpy_cae.visible import csv_cell
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
@@ -143,68 +142,7 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
         yield line % tuple(values)
 
 
-def write_npz(motion: Motion, path: str | Path) -> None:
-    """Write `positions` (F, J, 3) in metres, `names`, `parents` and `rate`, atomically.
-
-    Raises ValueError if the motion has no frames or values that are not finite.
-    """
-    require_writable(motion)
-    positions, rate = motion.positions(), motion.rate
-    names, parents = np.array(motion.skeleton.names), np.array(motion.skeleton.parents)
-    with atomic_write(path) as temp, temp.open("wb") as file:
-        np.savez_compressed(file, positions=positions, names=names, parents=parents, rate=rate)
-
-
-def write_csv(motion: Motion, path: str | Path) -> None:
-    """Write a table with a row for each frame, atomically.
-
-    A row has the time in seconds, then x, y and z of each joint in metres. The first row has the
-    joints' names; one that a spreadsheet would take for a formula begins with a quotation mark.
-    Raises ValueError if the motion has no frames or values that are not finite.
-    """
-    require_writable(motion)
-    positions = motion.positions().reshape(len(motion), -1)
-    table = np.column_stack([np.arange(len(motion)) / motion.rate, positions])
-    names = [csv_cell(name).replace('"', '""') for name in motion.skeleton.names]
-    header = ",".join(["time", *(f'"{name} {axis}"' for name in names for axis in "xyz")])
-    with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
-        np.savetxt(file, table, fmt="%.6f", delimiter=",", header=header, comments="")
-
-
-WRITERS = {".bvh": write_bvh, ".npz": write_npz, ".csv": write_csv}
-
-
-def require_writer(path: str | Path) -> None:
-    """Raise ValueError if no writer has the suffix of this path."""
-    if Path(path).suffix.lower() not in WRITERS:
-        supported = "a motion is written as .bvh, .npz or .csv (positions)"
-        raise ValueError(f"{path}: {supported}")
-
-
-def write_motion(motion: Motion, path: str | Path) -> None:
-    """Write a motion as .bvh, .npz or .csv, atomically.
-
-    BVH has the up axis and the floor of the motion's file; in the others Y is up, the floor at 0.
-
-    Parameters
-    ----------
-    motion : Motion
-    path : path of the file
-        Replaced if it exists; its suffix determines the format.
-
-    Raises
-    ------
-    ValueError
-        If the path has another suffix, or the motion has no frames or values that are not finite.
-    FileError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> from data_synth import make_take
-    >>> write_motion(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.npz")
-    >>> np.load("walk.npz")["positions"].shape
-    (30, 31, 3)
-    """
-    require_writer(path)
-    WRITERS[Path(path).suffix.lower()](without_added(motion), path)
+def require_bvh(path: str | Path) -> None:
+    """Raise ValueError unless a file of this name is a BVH file."""
+    if Path(path).suffix.lower() != ".bvh":
+        raise ValueError(f"{path}: a motion is written as .bvh")

@@ -19,7 +19,7 @@ from numpy_cae.motion.formats.amc import amc_channels
 from numpy_cae.motion.formats.bvh import bvh_channels
 from numpy_cae.motion.formats.channels import Channels
 from numpy_cae.motion.formats.text_file import MotionFileError
-from numpy_cae.motion.formats.write import require_writable, write_motion
+from numpy_cae.motion.formats.write import require_writable
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
@@ -53,8 +53,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     Numbers are replaced where a joint's rotation or translation differs between the two. They have
     as many decimals as the file's, and angles continue those of neighbouring frames without
     avoidable jumps. If a joint's channels do not allow its rotation, the nearest rotation that they
-    allow is written, with a warning. If the suffixes of `path` and `source` differ, or
-    the two motions differ in the number of frames, `write_motion` writes the motion instead.
+    allow is written, with a warning. `FileMotion.save` calls this where it is possible.
 
     Parameters
     ----------
@@ -62,9 +61,9 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     before : Motion
         The motion that `load_motion(source)` returns.
     after : Motion
-        The changed motion, on the same skeleton.
+        The changed motion, on the same skeleton and with as many frames.
     path : path of the file
-        Replaced if it exists; it may be `source`.
+        Of the same suffix. Replaced if it exists; it may be `source`.
 
     Raises
     ------
@@ -88,13 +87,9 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     True
     """
     source = Path(source)
-    suffix = source.suffix.lower()
-    same_kind = Path(path).suffix.lower() == suffix and suffix in (".bvh", ".amc")
-    if not same_kind or len(before) != len(after):
-        write_motion(after, path)
-        return
     require_writable(after)
-    file_format = _bvh_format(source, before) if suffix == ".bvh" else _amc_format(source, before)
+    is_bvh = source.suffix.lower() == ".bvh"
+    file_format = _bvh_format(source, before) if is_bvh else _amc_format(source, before)
     misses: dict[str, float] = {}
     count = 0
     with (

@@ -19,7 +19,7 @@ from numpy_cae.motion.formats.amc import find_skeleton, read_amc
 from numpy_cae.motion.formats.bvh import read_bvh
 from numpy_cae.motion.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.motion.formats.text_file import MotionFileError
-from numpy_cae.motion.formats.write import write_motion
+from numpy_cae.motion.formats.write import require_bvh, write_bvh
 from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.read.coordinates import Coordinates, in_y_up, with_unit_of_limbs
@@ -55,13 +55,13 @@ class FileMotion(Motion):
         """Write the motion to a file.
 
         In the format of its own file (.bvh, .amc) the text of everything that did not change is
-        kept, byte for byte, and a missing .asf skeleton is copied beside an .amc file. Any other
-        format, or a motion at another rate, is written by `write_motion`.
+        kept, byte for byte, and a missing .asf skeleton is copied beside an .amc file. A motion of
+        another format or at another rate is written as BVH.
 
         Parameters
         ----------
         path : path
-            The file to write: .bvh, .amc, or positions as .npz or .csv. It may be the source.
+            The file to write: .bvh, or .amc if the source is one. It may be the source.
         before : Motion, optional
             The motion as it was read; the file is read again where None.
 
@@ -76,8 +76,10 @@ class FileMotion(Motion):
         if same_format and before is None:
             names = self.skeleton.joint_names or None
             before = load_motion(self.source, self.unit, None, self.up, self.floor, names)
-        if not same_format or before is None or before.rate != self.rate:
-            write_motion(self, path)
+        length = len(self), self.rate
+        if before is None or not same_format or (len(before), before.rate) != length:
+            require_bvh(path)
+            write_bvh(self, path)
             return
         if path.suffix.lower() == ".amc":
             _copy_skeleton(find_skeleton(self.source), path)

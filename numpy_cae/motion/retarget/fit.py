@@ -8,19 +8,11 @@ chest), they are fitted together.
 
 import numpy as np
 
-from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS
+from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS, REST_TIPS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import IDENTITY, inverse, product, rotate
 from numpy_cae.motion.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.skeleton import Skeleton
-
-_TIPS = {
-    "head": (0.0, 0.18, 0.0),
-    "left_wrist": (0.16, 0.0, 0.0),
-    "right_wrist": (-0.16, 0.0, 0.0),
-    "left_toe": (0.0, 0.0, 0.06),
-    "right_toe": (0.0, 0.0, 0.06),
-}
 
 _TAU = 1e-7
 """τ of `fit_fan`. It is so small that only rotations that the bones do not determine stay near the
@@ -31,8 +23,7 @@ def body_skeleton(lengths: np.ndarray) -> Skeleton:
     """The twenty joints as a skeleton in a T-pose facing +Z, from (20,) bone lengths in metres."""
     norms = np.linalg.norm(REST_DIRECTIONS, axis=1)
     directions = REST_DIRECTIONS / np.maximum(norms, 1e-9)[:, None]
-    tips = {JOINTS.index(joint): np.array(tip) for joint, tip in _TIPS.items()}
-    return Skeleton(JOINTS, PARENTS, directions * lengths[:, None], tips)
+    return Skeleton(JOINTS, PARENTS, directions * lengths[:, None], dict(REST_TIPS))
 
 
 def fit_motion(
