@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import gradients_of
+from numpy_cae.verify.checks.call import gradients_of, require_shape
 
 
 def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
@@ -41,15 +41,9 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     AssertionError: the pullback is not the adjoint: <A x, y> = 19, but <x, A' y> = 7
     """
     value, pullback = f(x)
-    if np.shape(value) != np.shape(y):
-        raise AssertionError(
-            f"the value has shape {np.shape(value)}, but y has shape {np.shape(y)}"
-        )
+    require_shape("the value", value, np.shape(y))
     (pulled,) = gradients_of(pullback(y), 1)
-    if np.shape(pulled) != np.shape(x):
-        raise AssertionError(
-            f"the pullback returns shape {np.shape(pulled)} for an argument of shape {np.shape(x)}"
-        )
+    require_shape("what the pullback returns", pulled, np.shape(x))
     forward, backward = float(np.sum(value * y)), float(np.sum(x * pulled))
     scale = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
     if not abs(forward - backward) <= tolerance * scale:

@@ -57,6 +57,12 @@ def require_array(what: str, result: object) -> None:
         raise AssertionError(f"{what} is a {type(result).__name__}, not an array")
 
 
+def require_shape(what: str, result: object, shape: tuple[int, ...]) -> None:
+    """Raise an AssertionError unless a result has this shape."""
+    if np.shape(result) != shape:
+        raise AssertionError(f"{what} has shape {np.shape(result)}, expected {shape}")
+
+
 def parts(value: object) -> Sequence:
     """The outputs of f: the entries of a tuple, or its one value."""
     return value if isinstance(value, tuple | list) else [value]

@@ -14,7 +14,7 @@ import numpy as np
 
 from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
-from numpy_cae.verify.checks.leaves import gradients_of_leaves, is_array, leaves, rebuilt
+from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
 from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
@@ -99,7 +99,7 @@ def wrong_gradients(
     `upstream` makes the upstream gradient of an output, by default random numbers; of so large a
     share of the entries a kink is excused.
     """
-    if not any(is_array(*leaf) for leaf in _all_leaves(inputs, names)):
+    if not any(is_array(*leaf) for leaf in all_leaves(inputs, names)):
         raise TypeError("no argument is an array of float64 or float32")
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[str] = []
@@ -132,7 +132,7 @@ def _arguments(
 ) -> Iterator[Argument]:
     """Each array, with its gradient from each output and f as a function of it, in float64."""
     dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream)
-    named = _all_leaves(inputs, names)
+    named = all_leaves(inputs, names)
     places = [i for i, gradient in enumerate(next(iter(pulled.values()))) if gradient is not None]
     if any(getattr(leaf, "dtype", None) == np.float32 for _, leaf in named):
         tolerance = max(tolerance, SINGLE_TOLERANCE)
@@ -158,7 +158,7 @@ def _gradients_of_two_calls(
     Raise unless these are gradients, no argument is altered, a second call returns the same, and
     the pullback is proportional to the upstream gradient, one result independent of the next.
     """
-    named = _all_leaves(inputs, names)
+    named = all_leaves(inputs, names)
     before = copies([x for _, x in named])
     value, pullback = call(f, inputs)
     outputs = copies(parts(value))
@@ -203,10 +203,6 @@ def _function_of_one(
             return np.ravel(parts(f(*rebuilt(inputs, given))[0])[output])
 
     return output_at
-
-
-def _all_leaves(inputs: Sequence, names: Sequence[str]) -> list[tuple[str, object]]:
-    return [leaf for both in zip(names, inputs, strict=True) for leaf in leaves(*both)]
 
 
 def _require_untouched(name: str, array: object, before: object) -> None:

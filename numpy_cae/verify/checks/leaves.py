@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
 from numpy_cae.verify.checks.written import described
 
 CONTAINERS = (dict, list, tuple)
@@ -28,6 +28,11 @@ def rebuilt(argument: object, parts: Iterator) -> object:
     return next(parts)
 
 
+def all_leaves(inputs: Sequence, names: Sequence[str]) -> list[tuple[str, object]]:
+    """The parts of all arguments by name."""
+    return [leaf for both in zip(names, inputs, strict=True) for leaf in leaves(*both)]
+
+
 def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) -> list:
     """What a pullback returned for each part of the arguments; None where it returned nothing.
 
@@ -43,8 +48,7 @@ def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) 
         of_floats = range(len(inputs))
     given = dict(zip(of_floats, gradients_of(pulled, len(of_floats)), strict=True))
     matched = [g for i, x in enumerate(inputs) for g in _matched(names[i], x, given.get(i))]
-    named = [leaf for both in zip(names, inputs, strict=True) for leaf in leaves(*both)]
-    for (name, leaf), gradient in zip(named, matched, strict=True):
+    for (name, leaf), gradient in zip(all_leaves(inputs, names), matched, strict=True):
         if is_array(name, leaf) or (isinstance(leaf, float) and gradient is not None):
             _require_gradient(name, np.shape(leaf), gradient)
         elif gradient is not None:
@@ -81,11 +85,7 @@ def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> No
     """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
     if shape or not isinstance(gradient, float):
         require_array(f"the gradient for {name}", gradient)
-    if np.shape(gradient) != shape:
-        raise AssertionError(
-            f"the gradient for {name} is shape {np.shape(gradient)}, expected shape {shape}, "
-            f"that of {name}"
-        )
+    require_shape(f"the gradient for {name}", gradient, shape)
     if np.iscomplexobj(gradient):
         raise AssertionError(f"the gradient for {name} is complex")
     if not np.all(np.isfinite(gradient)):

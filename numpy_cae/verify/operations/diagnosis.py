@@ -40,11 +40,8 @@ def _known_mistake(stated: Property, implementation: Callable) -> str:
         return ""
     explained = {}
     for sentence, wrong in _wrong_operations(operation.name):
-        alike = (
-            _same(one, stated.check.results(wrong, case))
-            for one, case in zip(results, cases, strict=True)
-        )
-        if all(alike):
+        pairs = zip(results, cases, strict=True)
+        if all(_same(one, stated.check.results(wrong, case)) for one, case in pairs):
             explained[sentence] = _shared_effects(operation, implementation, wrong)
     best = max(explained, key=explained.__getitem__, default="")
     return best if best and explained[best] >= 0 else ""

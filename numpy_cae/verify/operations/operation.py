@@ -235,15 +235,13 @@ POINTS_ALIKE = {"alike": _mean_of_equal_points}
 _WINDOW, _BANK = "batch frames channels", "taps channels filters"
 _conv1d = arguments_of({"x": _WINDOW, "w": _BANK, "b": "filters"}, {})
 _linear = arguments_of({"x": "... channels", "w": "channels features", "b": "features"}, {})
-_pool, _unpool = (
-    arguments_of(shapes, {}) for shapes in ({"x": "batch 2*frames channels"}, {"y": _WINDOW})
-)
+_pool = arguments_of({"x": "batch 2*frames channels"}, {})
 _unpool_random = arguments_of({"y": _WINDOW, "first": _WINDOW}, {"first": _mask})
 _TABLE = (
     ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
     ("transpose_filters", BANK, arguments_of({"w": _BANK}, {}), "w", "w", SELECTS),
     ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
-    ("unpool_even", WINDOW | EXTREME, _unpool, "y", "y", SELECTS),
+    ("unpool_even", WINDOW | EXTREME, arguments_of({"y": _WINDOW}, {}), "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
     ("tanh", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),
     ("sigmoid", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),

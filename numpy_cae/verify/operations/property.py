@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import gradients_of, require_array
+from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
 from numpy_cae.verify.checks.written import written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
@@ -25,6 +25,14 @@ UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 
 Findings = Iterator[tuple]
 """(name, result, expected[, tolerance]) of each comparison; EXACT without a tolerance."""
+
+
+class Mismatch(AssertionError):
+    """A result that is not as expected."""
+
+    what: str
+    result: np.ndarray
+    expected: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -140,14 +148,13 @@ def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int |
 def require_equal(
     what: str, result, expected, tolerance: float = EXACT, floor: float | None = None
 ) -> None:
-    """Raise unless two arrays agree in shape and, to rounding, in every entry.
+    """Raise a Mismatch unless two arrays agree in shape and, to rounding, in every entry.
 
     The tolerance is relative to the largest entry. With a floor, the tolerance is relative to
     each entry, plus the floor.
     """
     result, expected = np.asarray(result), np.asarray(expected)
-    if result.shape != expected.shape:
-        raise AssertionError(f"{what} has shape {result.shape}, expected {expected.shape}")
+    require_shape(what, result, expected.shape)
     size = np.abs(expected)
     if floor is None:
         allowed = tolerance * max(1.0, float(np.max(size, initial=0.0)))
@@ -159,7 +166,9 @@ def require_equal(
         index = tuple(map(int, np.unravel_index(np.argmax(excess), off.shape)))
         place = f" at index {index}" if index else ""
         one, other = written_apart(float(result[index]) + 0, float(expected[index]) + 0, 10)
-        raise AssertionError(f"{what} is {one}{place}, expected {other}")
+        error = Mismatch(f"{what} is {one}{place}, expected {other}")
+        error.what, error.result, error.expected = what, result, expected
+        raise error
 
 
 def agrees(result, expected) -> bool:

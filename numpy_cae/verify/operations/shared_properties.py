@@ -60,10 +60,8 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         statement = inspect.getdoc(findings).partition("\n")[0]
         yield property_of(operation, name, statement, findings, classes, combined=combined)
     if operation.reference:
-        longer = {
-            name: (*sizes, *operation.longer.get(name, ()))
-            for name, sizes in operation.sizes.items()
-        }
+        more = operation.longer
+        longer = {size: (*given, *more.get(size, ())) for size, given in operation.sizes.items()}
         longer["upstream"] = (ORDINARY, "random", "integers", "sparse")
         every = {"combined": ("values", "of"), "together": TOGETHER}
         yield property_of(operation, "special inputs", SPECIAL, compared, longer, **every)

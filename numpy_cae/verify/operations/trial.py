@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import is_pair, parts
+from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.checks.written import (
     WORTH_A_RESULT,
     WORTH_PRINTING,
@@ -22,7 +22,7 @@ from numpy_cae.verify.checks.written import (
 from numpy_cae.verify.operations.case import Case, example_call, smallest
 from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 from numpy_cae.verify.operations.diagnosis import likely_mistake
-from numpy_cae.verify.operations.property import Outcome, Property, agrees, case_of, right_results
+from numpy_cae.verify.operations.property import Mismatch, Outcome, Property, case_of, right_results
 
 LONGEST_TEXT = 2000
 QUIET = dict.fromkeys(("divide", "over", "under", "invalid"), "ignore")
@@ -37,23 +37,18 @@ class Recorder:
     implementation: Callable
     arguments: tuple | None = None
     upstreams: list = field(default_factory=list)
-    results: list = field(default_factory=list)  # the value, then the gradients
 
     def __call__(self, *arguments):
         given = deepcopy(arguments)
-        self.arguments, self.upstreams, self.results = given, [], []
+        self.arguments, self.upstreams = given, []
         returned = self.implementation(*arguments)
         if not is_pair(returned):
             return returned
-        value, pullback = np.copy(returned[0]), returned[1]
-        self.results = [value]
 
         def recorded_pullback(*upstream):
-            self.arguments, self.results = given, [value]
+            self.arguments = given
             self.upstreams += deepcopy(upstream)
-            pulled = pullback(*upstream)
-            self.results = [value, *deepcopy(parts(pulled))]
-            return pulled
+            return returned[1](*upstream)
 
         return returned[0], recorded_pullback
 
@@ -120,9 +115,8 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
     error = failure(tried, last, case)
     found = _finding(error)
     if shrink and not isinstance(error, NotImplementedError | None):
-        case = smallest(
-            case, tried.sizes, lambda c: _finding(failure(tried, implementation, c)) == found
-        )
+        again = lambda case: _finding(failure(tried, implementation, case)) == found  # noqa: E731
+        case = smallest(case, tried.sizes, again)
         error = failure(tried, last, case)
     if error is None:  # it fails in one call and not in the next
         problem = "called again with the same arguments, it returns something else"
@@ -131,7 +125,7 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
     if not isinstance(error, AssertionError):
         code = getattr(inspect.unwrap(implementation), "__code__", None)
         problem = described(error, getattr(code, "co_filename", ""))
-    example = "\n".join([str(case), *_described(tried, case, last)])
+    example = "\n".join([str(case), *_described(tried, case, last, error)])
     mistake = ""
     if isinstance(error, AssertionError | ValueError | IndexError):  # as planted bugs raise
         mistake = likely_mistake(tried, implementation)
@@ -201,40 +195,24 @@ def failure(tried: Property, implementation: Callable, case: Case) -> Exception 
     return None
 
 
-def _described(tried: Property, case: Case, last: Recorder) -> Iterator[str]:
-    """The arguments and results of the last call; if they are long, the call of `example`."""
-    shown, operation, upstreams = tried.arguments(case), tried.definition, last.upstreams
-    is_call = last.arguments is not None and len(last.arguments) == len(shown)
-    if is_call:
+def _described(tried: Property, case: Case, last: Recorder, error: Exception) -> Iterator[str]:
+    """The arguments of the last call, and what it should return; or the call of `example`."""
+    shown, upstreams = tried.arguments(case), last.upstreams
+    names = ("dy", "dy'", "2 dy - 3 dy'")
+    if last.arguments is not None and len(last.arguments) == len(shown):
         shown = dict(zip(shown, last.arguments, strict=True))
-    arguments, names = {**shown}, ("dy", "dy'", "2 dy - 3 dy'")
-    if tried.name == "linearity" and len(upstreams) == len(names):
-        shown |= dict(zip(names, upstreams, strict=True))
-    elif is_call and upstreams:
-        shown["upstream gradient"] = upstreams[-1]
+        if tried.name == "linearity" and len(upstreams) == len(names):
+            shown |= dict(zip(names, upstreams, strict=True))
+        elif upstreams:
+            shown["upstream gradient"] = upstreams[-1]
     if sum(np.size(a) for a in shown.values() if isinstance(a, np.ndarray)) > WORTH_PRINTING:
         yield example_call(tried.operation, case)
     else:
         yield from (f"{name} = {written(argument)}" for name, argument in shown.items())
-    if not is_call or operation is None:
-        return
-    try:
-        value, pullback = operation.reference(*deepcopy(last.arguments))
-        fits = upstreams and np.shape(last.results[0]) == np.shape(value)
-        pulled = pullback(deepcopy(upstreams[-1])) if fits else ()
-    except ValueError:  # it was called with its own result, which has a wrong shape
-        return
-    names = ("value", *(f"gradient for {name}" for name in operation.differentiated))
-    for name, one, other in zip(names, last.results, (value, *parts(pulled)), strict=False):
-        if tried.name.startswith("gradient") and name not in ("value", tried.name):
-            continue
-        if max(np.size(one), np.size(other)) <= WORTH_A_RESULT and np.asarray(one).dtype != object:
-            if not agrees(operation.alike(arguments, one), operation.alike(arguments, other)):
-                result, right = written_apart(one, other)
-                yield f"{name}: {result}"
-                yield f"  expected: {right}"
-                if name == "value":
-                    return  # the definition's gradients are those of another value
+    if isinstance(error, Mismatch) and error.result.size <= WORTH_A_RESULT:
+        result, right = written_apart(error.result, error.expected)
+        yield f"{error.what.removeprefix('the ')}: {result}"
+        yield f"  expected: {right}"
 
 
 def described(error: BaseException, file: str = "") -> str:
