@@ -1,7 +1,10 @@
 """Every subcommand: its help has an example; every failure is one line, status 2 and no file."""
 
+import shutil
+
 import numpy as np
 import pytest
+from acclaim_files import FILES
 
 from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
@@ -11,34 +14,8 @@ from numpy_cae.motion import write_bvh
 NAMES = list(SUBCOMMANDS)
 
 # WALK is a motion, FOLDER holds it, MODEL suits it; OUT.xyz can be written. Each case replaces one.
-COMMANDS = {
-    "demo": "demo -o OUT --quiet",
-    "download": "download cmu --subjects 1 -o OUT --site http://127.0.0.1:9 --quiet",
-    "train": "train FOLDER -o OUT.npz --epochs 1 --filters 4 --quiet",
-    "repair": "repair WALK -m MODEL -o OUT.bvh",
-    "fill": "fill WALK -m MODEL -o OUT.bvh --joint left_wrist",
-    "interpolate": "interpolate WALK WALK -m MODEL -o OUT.bvh",
-    "compare": "compare FOLDER -m MODEL -o OUT.csv",
-    "sample": "sample -m MODEL --data FOLDER -o OUT.bvh --seconds 1",
-    "rig": "rig WALK -o OUT.json",
-    "show": "show WALK -o OUT",
-    "report": "report --data FOLDER -m MODEL -o OUT --test walk_1.bvh",
-    "study": "study --data FOLDER --test walk_1.bvh -o OUT --quiet",
-    "lessons": "lessons OUT --from FOLDER",
-    "verify": "verify SCRIPT",
-    "bench": "bench --rounds 1",
-}
-
-
-ONE_JOINT = """HIERARCHY
-ROOT paw { OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-End Site { OFFSET 0 1 0 } }
-MOTION
-Frames: 2
-Frame Time: 0.0333
-0 0 0 0 0 0
-0 1 0 0 9 0
-"""
+LINES = (FILES / "commands.txt").read_text().splitlines()
+COMMANDS = {line.split()[0]: line for line in LINES}
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +35,7 @@ def things(tiny_manifolds, tmp_path_factory):
         (base / f"mask_{number}.json").write_text(mask)
     text = (base / "motions" / "walk_0.bvh").read_text()
     (base / "cut.bvh").write_text(text[: text.index("MOTION")])
-    (base / "paw.bvh").write_text(ONE_JOINT)
+    shutil.copy(FILES / "one_joint.bvh", base / "paw.bvh")
     words = {"WALK": "motions/walk_0.bvh", "FOLDER": "motions", "MODEL": "model.npz"}
     words["SCRIPT"] = "missing.py"
     return {"base": base, **{word: base / name for word, name in words.items()}}
@@ -147,45 +124,7 @@ def test_output_that_cannot_be_written(name, place, things, tmp_path, capsys):
     refused(capsys, typed(things, name, out), tmp_path)
 
 
-ERRORS = """
-train FOLDER -o OUT.npz --test *_1.bvh x*                   | no file matches 'x*'
-train FOLDER -o OUT.npz --test *                            | none is left to train
-train FOLDER -o OUT.npz --window 150                        | multiple of 8
-train FOLDER -o OUT.npz --latent 3                          | not an option of the convolutional
-train FOLDER -o OUT.npz --model sequential --window 64      | not an option of the sequential
-train FOLDER -o OUT.npz --model sequential --recipe best    | is for the convolutional model
-train FOLDER -o OUT.npz --model sequential --test *.txt     | no file matches *.txt
-train FOLDER -o OUT.npz --model sequential --test *         | every file matches *
-train FOLDER -o OUT.npz --model sequential --frames 500     | as long as a clip of 500 frames
-train FOLDER -o OUT.npz --epochs 0                          | argument --epochs: 0 is not 1 or
-train FOLDER -o OUT.npz --rate nan                          | argument --rate: nan is not
-train FOLDER -o OUT.npz --unit 0                            | argument --unit: 0 is not
-train FOLDER -o OUT/no/m.npz                                | No such file or directory
-repair BASE/cut.bvh -m MODEL -o OUT.bvh                     | ends without MOTION
-repair BASE/paw.bvh -m MODEL -o OUT.bvh                     | paw.bvh
-repair WALK -m MODEL -o OUT.fbx                             | written as .bvh
-repair FOLDER -m MODEL -o OUT.bvh                           | expected a folder
-repair WALK -m MODEL -o OUT.bvh --project --smooth          | use it without --joint
-fill WALK -m MODEL -o OUT.bvh                               | say what is missing
-fill WALK -m MODEL -o OUT.bvh --joint head --keyframes 15   | say what is missing
-fill WALK -m MODEL -o OUT.bvh --joint nose                  | there is no joint 'nose'
-fill WALK -m MODEL -o OUT.bvh --joint left_hip              | left_hip is fixed
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_0.json       | mask_0.json:1: not JSON
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_1.json       | mask_1.json: expected a list
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_2.json       | entry 1: expected
-fill WALK -m MODEL -o OUT.bvh --mask BASE/mask_3.json       | entry 2: there is no limb 'tail'
-fill WALK -m MODEL -o OUT.bvh --joint head --frames 80 400  | the motion has 0 to 99
-fill WALK -m MODEL -o OUT.bvh --joint head --frames 90 40   | the first is after the last
-interpolate WALK WALK -m MODEL -o OUT.bvh --share 2         | argument --share: 2 is not
-sample -m MODEL -o OUT.bvh                                  | requires motions in --data
-sample -m MODEL -o OUT.fbx --prior uniform                  | written as .bvh
-compare WALK -m MODEL                                       | one motion alone
-compare WALK BASE/no.bvh -m MODEL                           | no such file
-show BASE/cut.bvh -o OUT                                    | cut.bvh
-study --data FOLDER -o OUT --quiet                          | leaves nothing of motions to test
-report -o OUT                                               | required: --data
-report --data FOLDER -o OUT --only nonsense                 | argument --only: invalid choice
-""".strip().splitlines()
+ERRORS = (FILES / "command_errors.txt").read_text().splitlines()
 
 
 @pytest.mark.parametrize("case", ERRORS)

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acclaim_files import write_acclaim
-from plain_bvh import HIERARCHY
+from acclaim_files import FILES, write_acclaim
 
 from data_synth import make_take
 from numpy_cae.motion import (
@@ -19,7 +18,7 @@ from numpy_cae.motion import (
 )
 from numpy_cae.motion.read.many import read_bodies
 
-BVH = f"{HIERARCHY}MOTION\nFrames: 1\nFrame Time: 0.04\n0 0 0 0 0 0 0 0 0\n"
+BVH = (FILES / "leg.bvh").read_text()
 
 
 def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
@@ -30,7 +29,7 @@ def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
         path.write_text(BVH)
     wanted[-1].write_text(",".join(["0"] * 116))  # a row of numbers is motion, words are not
     assert find_motion_files(tmp_path) == wanted
-    assert load_motion(str(wanted[1]), unit=1.0).rate == 25
+    assert load_motion(str(wanted[1]), unit=1.0).rate == 40
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from acclaim_files import FILES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_bvh import PlainJoint, bvh_text, plain_positions
@@ -65,27 +66,7 @@ def test_positions_are_those_of_explicit_matrices(tmp_path_factory, drawn):
         np.testing.assert_allclose(motion.skeleton.end_sites[index], 0.5 * np.array(tip))
 
 
-TIDY = """HIERARCHY
-ROOT Hips
-{
-  OFFSET 1 2 3
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT mixamorig:Left Leg
-  {
-    OFFSET 0 -40 0
-    CHANNELS 3 Yrotation Xrotation Zrotation
-    End Site
-    {
-      OFFSET 0 -45 1e-5
-    }
-  }
-}
-MOTION
-Frames: 2
-Frame Time: .0083333
-10 90 20 1 2 3 4 5 6
-1e1 9.1e+1 20. -1 -2 -3 -4 -5 -.6
-"""
+TIDY = (FILES / "tidy.bvh").read_text()
 
 
 @pytest.fixture

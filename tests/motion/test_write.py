@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acclaim_files import AMC, ASF, write_acclaim
+from acclaim_files import AMC, ASF, FILES, write_acclaim
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -162,26 +162,6 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-ODD_HIERARCHY = """HIERARCHY
-ROOT Hips {
-\tOFFSET 0 0 0
-\tCHANNELS 6 Yrotation Xrotation Zrotation Zposition Yposition Xposition
-\tJOINT Knee
-\t{
-\t\tOFFSET 0 -40.5 0
-\t\tCHANNELS 6 Xposition Yposition Zposition Xrotation Zrotation Yrotation
-\t\tEnd Site
-\t\t{
-\t\t\tOFFSET 0 -40 0
-\t\t}
-\t}
-}
-MOTION
-Frames:\t12
-Frame Time: .0333333
-"""
-
-
 @pytest.fixture
 def odd(tmp_path):
     """Several separators, CRLF, a blank line, a wrap from 179 to -179 in frame 6."""
@@ -190,7 +170,13 @@ def odd(tmp_path):
         f"\t0.000 -40.500 0 {10 + n}.125 20.000 -0.000 "
         for n in range(12)
     ]
-    text = ODD_HIERARCHY + "\n".join(rows[:7]) + "\n\n" + "\n".join(rows[7:]) + "\n"
+    text = (
+        (FILES / "odd_hierarchy.bvh").read_text()
+        + "\n".join(rows[:7])
+        + "\n\n"
+        + "\n".join(rows[7:])
+        + "\n"
+    )
     (tmp_path / "odd.bvh").write_bytes(text.replace("\n", "\r\n").encode())
     return tmp_path / "odd.bvh", load_motion(tmp_path / "odd.bvh", unit=0.01), tmp_path / "new.bvh"
 
