@@ -116,6 +116,16 @@ def test_the_layers_of_motion_import_in_one_direction(layer):
     assert not wrong
 
 
+def test_only_the_safe_reader_loads_array_files():
+    loading = {
+        path.name
+        for path in python_files("numpy_cae", "data_synth")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and ast.unparse(node) in ("np.load", "pickle.load")
+    }
+    assert loading == {"array_file.py"}
+
+
 MOST_CODE = {"numpy_cae": 16000, "data_synth": 2250, "tests": 8500}
 """Lines that hold code; docstrings, comments and blank lines are free."""
 LAYOUT = {

@@ -82,7 +82,7 @@ def test_killed_at_random_moments(walks, whole, tmp_path, options, times):
         process = started(walks, out, [*options, "--resume"])
         if number % 4 == 3:
             time.sleep(rng.uniform(0, 3))
-            process.kill()
+            process.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM]))
         else:
             wait_for_a_state(process, state)
             time.sleep(rng.uniform(0, 0.02))

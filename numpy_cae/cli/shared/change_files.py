@@ -25,7 +25,7 @@ from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
 
-READING = 1 / 12
+READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
 
 
