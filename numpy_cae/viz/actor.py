@@ -16,6 +16,8 @@ CORRUPTED = "#e8833a"
 PROJECTED = "#2f6db5"
 TRUTH = "#3f9a4b"
 PLAIN = "#444444"
+OTHERS = ("#7a4ca0", "#c2378f", "#8c564b", "#6b6b6b", "#9a8a00", "#14908a")
+"""OTHERS: colours of curves that are no projection, no damage and no truth, in their order."""
 
 
 @dataclass(frozen=True)

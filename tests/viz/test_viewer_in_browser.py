@@ -1,17 +1,11 @@
 """The viewer in headless Chromium: it loads from the disk, plays, and shows the right positions."""
 
-import shutil
-
 import numpy as np
 import pytest
 
 from data_synth import make_take
 from numpy_cae.viz import motion_actor, save_viewer
 
-playwright = pytest.importorskip("playwright.sync_api", reason="needs the extra `browser`")
-
-OPTIONS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-"""WebGL without a graphics card."""
 SHOWN = "viewer => viewer.stage.figures.map(figure => figure.points.map(point => point.toArray()))"
 HEAD_ON_SCREEN = """viewer => {
     const figure = viewer.stage.figures[0], area = viewer.canvas.getBoundingClientRect();
@@ -23,20 +17,6 @@ FOUND = [
     {"joint": "left_knee", "frames": [30, 45], "kind": "frozen", "cm": 12.0, "confidence": 0.9},
     {"joint": "left_ankle", "frames": [30, 45], "kind": "frozen", "cm": 31.0, "confidence": 0.9},
 ]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as chromium:
-        found = shutil.which("chromium") or shutil.which("google-chrome")
-        try:
-            opened = chromium.chromium.launch(
-                executable_path=found, args=[*OPTIONS, "--no-sandbox"]
-            )
-        except playwright.Error as error:
-            pytest.skip(f"no Chromium: {str(error).splitlines()[0]}")
-        yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,190 @@
+"""Figures with sliders, which need neither a kernel nor a network.
+
+A page embeds a table with a row for each position of the controls, and `slider.js`, which draws the
+row at which the controls stand as SVG. A sentence for each position says the same as the drawing.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from math import prod
+from string import Template
+
+import numpy as np
+
+from numpy_cae.viz.actor import OTHERS, Actor
+from numpy_cae.viz.curves import Curve
+
+_FOLDER = files("numpy_cae.viz") / "viewer_page"
+_LARGEST = 300_000
+"""LARGEST: the page of a figure has at most this number of bytes."""
+_STEP = 0.005
+"""STEP: positions of joints are rounded to multiples of this (m)."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Curves over one pair of axes, as a part of a figure with sliders.
+
+    Parameters
+    ----------
+    title : str
+    curves : sequence of Curve
+        An x or y of shape (positions, points) has a row for each position of the controls; one of
+        shape (points,) is drawn at every position. The style "o" draws points, "--" dashes.
+    across, up : str
+        Labels of the axes, with units.
+    log : str
+        The axes that are logarithmic: "", "x", "y" or "xy".
+    """
+
+    title: str
+    curves: Sequence[Curve]
+    across: str
+    up: str
+    log: str = ""
+
+
+@dataclass(frozen=True, repr=False)
+class SliderFigure:
+    """A figure with sliders as the result of a notebook's cell, in a frame of its own."""
+
+    page: str
+    title: str
+    texts: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        rows = np.unique(np.linspace(0, len(self.texts) - 1, 9).round().astype(int))
+        return "\n".join(
+            [f"a figure with sliders: {self.title}", *(self.texts[row] for row in rows)]
+        )
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{escape(self.page)}" title="{escape(self.title)}" '
+            'style="width: 100%; height: 430px; border: 0"></iframe>'
+        )
+
+
+def slider_figure(
+    title: str,
+    controls: Mapping[str, Sequence[float]],
+    panels: Sequence[Chart | Sequence[Actor]],
+    texts: Sequence[str],
+    rate: float = 30.0,
+    start: int = 0,
+) -> SliderFigure:
+    """A figure with a slider for each control, drawn in the browser from a table.
+
+    Parameters
+    ----------
+    title : str
+    controls : mapping of str to sequence of float
+        The name of each control and the values that it takes. With several controls, the positions
+        are all combinations of their values, the last control changing fastest.
+    panels : sequence of Chart or of sequences of Actor
+        Drawn side by side. The actors of a panel stand beside one another and play in a loop, each
+        on the spot; an actor whose positions have shape (positions, F, J, 3) has a motion for each
+        position of the controls.
+    texts : sequence of str
+        For each position, what is seen there: shown below the drawing and read to those who do not
+        see it.
+    rate : float
+        Frames a second of the actors.
+    start : int
+        The position at which the controls stand at first.
+
+    Returns
+    -------
+    SliderFigure
+        It shows itself in a notebook; `page` is the whole HTML page.
+
+    Raises
+    ------
+    ValueError
+        If the number of texts or rows is not that of the positions, or the page is too large.
+
+    Examples
+    --------
+    >>> from numpy_cae.viz import Chart, Curve, slider_figure
+    >>> x, slopes = np.linspace(-1, 1, 5), [0.5, 1.0, 2.0]
+    >>> line = Curve(x, np.outer(slopes, x), "a line")
+    >>> slider_figure("the slope of a line", {"slope a": slopes},
+    ...               [Chart("y = a x", [line], "x", "y")], [f"slope {a}" for a in slopes])
+    a figure with sliders: the slope of a line
+    slope 0.5
+    slope 1.0
+    slope 2.0
+    """
+    positions = prod(len(values) for values in controls.values())
+    others = iter(OTHERS)
+    drawn = [
+        _chart(panel, others) if isinstance(panel, Chart) else _bodies(panel, rate)
+        for panel in panels
+    ]
+    for rows in (texts, *(rows for panel in drawn for rows in _varying(panel))):
+        if len(rows) != positions:
+            raise ValueError(f"{len(rows)} rows or texts for {positions} positions of the controls")
+    named = [{"name": name, "values": _short(values)} for name, values in controls.items()]
+    table = {"controls": named, "panels": drawn, "start": start}
+    page = Template(_FOLDER.joinpath("slider.html").read_text(encoding="utf-8")).substitute(
+        title=escape(title),
+        table=base64.b64encode(zlib.compress(json.dumps(table).encode(), 9)).decode(),
+        texts="\n".join(f"<li>{escape(text)}</li>" for text in texts),
+        script=_FOLDER.joinpath("slider.js").read_text(encoding="utf-8"),
+    )
+    if len(page.encode()) > _LARGEST:
+        raise ValueError(f"{title}: the page has {len(page.encode())} bytes, at most {_LARGEST}")
+    return SliderFigure(page, title, tuple(texts))
+
+
+def _short(values) -> list:
+    """Four digits of each number; null where it is not finite."""
+    if np.ndim(values) > 1:
+        return [_short(row) for row in values]
+    return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
+
+
+def _chart(chart: Chart, others: Iterator[str]) -> dict:
+    curves = [
+        {
+            "label": curve.label,
+            "colour": curve.colour or next(others),
+            "style": curve.style,
+            "x": _short(curve.x),
+            "y": _short(curve.y),
+        }
+        for curve in chart.curves
+    ]
+    return {**vars(chart), "curves": curves}
+
+
+def _bodies(actors: Sequence[Actor], rate: float) -> dict:
+    return {"title": "", "actors": [_actor(actor) for actor in actors], "rate": rate}
+
+
+def _actor(actor: Actor) -> dict:
+    """An actor with the middle of its body above one place, in steps; differences of frames."""
+    points = np.asarray(actor.positions, dtype=float)
+    points = points[None] if points.ndim == 3 else points
+    points = points - np.median(points, axis=2, keepdims=True) * [1.0, 0.0, 1.0]
+    steps = np.round(points / _STEP).astype(int)
+    return {
+        "label": actor.label,
+        "colour": actor.colour,
+        "parents": [int(parent) for parent in actor.parents],
+        "clips": np.diff(steps, axis=1, prepend=0).reshape(*steps.shape[:2], -1).tolist(),
+    }
+
+
+def _varying(panel: dict) -> list[list]:
+    """What has a row for each position of the controls."""
+    arrays = [curve[axis] for curve in panel.get("curves", ()) for axis in "xy"]
+    varying = [rows for rows in arrays if isinstance(rows[0], list)]
+    return varying + [a["clips"] for a in panel.get("actors", ()) if len(a["clips"]) > 1]
