@@ -1,13 +1,15 @@
 """The course: exercises and their checks, and the lessons as notebooks.
 
 The source of a lesson is the instructor's notebook, stored with its outputs; the student's notebook
-is made from it. `load_mine`, `report`, `solved` and `example` are for the cells of a notebook.
+is made from it. `load_mine`, `report`, `solved`, `progress` and `example` are for the cells of a
+notebook.
 """
 
 from numpy_cae.course.catalogue import example, report, solved
 from numpy_cae.course.mine import load_mine
+from numpy_cae.course.progress import progress
 
-__all__ = ["example", "load_mine", "report", "solved"]
+__all__ = ["example", "load_mine", "progress", "report", "solved"]
 
 
 def __dir__() -> list[str]:

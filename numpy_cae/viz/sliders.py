@@ -37,7 +37,7 @@ class Chart:
     title : str
     curves : sequence of Curve
         An x or y of shape (positions, points) has a row for each position of the controls; one of
-        shape (points,) is drawn at every position. The style "o" draws points, "--" dashes.
+        shape (points,) is drawn at every position. The styles "o" and "." draw points, "--" dashes.
     across, up : str
         Labels of the axes, with units.
     log : str
@@ -170,10 +170,10 @@ def _bodies(actors: Sequence[Actor], rate: float) -> dict:
 
 
 def _actor(actor: Actor) -> dict:
-    """An actor with the middle of its body above one place, in steps; differences of frames."""
+    """An actor with its root above one place, in steps; differences of frames."""
     points = np.asarray(actor.positions, dtype=float)
     points = points[None] if points.ndim == 3 else points
-    points = points - np.median(points, axis=2, keepdims=True) * [1.0, 0.0, 1.0]
+    points = points - points[:, :, :1] * [1.0, 0.0, 1.0]
     steps = np.round(points / _STEP).astype(int)
     return {
         "label": actor.label,

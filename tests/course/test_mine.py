@@ -124,3 +124,15 @@ def test_instructors_execute_a_lesson_with_the_solutions_of_earlier_ones():
     functions = run(text)
     assert {"conv1d", "max_pool", "to_features"} < functions.keys() and "tanh" not in functions
     assert BEGIN not in text and not Path("mine.py").exists()
+
+
+def test_progress_counts_what_is_in_mine(mine, capsys):
+    lesson = Path(__file__).parents[2] / "lessons" / "02_what_to_learn_from.ipynb"
+    mine.write_text(mine_before(lesson), encoding="utf-8")
+    course.progress()
+    count, made, after = capsys.readouterr().out.splitlines()
+    assert count == "5 of 61 functions are yours" and made.endswith("positions from a motion file.")
+    assert after == "Next: the features and the way back (lesson 02)."
+    mine.unlink()
+    course.progress()
+    assert "0 of 61" in capsys.readouterr().out

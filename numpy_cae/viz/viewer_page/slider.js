@@ -63,10 +63,10 @@ function axes(panel, drawing) {
 
 function chart(panel, drawing) {
   const [across, up] = axes(panel, drawing);
-  const dots = "o.".includes.bind("o.");
+  const dots = (style) => style === "o" || style === ".";
   const marks = panel.curves.map((curve) => {
     const line = { fill: "none", stroke: curve.colour, "stroke-width": 2 };
-    if (dots(curve.style)) Object.assign(line, { "stroke-width": 8, "stroke-linecap": "round" });
+    if (dots(curve.style)) Object.assign(line, { "stroke-width": curve.style === "o" ? 9 : 4, "stroke-linecap": "round" });
     else if (curve.style !== "-") line["stroke-dasharray"] = curve.style === ":" ? "2 4" : "6 4";
     return svg("path", line, drawing);
   });
