@@ -9,7 +9,7 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from numpy_cae import notebook, viz
+from numpy_cae import notebook, training, viz
 from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
 from numpy_cae.manifold.repair import repair as repair_motion
 from numpy_cae.motion import JOINTS, Motion, find_motion_files
@@ -17,7 +17,6 @@ from numpy_cae.motion import load_motion as load
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.read.many import read_bodies
 from numpy_cae.motion.retarget.rigs import joint_index
-from numpy_cae.training import RECIPES, ProgressPrinter
 from numpy_cae.viz.viewer import Player
 
 __all__ = ["fill", "learn", "load", "repair", "show"]
@@ -150,11 +149,10 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
     ValueError
         If there is no such recipe.
     """
-    if recipe not in RECIPES:
-        raise ValueError(f"recipe is {recipe!r}, expected one of {', '.join(RECIPES)}")
+    schedule = training.recipe(recipe)
     takes = []
     for body in read_bodies(find_motion_files(folder)):
         if body.problem is not None:
             raise body.problem
         takes.append(body.positions)
-    return learn_manifold(takes, RECIPES[recipe], seed, report=ProgressPrinter())
+    return learn_manifold(takes, schedule, seed, report=training.ProgressPrinter())

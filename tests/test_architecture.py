@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "numpy_cae"
 
-FOUNDATION = {"errors", "atomic_write", "array_file", "text_table", "visible"}
+FOUNDATION = {"errors", "atomic_write", "array_file", "visible"}
 """Modules of the root that every package may import."""
 
 ALLOWED = {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.text_table import text_table
+from numpy_cae.experiments.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

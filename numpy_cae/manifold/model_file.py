@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import integer, json_object, load_arrays, numbers, save_arrays
+from numpy_cae.array_file import load_arrays, save_arrays
+from numpy_cae.manifold.array_checks import integer, json_object, numbers
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder

@@ -72,14 +72,9 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
     return longest / TIP_TO_TIP
 
 
-def is_plausible(metres: float) -> bool:
-    """Whether a person may be this tall."""
-    return PLAUSIBLE[0] <= metres <= PLAUSIBLE[1]
-
-
 def stated_unit(unit: float, source: str, height: float) -> str:
     """A note on the unit, its source and the stature. `height` is in metres, 0 if unknown."""
-    odd = height > 0 and not is_plausible(height)
+    odd = height > 0 and not PLAUSIBLE[0] <= height <= PLAUSIBLE[1]
     advice = ", which no adult is: give the right unit" if odd else ""
     return f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
 

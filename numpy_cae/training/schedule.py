@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-RANDOM, EVEN = "random", "even"
 WARM_UP = 0.3
 """Share of a one-cycle schedule in which the rate rises."""
 FIRST, LAST = 1 / 25, 1e-5
@@ -30,7 +29,6 @@ class Stage:
     rescaled: bool = False  # whether X_c is divided by 1 - p
     momentum: float = 0.0  # μ of `descend_with_momentum`, at least 0 and below 1
     norm: float | None = None  # bound on the gradient's norm; the paper has none
-    unpooling: Literal["random", "even"] | None = None  # None: random for one layer, even for all
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
     chains: tuple[tuple[int, ...], ...] = ()  # chains that `damage_stretches` damages

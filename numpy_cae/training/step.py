@@ -4,7 +4,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.schedule import EVEN, RANDOM, SequenceSchedule, Stage
+from numpy_cae.training.schedule import SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 
 
@@ -27,8 +27,7 @@ def denoising_step(
     """
     layers = model.layers if layer is None else [model.layers[layer]]
     # The paper unpools at random while one layer is trained, and evenly while all are.
-    unpooling = stage.unpooling or (EVEN if layer is None else RANDOM)
-    first = None if unpooling == EVEN else _unpooling_masks(layers, x, rng)
+    first = None if layer is None else _unpooling_masks(layers, x, rng)
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     if np.isfinite(loss):
         # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.

@@ -98,7 +98,7 @@ def test_runs_on_as_many_threads_are_equal_to_the_bit_others_but_for_rounding(
 
 def test_the_defaults_are_the_papers():
     numbers = {"epochs": 25, "rate": 0.5, "decay": 0.9, "alpha": 0.01, "batch": 1, "zeroed": 0.1}
-    unused = {"rescaled": False, "momentum": 0.0, "norm": None, "unpooling": None}
+    unused = {"rescaled": False, "momentum": 0.0, "norm": None}
     layer = Stage(**numbers, **unused, optimiser="sgd", rate_schedule="decay")
     assert Schedule() == RECIPES["paper"] == Schedule(layer, replace(layer, rate=0.01, alpha=0.0))
     with pytest.raises(ValueError, match="expected one of paper, fast, best"):
