@@ -127,18 +127,20 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     hand_in(submitted / "ben" / "again.ipynb", LOOPS)
     (submitted / "ann" / "week" / "mine.py").write_text("1 / 0")
     (submitted / "eve.ipynb").write_text("{")
+    (submitted / "fay.ipynb").symlink_to(submitted / "ben" / "again.ipynb")
     command = ["verify", str(submitted), "--csv", str(table), "--feedback", str(feedback)]
     assert main(command) == 1
     assert "ann: 07_going_deep.ipynb: 10 of 60 points" in capsys.readouterr().out
     with table.open(newline="", encoding="utf-8") as file:
         rows = {row["student"]: row for row in csv.DictReader(file)}
-    assert list(rows) == ["'=cmd()", "ann", "ben", "eve"]
+    assert list(rows) == ["'=cmd()", "ann", "ben", "eve", "fay"]
     points = [(row["frames_seen"], row["total"]) for row in rows.values()]
-    assert points == [("0", "0"), ("10", "10"), ("10", "10"), ("", "0")]
+    assert points == [("0", "0"), ("10", "10"), ("10", "10"), ("", "0"), ("", "0")]
+    assert rows["fay"]["problems"] == "it is a link to another file"
     assert {row["possible"] for row in rows.values()} == {"60"} and "stack_loss" in rows["ann"]
     assert "not a Jupyter notebook" in rows["eve"]["problems"]
     names = sorted(path.stem for path in feedback.glob("*.md"))
-    assert names == ["_cmd__.1", "ann", "ben", "eve"]
+    assert names == ["_cmd__.1", "ann", "ben", "eve", "fay"]
     text = (feedback / "_cmd__.1.md").read_text(encoding="utf-8")
     assert "## frames_seen: 0 of 10 points" in text and "      FAILED  value" in text
 
