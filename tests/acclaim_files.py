@@ -4,6 +4,7 @@ The root is called "root"; every bone may rotate about three axes parallel to th
 children of a joint must all be at the end of its bone.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,25 +13,10 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.motion import Motion, Skeleton
 from numpy_cae.motion.units import CMU_UNIT
 
-HEADER = """:version 1.10
-:units
-  length 0.45
-  angle deg
-:root
-  order TX TY TZ RX RY RZ
-  axis XYZ
-  position {}
-  orientation 0 0 0
-:bonedata
-"""
-BONE = """  begin
-    name {}
-    direction {}
-    length 1
-    axis 0 0 0 XYZ
-    dof rx ry rz
-  end
-"""
+FILES = Path(__file__).with_name("files")
+ASF, AMC = ((FILES / name).read_text() for name in ("02.asf", "02_01.amc"))
+"""A leg and a stump, and three frames of it."""
+HEADER, BONE = re.split(r"(?m)^(?=  begin$)", (FILES / "written.asf").read_text())
 
 
 def write_asf(skeleton: Skeleton, path: Path) -> None:
@@ -65,8 +51,3 @@ def write_acclaim(motion: Motion, path: Path) -> None:
     """The .amc file at `path` and the .asf file of the same name beside it."""
     write_asf(motion.skeleton, path.with_suffix(".asf"))
     write_amc(motion, path)
-
-
-FILES = Path(__file__).with_name("files")
-ASF, AMC = ((FILES / name).read_text() for name in ("02.asf", "02_01.amc"))
-"""A leg and a stump, and three frames of it."""

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from data_synth import KINDS, Take, beyond_limits, make_take
+from numpy_cae.motion.masks import runs
 from numpy_cae.motion.quaternions import rotate
 
 SLIDING = 0.005  # metres
@@ -28,12 +29,6 @@ def drawn(test):
 
 def joint(take: Take, name: str) -> np.ndarray:
     return take.motion.positions()[:, take.motion.skeleton.index(name)]
-
-
-def runs(held: np.ndarray) -> list[tuple[int, int]]:
-    """First and last + 1 frame of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
-    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 def check_all(kind: str, seed: int, seconds: float) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
-from numpy_cae.training import Stage, zero_values
+from numpy_cae.training import Stage
 from numpy_cae.training.corruption import (
     LONGEST,
     _damage,
@@ -99,35 +99,22 @@ def test_mirroring_twice_is_the_identity_and_exchanges_the_hands():
     np.testing.assert_array_equal(mirrored(positions)[:, left, 1:], positions[:, right, 1:])
 
 
-@pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 1.0])
-def test_corruption_zeroes_a_share_p_and_changes_nothing_else(p):
-    before = X.copy()
-    corrupted = zero_values(X, p, np.random.default_rng(0))
-    lost = corrupted == 0
-    assert lost.mean() == pytest.approx(p, abs=0.01)
-    np.testing.assert_array_equal(corrupted[~lost], X[~lost])
+@pytest.mark.parametrize("rescaled", [False, True])
+@pytest.mark.parametrize("zeroed", [(0.0, 0.0), (0.1, 0.1), (0.5, 0.5), (0.2, 0.8), (1.0, 1.0)])
+def test_a_share_p_is_zeroed_and_the_others_are_kept_or_divided_by_1_minus_p(zeroed, rescaled):
+    before, (low, high) = X.copy(), zeroed
+    stage = Stage(zeroed=zeroed if low < high else low, rescaled=rescaled and high < 1)
+    corrupted = corrupted_copy(X, stage, np.random.default_rng(0))
+    assert corrupted.dtype == np.float32
     np.testing.assert_array_equal(X, before)
-    assert corrupted.dtype == np.float32
-
-
-def test_each_window_draws_its_own_p_between_the_two():
-    corrupted = corrupted_copy(X, Stage(zeroed=(0.2, 0.8)), np.random.default_rng(0))
-    lost = (corrupted == 0).mean(axis=(1, 2))
-    assert 0.15 < lost.min() < 0.3
-    assert 0.7 < lost.max() < 0.85
-    assert lost.mean() == pytest.approx(0.5, abs=0.1)
-
-
-@pytest.mark.parametrize("zeroed", [0.5, (0.1, 0.9)])
-def test_rescaled_input_has_the_mean_of_the_clean_input(zeroed):
-    ones = np.ones((60, 160, 9), np.float32)
-    stage = Stage(zeroed=zeroed, rescaled=True)
-    corrupted = corrupted_copy(ones, stage, np.random.default_rng(0))
-    assert corrupted.dtype == np.float32
-    # 1440 values a window, at p = 0.9 of which a tenth is kept, ten times as large.
-    np.testing.assert_allclose(corrupted.mean(axis=(1, 2)), 1, atol=5 * 3 / np.sqrt(1440))
-    plain = corrupted_copy(ones, Stage(zeroed=zeroed), np.random.default_rng(0))
-    np.testing.assert_array_equal(corrupted == 0, plain == 0)
+    lost = corrupted == 0
+    shares = lost.mean(axis=(1, 2))  # of 1440 values a window
+    assert low - 0.05 < shares.min() < low + 0.1 and high - 0.1 < shares.max() < high + 0.05
+    assert lost.mean() == pytest.approx((low + high) / 2, abs=0.01 if low == high else 0.1)
+    for window, kept, share in zip(corrupted / X, ~lost, shares, strict=True):
+        factor = 1 / (1 - share) if stage.rescaled else 1.0
+        assert np.ptp(window[kept], axis=0) < 1e-5 if kept.any() else share == 1
+        np.testing.assert_allclose(window[kept], factor, rtol=0.15 if stage.rescaled else 1e-6)
 
 
 @pytest.mark.parametrize("p", [1.5, (1.2, 1.5)])
