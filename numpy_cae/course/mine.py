@@ -23,8 +23,9 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.exercises import CATALOGUE, EXERCISES
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.verify.checks.written import error_text
 from numpy_cae.verify.grading.submission import MAGIC, is_exercise
-from numpy_cae.verify.operations.trial import described, try_property
+from numpy_cae.verify.operations.trial import try_property
 
 FILE = "mine.py"
 IMPORTS = (ast.Import, ast.ImportFrom)
@@ -143,7 +144,7 @@ def run(text: str) -> dict[str, object]:
     try:
         exec(compile(text, FILE, "exec"), space)
     except Exception as error:
-        raise NotSavedError(f"{FILE} cannot be run: {described(error, FILE)}") from None
+        raise NotSavedError(f"{FILE} cannot be run: {error_text(error, FILE)}") from None
     return {name: v for name, v in space.items() if not hasattr(v, "stands_in")}
 
 

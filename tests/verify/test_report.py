@@ -96,3 +96,27 @@ def test_both_upstream_gradients_of_linearity_are_shown_and_the_finding_is_kept(
 
     value = try_property(verify.properties("tanh")[0], masked)
     assert value.problem.startswith("the value is 0 at index")
+
+
+def naive_sigmoid(x):
+    y = 1 / (1 + np.exp(-x))
+    return y, lambda dy: dy * y * (1 - y)
+
+
+def test_an_overflow_is_a_note_of_every_check_and_costs_nothing():
+    overflow = r"note: RuntimeWarning: overflow encountered in exp \(line \d+\)"
+    report = verify.report("sigmoid", naive_sigmoid)
+    assert report.held and re.search(overflow, str(report))
+    wrong = lambda x: (naive_sigmoid(x)[0], lambda dy: 2 * naive_sigmoid(x)[1](dy))  # noqa: E731
+    x = np.array([0.5, -1000.0])
+    (stated,) = verify.properties_of(naive_sigmoid, {"x": "..."}, values={"x": (-1e4, 1.0)})[:1]
+    with pytest.warns(RuntimeWarning, match=overflow):
+        verify.check_property(stated, naive_sigmoid)
+    with pytest.warns(RuntimeWarning, match=overflow):
+        verify.check_gradients(naive_sigmoid, x)
+    for check in (
+        lambda: verify.check_property(stated, wrong),
+        lambda: verify.check_gradients(wrong, x),
+    ):
+        with pytest.raises(AssertionError, match=overflow):
+            check()

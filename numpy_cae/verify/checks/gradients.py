@@ -15,6 +15,7 @@ import numpy as np
 from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
 from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
 from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
+from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
@@ -66,6 +67,11 @@ def check_gradients(
     TypeError
         If no input is an array of floats, or f does not return a value and its pullback.
 
+    Warns
+    -----
+    RuntimeWarning
+        If all gradients are right, but f gives a warning, such as an overflow.
+
     Examples
     --------
     >>> import numpy as np
@@ -79,9 +85,10 @@ def check_gradients(
     """
     rng = np.random.default_rng(0) if rng is None else rng
     names = tuple(names) if names is not None else _names(f, len(inputs))
-    problems = wrong_gradients(f, inputs, names, rng, tolerance, only)
-    if problems:
-        raise AssertionError("\n".join(problems))
+    notes: list[str] = []
+    with noted(notes, file_of(f)):
+        problems = wrong_gradients(f, inputs, names, rng, tolerance, only)
+    conclude(problems, notes)
 
 
 def wrong_gradients(

@@ -1,6 +1,10 @@
 """Numbers, arrays and other things as they are written in a message."""
 
+import traceback
+
 import numpy as np
+
+LONGEST_TEXT = 2000
 
 WORTH_PRINTING = 32
 """An array of at most so many entries is printed in a counterexample."""
@@ -32,3 +36,16 @@ def described(thing: object) -> str:
         return f"an array of {thing.dtype}, shape {thing.shape}"
     kind = type(thing).__name__
     return f"a {kind} of {len(thing)}" if isinstance(thing, tuple | list | dict) else kind
+
+
+def error_text(error: BaseException, file: str = "") -> str:
+    """Type, message and line of an exception, even if its __str__ raises."""
+    try:
+        text = f"{type(error).__name__}: {error}"[: LONGEST_TEXT // 2]
+    except Exception:
+        text = f"{type(error).__name__}, whose message cannot be printed"
+    if isinstance(error, SystemExit):
+        text = "it calls sys.exit"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == file]
+    return f"{text} (line {lines[-1]})" if lines else text

@@ -45,6 +45,11 @@ class Report:
         return all(outcome.problem.startswith(UNSOLVED) for outcome in self.outcomes)
 
     @property
+    def notes(self) -> list[str]:
+        """The warnings of the function, such as an overflow; they cost no points."""
+        return list(dict.fromkeys(note for outcome in self.outcomes for note in outcome.notes))
+
+    @property
     def points(self) -> int:
         return int(sum(self.earned()) + ROUNDING)
 
@@ -80,6 +85,7 @@ class Report:
             "points": self.points,
             "possible": self.possible,
             "held": self.held,
+            "notes": self.notes,
             "properties": [
                 {
                     "name": outcome.stated.name,
@@ -114,6 +120,8 @@ class Report:
             yield from self._failures()
         if self.exercise.hint and not self.held:
             yield from _wrapped("  hint: ", self.exercise.hint, 8)
+        for note in self.notes:
+            yield from _wrapped("  note: ", note, 8)
 
     def _failures(self) -> Iterator[str]:
         """The first failing property in full, the others in short, and what earned the points."""

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from numpy_cae.verify.operations.trial import described
+from numpy_cae.verify.checks.written import error_text
 
 LARGEST_PROGRAM = 2**20
 LARGEST_NOTEBOOK = 2**25  # with its pictures
@@ -79,7 +79,7 @@ class Submission:
                     exec(compile(source, name, "exec"), names)
             except BaseException as error:  # such as SystemExit
                 part = name if self.is_notebook else "at import"
-                problems.append(f"{part}: {described(error, name)}")
+                problems.append(f"{part}: {error_text(error, name)}")
         defined = list(names.items())
         names |= instead
         functions = {name: f for name, f in defined if callable(f) and f is not given.get(name)}

@@ -16,13 +16,20 @@ from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.patch import bugs_of, conventions_of
 from numpy_cae.verify.operations.property import Property, compared, differentiated, property_of
 
+OF_GRADIENTS = ("gradient for x", "gradient for h0", "special inputs")
 SEVERAL = 2
 GENERAL_CASES = 8
+FRAMES = 1200
+"""FRAMES: over so many the gradient of a GRU is followed."""
+TRUNCATED = "Truncated backpropagation: of 1200 frames the last one's gradient reaches {} only."
 
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or ""."""
-    mistake = _known_mistake(stated, implementation)
+    mistake, operation = _known_mistake(stated, implementation), stated.definition
+    if not mistake and operation and operation.name == "gru" and stated.name in OF_GRADIENTS:
+        frames = _carried_back(operation.reference, implementation)
+        return TRUNCATED.format(frames) if frames else ""
     if mistake or stated.name != "independence" or not _has_one_buffer(stated, implementation):
         return mistake
     return "Results are kept in one array: what a call returns is overwritten by the next."
@@ -57,6 +64,25 @@ def _has_one_buffer(stated: Property, implementation: Callable) -> bool:
     except Exception:  # another mistake
         return False
     return any(np.ndim(a) and a.flags.writeable and np.shares_memory(a, b) for a, b in pairs)
+
+
+def _carried_back(right: Callable, gru: Callable) -> int:
+    """The frames that the gradient of a GRU's last output is carried back, if no further; or 0.
+
+    The gradient for x is right in so many frames and 0 before them. The update gates keep the
+    state, so that the right gradient is nowhere small. (One frame may have other causes.)
+    """
+    rng = np.random.default_rng(0)
+    x, h0, w, u = rng.random((1, FRAMES, 1)), np.zeros((1, 1)), np.ones((1, 3)), np.zeros((1, 3))
+    arguments = [x, h0, w, u, np.array([0.0, 12.0, 0.0]), np.zeros(3)]
+    dy = np.where(np.arange(FRAMES) == FRAMES - 1, 1.0, 0.0).reshape(x.shape)
+    try:
+        expected, dx = (f(*copies(arguments))[1](dy.copy())[0].ravel() for f in (right, gru))
+    except Exception:  # another mistake
+        return 0
+    frames = np.count_nonzero(dx)
+    expected[: FRAMES - frames] = 0.0
+    return frames if 1 < frames <= FRAMES / 2 and np.allclose(dx, expected, 1e-6, 0) else 0
 
 
 def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:

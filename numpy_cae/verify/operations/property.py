@@ -112,6 +112,7 @@ class Outcome:
     counterexample: str = ""
     mistake: str = ""
     case: Case | None = None  # the counterexample's
+    notes: tuple[str, ...] = ()  # the warnings of the implementation
 
 
 def property_of(

@@ -1,10 +1,8 @@
 """One property tried on one implementation, with the smallest case in which it fails."""
 
-import inspect
 import pickle
 import random
 import re
-import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -13,9 +11,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.verify.checks.call import is_pair
+from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import (
+    LONGEST_TEXT,
     WORTH_A_RESULT,
     WORTH_PRINTING,
+    error_text,
     written,
     written_apart,
 )
@@ -24,8 +25,6 @@ from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.property import Mismatch, Outcome, Property, case_of, right_results
 
-LONGEST_TEXT = 2000
-QUIET = dict.fromkeys(("divide", "over", "under", "invalid"), "ignore")
 WATCHED = 4
 """One case in WATCHED is checked for changes of global state, which is slow."""
 
@@ -108,9 +107,10 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
 
     The counterexample is the smallest case that fails, or without `shrink` the first one.
     """
-    case = failing_case(tried, implementation)
+    notes: list[str] = []
+    case = failing_case(tried, implementation, notes)
     if case is None:
-        return Outcome(tried, held=True)
+        return Outcome(tried, held=True, notes=tuple(notes))
     last = Recorder(implementation)
     error = failure(tried, last, case)
     found = _finding(error)
@@ -120,16 +120,15 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
         error = failure(tried, last, case)
     if error is None:  # it fails in one call and not in the next
         problem = "called again with the same arguments, it returns something else"
-        return Outcome(tried, False, problem, str(case), case=case)
+        return Outcome(tried, False, problem, str(case), "", case, tuple(notes))
     problem = str(error)[:LONGEST_TEXT]
     if not isinstance(error, AssertionError):
-        code = getattr(inspect.unwrap(implementation), "__code__", None)
-        problem = described(error, getattr(code, "co_filename", ""))
+        problem = error_text(error, file_of(implementation))
     example = "\n".join([str(case), *_described(tried, case, last, error)])
     mistake = ""
     if isinstance(error, AssertionError | ValueError | IndexError):  # as planted bugs raise
         mistake = likely_mistake(tried, implementation)
-    return Outcome(tried, False, problem, example, mistake, case)
+    return Outcome(tried, False, problem, example, mistake, case, tuple(notes))
 
 
 def _finding(error: Exception | None) -> tuple[type, str]:
@@ -141,10 +140,13 @@ def _finding(error: Exception | None) -> tuple[type, str]:
     return type(error), re.split(r"[-\d(]", words)[0]
 
 
-def failing_case(tried: Property, implementation: Callable) -> Case | None:
-    """The first case in which a property does not hold, or None."""
+def failing_case(
+    tried: Property, implementation: Callable, notes: list[str] | None = None
+) -> Case | None:
+    """The first case in which a property does not hold, or None; its warnings become notes."""
+    notes = [] if notes is None else notes
     cases = tried.cases()
-    return next((c for c in cases if failure(tried, implementation, c) is not None), None)
+    return next((c for c in cases if failure(tried, implementation, c, notes) is not None), None)
 
 
 def check_property(stated: Property, function: Callable) -> None:
@@ -162,6 +164,11 @@ def check_property(stated: Property, function: Callable) -> None:
     AssertionError
         With the statement, what is wrong, the smallest counterexample and the likely mistake.
 
+    Warns
+    -----
+    RuntimeWarning
+        If the property holds, but the implementation gives a warning, such as an overflow.
+
     Examples
     --------
     >>> import numpy as np
@@ -175,15 +182,16 @@ def check_property(stated: Property, function: Callable) -> None:
         ...
     """
     outcome = try_property(stated, function)
-    if not outcome.held:
-        message = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
-        raise AssertionError("\n".join(filter(None, message)))
+    message = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
+    conclude([] if outcome.held else [*filter(None, message)], outcome.notes)
 
 
-def failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
-    """The error that a check raises in a case, or None."""
+def failure(
+    tried: Property, implementation: Callable, case: Case, notes: list[str] | None = None
+) -> Exception | None:
+    """The error that a check raises in a case, or None; warnings become notes."""
     try:
-        with np.errstate(**QUIET):
+        with noted([] if notes is None else notes, file_of(implementation)):
             if tried.name == "purity" and case.seed % WATCHED == 0:
                 call_keeping_state(tried.check, implementation, case)
             else:
@@ -213,19 +221,6 @@ def _described(tried: Property, case: Case, last: Recorder, error: Exception) ->
         result, right = written_apart(error.result, error.expected)
         yield f"{error.what.removeprefix('the ')}: {result}"
         yield f"  expected: {right}"
-
-
-def described(error: BaseException, file: str = "") -> str:
-    """Type, message and line of an exception, even if its __str__ raises."""
-    try:
-        text = f"{type(error).__name__}: {error}"[: LONGEST_TEXT // 2]
-    except Exception:
-        text = f"{type(error).__name__}, whose message cannot be printed"
-    if isinstance(error, SystemExit):
-        text = "it calls sys.exit"
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == file]
-    return f"{text} (line {lines[-1]})" if lines else text
 
 
 def call_keeping_state(function: Callable, *arguments: object) -> None:

@@ -6,7 +6,6 @@ import secrets
 import signal
 import sys
 import time
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -15,13 +14,14 @@ from pathlib import Path
 
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
+from numpy_cae.verify.checks.notes import noted
+from numpy_cae.verify.checks.written import error_text
 from numpy_cae.verify.grading.report import report
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.trial import described, failure
+from numpy_cae.verify.operations.trial import failure
 
-MAX_NOTES = 5
 MOST_WRITTEN = 2**26
 """MOST_WRITTEN: the bytes that all files of a process may have together; an empty file counts as
 `LEAST_FILE` bytes."""
@@ -155,15 +155,14 @@ def _written(folder: Path) -> int:
 def _confined(work: Callable[[], dict], request: dict) -> dict:
     """Do work with limits; a warning becomes a note, an exception the reason of a failure."""
     kept = confinement.confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("default")
+    notes: list[str] = []
+    with noted(notes):
         try:
             result = work()
         except BaseException as error:  # such as KeyboardInterrupt
-            result = {"failed": described(error)}
+            result = {"failed": error_text(error)}
     del kept
-    notes = (f"{described(one.message)} (line {one.lineno})" for one in caught[:MAX_NOTES])
-    return {**result, "notes": list(dict.fromkeys(notes))}
+    return {**result, "notes": [*notes, *result.get("notes", ())]}
 
 
 if __name__ == "__main__":
