@@ -18,10 +18,7 @@ def call(f: Callable, inputs: Sequence) -> tuple[object, Callable]:
     if not any(map(is_float, parts(returned[0]))):
         raise TypeError(f"expected a value of floats, got {described(returned[0])}")
     if any(np.iscomplexobj(part) for part in parts(returned[0])):
-        raise TypeError(
-            "the value is complex, and has no gradient in this form: return its real and its "
-            "imaginary part as two outputs"
-        )
+        raise TypeError("the value is complex: return its real and imaginary part as two outputs")
     return returned
 
 
@@ -42,10 +39,8 @@ def gradients_of(pulled: object, count: int) -> tuple:
     """What a pullback returned as a tuple; raise an AssertionError if it has another length."""
     gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
     if len(gradients) != count:
-        raise AssertionError(
-            f"the pullback returns {len(gradients)} gradient(s), expected {count}: one for each "
-            "differentiated argument, in their order"
-        )
+        returned = f"the pullback returns {len(gradients)} gradient(s), expected {count}"
+        raise AssertionError(f"{returned}: one for each differentiated argument, in their order")
     return tuple(gradients)
 
 

@@ -86,9 +86,8 @@ class Argument:
                 continue
             larger = max(abs(slope.central), abs(analytic))
             gap, before = abs(slope.central - analytic), [abs(s.central - analytic) for s in slopes]
-            conclusive = slope.noise <= min(
-                16 * first * max(larger, slope.size), *[g / 8 for g in before], np.inf
-            )
+            small = min(16 * first * max(larger, slope.size), *[g / 8 for g in before], np.inf)
+            conclusive = slope.noise <= small
             if conclusive and gap <= self.tolerance * larger + slope.noise:
                 return Verdict(AGREES, slope.central, analytic)
             if not slopes and not (slope.moved and conclusive):
@@ -143,10 +142,8 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
     """The verdict on a number that no slope confirmed at once."""
     moved = [slope for slope in slopes if slope.moved]
     slopes = sorted(moved or slopes, key=lambda slope: slope.step)
-    errors = [
-        one.noise + abs(one.central - other.central)
-        for one, other in zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
-    ]
+    neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
+    errors = [one.noise + abs(one.central - other.central) for one, other in neighbours]
     best, error = slopes[int(np.argmin(errors))], min(errors)
     numeric, rates = best.central, _rates(slopes)
     gap, larger = abs(numeric - analytic), max(abs(numeric), abs(analytic))

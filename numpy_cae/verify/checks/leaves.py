@@ -52,10 +52,8 @@ def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) 
         if is_array(name, leaf) or (isinstance(leaf, float) and gradient is not None):
             _require_gradient(name, np.shape(leaf), gradient)
         elif gradient is not None:
-            raise AssertionError(
-                f"{name} is {described(leaf)}, which is not differentiated, but the pullback "
-                "returns a gradient for it: expected None, or none at all"
-            )
+            unexpected = f"{name} is {described(leaf)}, which is not differentiated"
+            raise AssertionError(f"{unexpected}, but the pullback returns a gradient for it")
     return matched
 
 
@@ -74,10 +72,8 @@ def _matched(name: str, argument: object, gradient: object) -> list:
         return [gradient]
     expected, given = dict(leaves(name, argument)), dict(leaves(name, gradient))
     if gradient is not None and expected.keys() != given.keys():
-        raise AssertionError(
-            f"the gradient for {name} is {described(gradient)}, expected the structure of {name}, "
-            f"a {type(argument).__name__} of {len(argument)}"
-        )
+        returned = f"the gradient for {name} is {described(gradient)}"
+        raise AssertionError(f"{returned}, expected the structure of {name}, {described(argument)}")
     return [given.get(part) for part in expected]
 
 
@@ -90,6 +86,5 @@ def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> No
         raise AssertionError(f"the gradient for {name} is complex")
     if not np.all(np.isfinite(gradient)):
         index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
-        raise AssertionError(
-            f"the gradient for {name} is {np.asarray(gradient)[index]} at index {index}"
-        )
+        number = np.asarray(gradient)[index]
+        raise AssertionError(f"the gradient for {name} is {number} at index {index}")

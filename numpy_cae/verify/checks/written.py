@@ -7,9 +7,7 @@ import numpy as np
 LONGEST_TEXT = 2000
 
 WORTH_PRINTING = 32
-"""An array of at most so many entries is printed in a counterexample."""
-WORTH_A_RESULT = 12
-"""A result of at most so many entries is printed beside the expected one."""
+"""Arrays of at most so many entries are printed in a counterexample."""
 
 
 def written(value: object, digits: int = 6) -> str:

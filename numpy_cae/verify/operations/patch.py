@@ -17,9 +17,9 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations
+from itertools import chain, combinations
 from pathlib import Path
 
 from numpy_cae import ops
@@ -132,18 +132,11 @@ def conventions_of(operation: str) -> tuple[Patch, ...]:
         return tuple(Patch(s.name, "gru", "", s.sentence, (), calls=(s,)) for s in steps)
     single = tuple(patch for patch in CONVENTIONS if patch.operation == operation)
     together = len(single) if operation == "gru_step" else 1
-    return tuple(
-        _combined(chosen)
-        for count in range(1, together + 1)
-        for chosen in combinations(single, count)
-    )
+    chosen = (combinations(single, count) for count in range(1, together + 1))
+    return tuple(map(_combined, chain.from_iterable(chosen)))
 
 
 def _combined(patches: tuple[Patch, ...]) -> Patch:
-    return Patch(
-        "_and_".join(patch.name for patch in patches),
-        patches[0].operation,
-        patches[0].caught_by,
-        "; ".join(patch.sentence for patch in patches),
-        tuple(replacement for patch in patches for replacement in patch.replacements),
-    )
+    name, sentence = "_and_".join(p.name for p in patches), "; ".join(p.sentence for p in patches)
+    replacements = tuple(replacement for patch in patches for replacement in patch.replacements)
+    return replace(patches[0], name=name, sentence=sentence, replacements=replacements)

@@ -14,7 +14,6 @@ from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import (
     LONGEST_TEXT,
-    WORTH_A_RESULT,
     WORTH_PRINTING,
     error_text,
     written,
@@ -217,7 +216,7 @@ def _described(tried: Property, case: Case, last: Recorder, error: Exception) ->
         yield example_call(tried.operation, case)
     else:
         yield from (f"{name} = {written(argument)}" for name, argument in shown.items())
-    if isinstance(error, Mismatch) and error.result.size <= WORTH_A_RESULT:
+    if isinstance(error, Mismatch) and error.result.size <= WORTH_PRINTING:
         result, right = written_apart(error.result, error.expected)
         yield f"{error.what.removeprefix('the ')}: {result}"
         yield f"  expected: {right}"

@@ -27,9 +27,7 @@ MOST_WRITTEN = 2**26
 `LEAST_FILE` bytes."""
 LEAST_FILE = 2**12
 SEVERAL_THREADS = "the grader's process has several threads, so that it cannot be forked safely"
-RIGHT_ALONE = (
-    "\nrun alone in a fresh process this example is right: something is kept between calls"
-)
+RIGHT_ALONE = "\nalone in a fresh process this example is right: something is kept between calls"
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
