@@ -10,8 +10,6 @@ EXPERIMENTS = {
     "filling_in": "repair.filling_in",
     "interpolation": "interpolation",
     "comparison": "comparison",
-    "sampling": "sampling",
-    "constrained_projection": "repair.constrained_projection",
 }
 """Name of each experiment to its module here, in the order of the report. A module has a function
 `run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the

@@ -1,9 +1,11 @@
 """A small manifold, a few labelled takes, and the result of every experiment on them."""
 
+import sys
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from itertools import product
+from pathlib import Path
 
 import pytest
 
@@ -24,10 +26,13 @@ SMALL = {
         "HOLES": (15, 45),
         "HOLE_JOINTS": {"wrist": ("left_wrist",)},
     },
-    "sampling": {"DRAWN": 4},
+    "samples_of_priors": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
 """Constants of experiments that would take long."""
+SCRIPTS = ("samples_of_priors", "constrained_projection")
+"""Experiments in docs/, which `numpy-cae report` does not run."""
+sys.path.append(str(Path(__file__).parents[2] / "docs"))
 
 
 @pytest.fixture(scope="session")
@@ -61,7 +66,8 @@ def result_of(small_manifold, labelled):
 
     @cache
     def run(name):
-        module = import_module(f"numpy_cae.experiments.{EXPERIMENTS[name]}")
+        script = name in SCRIPTS
+        module = import_module(name if script else f"numpy_cae.experiments.{EXPERIMENTS[name]}")
         with pytest.MonkeyPatch.context() as patch:
             for constant, value in SMALL.get(name, {}).items():
                 patch.setattr(module, constant, value)

@@ -8,7 +8,7 @@ from numpy_cae.experiments.page import page
 from numpy_cae.experiments.registry import EXPERIMENTS
 
 
-@pytest.mark.parametrize("name", EXPERIMENTS)
+@pytest.mark.parametrize("name", [*EXPERIMENTS, "samples_of_priors", "constrained_projection"])
 def test_the_result_is_well_formed(result_of, name):
     result = result_of(name)
     assert result.tables and result.claims

@@ -12,7 +12,6 @@ from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.material import LabelledTake, Material, unlabelled
 from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, RESCALED
-from numpy_cae.experiments.sampling import FITTED, REAL, UNIFORM
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 
@@ -110,8 +109,8 @@ def test_a_claim_is_confirmed_if_all_measures_are_better():
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):
-    (table,) = result_of("sampling").tables
-    assert table.value(REAL, BONES) < table.value(UNIFORM, BONES)
-    assert table.value(UNIFORM, NEAREST) > table.value(FITTED, NEAREST)
-    uniform, fitted = result_of("sampling").claims
+    (table,) = result_of("samples_of_priors").tables
+    assert table.value("test takes", BONES) < table.value("uniform prior", BONES)
+    assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
+    uniform, fitted = result_of("samples_of_priors").claims
     assert not uniform.confirmed and "fitted" in fitted.sentence

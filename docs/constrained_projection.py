@@ -1,7 +1,12 @@
-"""Projection that keeps bone lengths, standing feet and the ground, compared with the plain one:
-future work in holden2015, section 7."""
+"""Compare a projection that keeps bone lengths, standing feet and the ground with the plain one.
+
+It is future work in holden2015, section 7. docs/lab_book/constraints.md has the findings.
+
+    python docs/constrained_projection.py --data bandai --test '*_005.bvh' -m best.npz
+"""
 
 import numpy as np
+from experiment_script import main
 
 from numpy_cae.beyond import project_constrained
 from numpy_cae.evaluation import bone_length_error, position_error
@@ -92,3 +97,7 @@ def _constraint_claim(name: str, measured: Measured) -> Claim:
         f"before, {kept_sliding:.2f} after; position {position:.2f} cm before, "
         f"{kept_position:.2f} after.",
     )
+
+
+if __name__ == "__main__":
+    main(run, __doc__ or "")

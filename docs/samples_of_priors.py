@@ -1,4 +1,8 @@
-"""New motion from a prior: holden2015, section 3.
+"""Measure new motion from a prior beside real motion: holden2015, section 3.
+
+    python docs/samples_of_priors.py --data bandai --test '*_005.bvh' -m best.npz
+
+docs/lab_book/sampling.md has the findings.
 
 Φ† "always produces" motion "within the subspace of valid human motion", and "the uniform
 distribution of values […] drawn from [-1, 1]^(i×k) represents a prior probability distribution
@@ -9,6 +13,7 @@ compared with the prior of `numpy-cae sample`.
 from dataclasses import astuple
 
 import numpy as np
+from experiment_script import main
 
 from numpy_cae.evaluation import Validity, ValidityMeasure
 from numpy_cae.experiments.material import Material, features_of
@@ -73,3 +78,7 @@ def _claim(sentence: str, made: Validity, real: Validity) -> Claim:
         f"{made.against(real)} of the projected test takes. Confirmed if each is at most {SLACK} "
         "times theirs.",
     )
+
+
+if __name__ == "__main__":
+    main(run, __doc__ or "")
