@@ -15,7 +15,7 @@ def a_figure(texts=6):
     walk = body_positions(make_take("walk", 0, seconds=1.0, rate=15.0).motion)
     slopes = np.repeat(SLOPES, len(SIZES))
     bodies = np.stack([size * walk for _ in SLOPES for size in SIZES])
-    chart = Chart("a line", [Curve(X, np.outer(slopes, X), "y = a x")], "x", "y")
+    chart = Chart("", [Curve(X, np.outer(slopes, X), "y = a x")], "x", "y")
     panels = [chart, [Actor(bodies, PARENTS, "walk <b>", PROJECTED)]]
     said = [f"slope {slope:g}, row {row}" for row, slope in enumerate(slopes)]
     return slider_figure("a & b", {"a": SLOPES, "size": SIZES}, panels, said[:texts], 15.0)

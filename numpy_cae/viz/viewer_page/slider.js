@@ -100,9 +100,10 @@ function unpacked(actor) {
 function bodies(panel, drawing, view) {
   const actors = panel.actors.map((actor) => ({ ...actor, clips: unpacked(actor) }));
   const every = actors.flatMap((actor) => actor.clips.flat());
-  const axis = (frame, k) => frame.filter((_, i) => i % 3 === k);
-  const highest = Math.max(...every.map((frame) => Math.max(...axis(frame, 1))));
-  const widest = Math.max(...every.map((frame) => Math.max(...[0, 2].flatMap((k) => axis(frame, k).map(Math.abs)))));
+  // A few far poses, of damage, may leave the picture.
+  const most = (numbers) => numbers.sort((a, b) => a - b)[Math.floor(0.98 * (numbers.length - 1))];
+  const highest = 1.05 * most(every.map((frame) => Math.max(...frame.filter((_, i) => i % 3 === 1))));
+  const widest = most(every.map((frame) => Math.max(...frame.filter((_, i) => i % 3 !== 1).map(Math.abs))));
   const place = WIDTH / actors.length;
   const size = Math.min((HEIGHT - 50) / highest, place / (2.2 * widest));
   const floor = HEIGHT - 22;
@@ -147,7 +148,7 @@ function start(table) {
     input.addEventListener("input", () => draw());
   }
   const draws = table.panels.map((panel) => {
-    const named = panel.title || panel.actors.map((actor) => actor.label).join(", ");
+    const named = panel.title || (panel.actors ?? panel.curves).map((part) => part.label).join(", ");
     const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": named }, panels);
     if (panel.title) svg("text", { x: WIDTH - 6, y: 12, "text-anchor": "end", style: "font-weight: 600" }, drawing, panel.title);
     return panel.curves ? chart(panel, drawing) : bodies(panel, drawing, view);
