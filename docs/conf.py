@@ -6,17 +6,30 @@ The lessons are copied from `lessons/`; the reference of the commands is made fr
 that of the API from the packages' public names; names in the map become links to them.
 """
 
+import inspect
+import pkgutil
 import re
-import shutil
+import sys
+from collections.abc import Iterator
 from importlib import import_module
+from itertools import groupby
 from pathlib import Path
+from types import ModuleType
+
+from sphinx.pycode import ModuleAnalyzer
 
 import numpy_cae
 from numpy_cae import cli
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+from equations import as_tex, is_equation  # noqa: E402
+from example_repair import write_example  # noqa: E402
+from lesson_pages import write_lessons  # noqa: E402
+
 PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
-            "evaluation", "viz", "beyond", "course")  # fmt: skip
+            "evaluation", "viz", "beyond", "course", "experiments", "bench",
+            "download")  # fmt: skip
 
 project = "numpy_cae"
 author = "the numpy_cae authors"
@@ -28,7 +41,12 @@ extensions = [
     "numpydoc",
     "myst_nb",
 ]
-exclude_patterns = ["paper.md"]  # in the form of a journal, not a page of the site
+# `paper.md` has the form of a journal and is no page of the site.
+exclude_patterns = ["paper.md", "site_files", "made", "lessons/downloads"]
+html_static_path = ["site_files", "../lessons/pictures"]
+html_css_files = ["site.css"]
+html_js_files = ["names.js"]
+html_extra_path = ["made/page"]  # the page that the example's command writes
 html_theme = "pydata_sphinx_theme"
 html_title = "numpy_cae"
 html_context = {"default_mode": "auto"}
@@ -37,15 +55,15 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-PLAIN = ("repair", "course", "verify", "own_operation", "map", "starter_model")
-html_sidebars = {page: [] for page in PLAIN}
+html_sidebars = {"index": []}
 html_show_sourcelink = False
-copyright = "the numpy_cae authors, MIT licence"
+copyright = "the numpy_cae authors. Free to use, change and share under the MIT licence"
 nb_execution_mode = "off"  # the lessons are stored executed
-myst_enable_extensions = ["dollarmath", "amsmath"]
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
-autodoc_typehints = "none"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
 nitpicky = False
 
 
@@ -67,48 +85,73 @@ def write_commands() -> None:
 
 
 def write_api() -> None:
-    """A page for each package: its docstring and its public names. `public` is a module, with the
-    functions of `import numpy_cae`."""
-    index = ["# API\n", "Public names of each package. [source] leads to the lines.\n"]
-    index += ["```{toctree}", *(f"api_{package}" for package in PACKAGES), "```\n"]
-    reference = "# Reference\n\n```{toctree}\n:maxdepth: 2\n\ncommands\napi\n```\n"
+    """A page for each package with its docstring and its public names, and an overview with a line
+    for each name."""
+    reference = "# Reference\n\n```{toctree}\n:maxdepth: 2\n\ncommands\napi\n../glossary\n```\n"
     write_if_changed(HERE / "reference" / "index.md", reference)
-    write_if_changed(HERE / "reference" / "api.md", "\n".join(index))
+    index = ["# API\n", "[source] beside a name leads to its lines.\n"]
     for package in PACKAGES:
         module = import_module(f"numpy_cae.{package}")
+        entries = dict(sorted(public_entries(module)))
+        index += [f"## [{module.__name__}](api_{package}.md)\n", f"{first_line(module)}\n"]
+        index += [
+            "| name | what it is |",
+            "|---|---|",
+            *(f"| {{py:obj}}`{n}` | {t[1]} |" for n, t in entries.items()),
+        ]
+        index.append("")
         parts = [
             f"# numpy_cae.{package}\n",
             "```{eval-rst}",
             f".. automodule:: {module.__name__}\n",
         ]
-        for name in module.__all__:
-            if not callable(getattr(module, name)):
-                continue  # a constant: its value is in the source
-            kind = "autoclass" if isinstance(getattr(module, name), type) else "autofunction"
-            parts.append(f".. {kind}:: {module.__name__}.{name}")
-            if kind == "autoclass":
-                parts.append("   :members:")
-            parts.append("")
+        for name, (kind, _) in entries.items():
+            parts += [f".. {kind}:: {name}", "   :members:" if kind == "autoclass" else ""]
         write_if_changed(HERE / "reference" / f"api_{package}.md", "\n".join([*parts, "```\n"]))
+    index += ["```{toctree}", ":hidden:\n", *(f"api_{package}" for package in PACKAGES), "```\n"]
+    write_if_changed(HERE / "reference" / "api.md", "\n".join(index))
 
 
-def copy_lessons() -> None:
-    """The notebooks, with a page that lists them."""
-    listed = "# Lessons\n\n```{toctree}\n:maxdepth: 1\n:glob:\n\n[0-9]*\n```\n"
-    write_if_changed(HERE / "lessons" / "index.md", listed)
-    for notebook in sorted((HERE.parent / "lessons").glob("*.ipynb")):
-        shutil.copy2(notebook, HERE / "lessons" / notebook.name)
+def public_entries(module) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Each public name of a package with the directive of its entry and its first line; the modules
+    of a package that has no `__all__`."""
+    if not hasattr(module, "__all__"):
+        for found in pkgutil.walk_packages(module.__path__, f"{module.__name__}."):
+            if not found.ispkg and not found.name.endswith("__main__"):
+                yield found.name, ("automodule", first_line(import_module(found.name)))
+        return
+    for name in module.__all__:
+        value = getattr(module, name)
+        if isinstance(value, type):
+            yield f"{module.__name__}.{name}", ("autoclass", first_line(value))
+        elif callable(value):
+            yield f"{module.__name__}.{name}", ("autofunction", first_line(value))
+        elif not isinstance(value, ModuleType):
+            home, text = constant(module.__name__, name)
+            yield f"{home}.{name}", ("autodata", text)
+
+
+def constant(package: str, name: str) -> tuple[str, str]:
+    """The module of a package that documents a constant, and the first line about it."""
+    for home in [each for each in sys.modules if each.startswith(package)]:
+        documented = ModuleAnalyzer.for_module(home).find_attr_docs()
+        if ("", name) in documented:
+            return home, documented["", name][0]
+    raise LookupError(f"{package}.{name} has no docstring below it")
+
+
+def first_line(value) -> str:
+    """The first sentence of a docstring, for a cell of a table."""
+    text = (inspect.getdoc(value) or "").partition("\n\n")[0].replace("\n", " ")
+    return re.split(r"(?<=\w[.:]) ", text)[0].rstrip(":").replace("|", "\\|").replace("*", "\\*")
 
 
 def link_names(app, docname: str, source: list[str]) -> None:
     """In the map, `numpy_cae.ops.conv1d` becomes a link to its entry in the reference."""
     if docname != "map":
         return
-    public = {
-        f"numpy_cae.{package}.{name}"
-        for package in PACKAGES
-        for name in import_module(f"numpy_cae.{package}").__all__
-    }
+    packages = [import_module(f"numpy_cae.{package}") for package in PACKAGES]
+    public = {name for package in packages for name, _ in public_entries(package)}
 
     def link(found: re.Match) -> str:
         name = found[1]
@@ -122,23 +165,39 @@ def plain_text_to_rst(app, what, name, obj, options, lines: list[str]) -> None:
     """Docstrings are plain text: an indented paragraph in front of the sections is an equation or
     code, and | and * are signs of mathematics, not markup.
     """
-    rst, in_sections = [], False
-    for number, line in enumerate(lines):
-        underlined = number + 1 < len(lines) and re.fullmatch(r"-{3,}", lines[number + 1].strip())
-        in_sections = in_sections or bool(underlined)
-        literal = not in_sections and line.startswith("    ")
-        if literal and not (rst and (rst[-1].startswith("    ") or rst[-1] == "")):
-            rst.append("")
-        if literal and not any(each.startswith("    ") for each in rst[-2:]):
-            rst += ["::", ""]
-        rst.append(line if literal else re.sub(r"(?<![`\\])([|*])(?!`)", r"\\\1", line))
-    lines[:] = rst
+    underlined = (at for at, line in enumerate(lines) if re.fullmatch(r"-{3,}", line.strip()))
+    sections = max(next(underlined, len(lines)) - 1, 0)
+    rst: list[str] = []
+    if re.match(r"\w[\w\[\]']* = ", lines[0]):  # an operation begins with its equation
+        end = lines.index("")
+        rst, lines[:end], sections = [".. math::", "", *equation(lines[:end])], [], sections - end
+    for indented, group in groupby(lines[:sections], lambda line: line.startswith("    ")):
+        paragraph = list(group)
+        if not indented:
+            rst += map(escaped, paragraph)
+        elif is_equation(paragraph):
+            rst += ["", ".. math::", "", *equation(paragraph), ""]
+        else:
+            rst += ["", "::", "", *paragraph, ""]
+    lines[:] = rst + [escaped(line) for line in lines[sections:]]
+
+
+def equation(paragraph: list[str]) -> list[str]:
+    """The body of the directive `math`."""
+    return [f"    {as_tex(paragraph)}", ""]
+
+
+def escaped(line: str) -> str:
+    """A line in which | and * are no markup."""
+    return re.sub(r"(?<![`\\])([|*])(?!`)", r"\\\1", line)
 
 
 def setup(app) -> None:
     """Make the generated pages before Sphinx looks for pages."""
     write_commands()
     write_api()
-    copy_lessons()
+    students = HERE.parent / "numpy_cae" / "course" / "notebooks"
+    write_lessons(HERE.parent / "lessons", students, HERE / "lessons", write_if_changed)
+    write_example(HERE / "made", HERE / "site_files")
     app.connect("source-read", link_names)
     app.connect("autodoc-process-docstring", plain_text_to_rst, priority=400)

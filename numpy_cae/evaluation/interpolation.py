@@ -96,3 +96,4 @@ def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
+"""The curves through rotations that animation programs draw, by name."""

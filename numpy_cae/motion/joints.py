@@ -17,9 +17,11 @@ import numpy as np
 _FILE = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
 _BODY: dict[str, list] = json.loads(_FILE)
 JOINTS: tuple[str, ...] = tuple(_BODY)
+"""The names of the twenty joints: hips, spine, chest, head, and four for each limb."""
 PARENTS: tuple[int, ...] = tuple(
     -1 if parent is None else JOINTS.index(parent) for parent, *_ in _BODY.values()
 )
+"""For each of `JOINTS` the index of its parent, -1 for the hips."""
 REST_DIRECTIONS: np.ndarray = np.array([row[1] for row in _BODY.values()])
 """REST_DIRECTIONS: of the bone that ends at each joint, in a T-pose that faces +Z, Y up."""
 REST_TIPS = {joint: np.array(row[2]) for joint, row in enumerate(_BODY.values()) if row[2:]}

@@ -120,6 +120,7 @@ RECIPES = {
     "fast": Schedule(Stage(epochs=0), _FAST, initial="passing", rms=0.12),
     "best": Schedule(Stage(epochs=0), _BEST),
 }
+"""Names of schedules: "paper" as published, "fast" and "best" with Adam and all layers at once."""
 """Schedules by name; docs/lab_book/end_to_end.md lists the error that each reaches. The settings
 were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test takes *_005;
 those of fast also on sources left out of training (docs/lab_book/other_sources.md)."""

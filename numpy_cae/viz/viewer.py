@@ -82,9 +82,13 @@ def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: obje
 
 
 @cache
-def head() -> str:
-    """The style and the scripts that a page with viewers needs once, after its motions."""
-    packed = {name: _deflated(_text(file).encode()) for name, file in _MODULES.items()}
+def head(**scripts: str) -> str:
+    """The style and the scripts that a page with viewers needs once, after its motions.
+
+    `scripts` are further modules, name to text, which are run after the viewer's.
+    """
+    texts = {name: _text(file) for name, file in _MODULES.items()} | scripts
+    packed = {name: _deflated(text.encode()) for name, text in texts.items()}
     return (
         f"<style>{_text('viewer.css')}</style>\n"
         f'<script type="application/json" id="viewer-modules">{json.dumps(packed)}</script>\n'

@@ -79,13 +79,13 @@ export class Stage {
     if (this.overlaid && this.follow) wide += this.spread(seen);
     this.resize();
     const half = Math.tan(VIEW / 2 * Math.PI / 180), across = this.panes()[0].aspect;
-    const high = name === "top" ? wide : 0.58 * tall;
+    const high = name === "top" ? wide : 0.6 * tall;
     const away = Math.max(high, wide / across) / half * 1.06 + (name === "top" ? tall : 0.5 * Math.min(wide, tall));
     const [x, z] = facing(seen[0].motion, this.frame);
     const angle = { front: 0, side: Math.PI / 2, top: 0 }[name] ?? 0.55;
     const to = new THREE.Vector3(x * Math.cos(angle) + z * Math.sin(angle), 0, z * Math.cos(angle) - x * Math.sin(angle));
     to.y = { top: 40, front: 0.08, side: 0.08 }[name] ?? 0.22;
-    this.controls.target.set(0, name === "top" ? 0 : 0.5 * tall, 0);
+    this.controls.target.set(0, name === "top" ? 0 : 0.53 * tall, 0);
     this.camera.position.copy(this.controls.target).addScaledVector(to.normalize(), away);
     Object.assign(this.camera, { near: away / 100, far: away * 20 });
     Object.assign(this.scene.fog, { near: 1.2 * away, far: Math.max(3.5 * away, 12) });

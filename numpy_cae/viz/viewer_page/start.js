@@ -18,5 +18,5 @@ globalThis.inflated = (text) => {
   map.type = "importmap";
   map.textContent = JSON.stringify({ imports });
   document.head.append(map);
-  await import("motion-viewer");
+  for (const name of Object.keys(imports)) await import(name);
 })();

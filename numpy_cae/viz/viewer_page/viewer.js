@@ -301,11 +301,12 @@ class Viewer {
     this.request = requestAnimationFrame(this.tick);
   }
 
-  // Pictures a second over the last forty; where they are few, drawing is made lighter, at most twice.
+  // Pictures a second over two seconds; where they are few, drawing is made lighter, at most twice.
   measure(seconds) {
     this.times = seconds ? [...this.times ?? [], seconds] : [];
-    if (this.times.length < 40) return;
-    this.fps = this.times.length / this.times.reduce((sum, each) => sum + each, 0);
+    const passed = this.times.reduce((sum, each) => sum + each, 0);
+    if (passed < 2) return;
+    this.fps = this.times.length / passed;
     this.times = [];
     this.lighter ??= 0;
     if (this.fps < SLOW && this.lighter < 2) {
