@@ -14,7 +14,7 @@ from numpy_cae.manifold import learn_sequences, save_manifold
 from numpy_cae.motion import angles_of
 from numpy_cae.training import SequenceSchedule
 
-FILE = Path(__file__).parents[1] / "numpy_cae" / "course" / "notebooks" / "longer_walks.npz"
+FILE = Path(__file__).parents[1] / "numpy_cae" / "course" / "longer_walks.npz"
 MINUTES, HIDDEN, LATENT, FRAMES = 30, 64, 8, 25
 SCHEDULE = SequenceSchedule(
     epochs=160, steps=50, rate=0.004, batch=64, weight=0.1, optimiser="adam",
