@@ -1,7 +1,9 @@
 """A skeleton: a tree of named joints, each at an offset from its parent in the rest pose."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -84,6 +86,11 @@ class Skeleton:
         for joint, parent in enumerate(self.parents[1:], start=1):
             positions[joint] += positions[parent]
         return positions
+
+    def scaled(self, factor: float) -> Skeleton:
+        """The skeleton with all lengths multiplied by a factor."""
+        end_sites = {joint: factor * tip for joint, tip in self.end_sites.items()}
+        return replace(self, offsets=factor * self.offsets, end_sites=end_sites)
 
     def path(self, joint: int) -> list[int]:
         """The joint, its parent and so on up to the root."""

@@ -68,13 +68,13 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     joints, motion_line, skipped = read_hierarchy(file)
     rate, values, miscounted = _read_motion(file, motion_line, joints, max_rate)
     del file  # the text of an hour at 120 Hz takes half a gigabyte
-    offsets = np.array([joint.offset for joint in joints], dtype=np.float64)
-    rotations, translations = read_pose(_channels(joints, 1.0), offsets, values)
+    skeleton = _skeleton(joints)
+    rotations, translations = read_pose(_channels(joints, 1.0), skeleton.offsets, values)
     is_still = len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all()
     del values
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
-    height = stature(_skeleton(joints, 1.0), lengths)
+    height = stature(skeleton, lengths)
     if unit is not None:
         note = stated_unit(unit, "as given", unit * height)
     else:
@@ -82,7 +82,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     translations *= unit
     still = "nothing moves: all frames are equal" if is_still else ""
     note = "; ".join(filter(None, [note, skipped, miscounted, still]))
-    return Motion(_skeleton(joints, unit), rate, rotations, translations, unit, note)
+    return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, note)
 
 
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
@@ -99,13 +99,13 @@ def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
     return channels
 
 
-def _skeleton(joints: list[BvhJoint], unit: float) -> Skeleton:
-    tips = {index: joint.tip for index, joint in enumerate(joints) if joint.tip is not None}
+def _skeleton(joints: list[BvhJoint]) -> Skeleton:
+    """In the unit of the file."""
     return Skeleton(
-        names=tuple(joint.name for joint in joints),
-        parents=tuple(joint.parent for joint in joints),
-        offsets=unit * np.array([joint.offset for joint in joints]),
-        end_sites={index: unit * np.array(tip) for index, tip in tips.items()},
+        tuple(joint.name for joint in joints),
+        tuple(joint.parent for joint in joints),
+        np.array([joint.offset for joint in joints], dtype=np.float64),
+        {index: np.array(joint.tip) for index, joint in enumerate(joints) if joint.tip is not None},
     )
 
 

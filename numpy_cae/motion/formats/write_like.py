@@ -7,7 +7,6 @@ text is processed in blocks of frames, so that a long file needs little memory.
 import logging
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
@@ -34,17 +33,9 @@ _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """_GAPS: white space and comments, which separate words."""
 
 
-@dataclass(frozen=True)
-class _Format:
-    """How a file format stores frames.
-
-    `begins` matches the line with which a frame begins. `numbers` returns the indices of a frame's
-    numbers among its words, in the order of the columns of `channels`.
-    """
-
-    channels: list[Channels]
-    begins: re.Pattern[str]
-    numbers: Callable[[list[str]], Sequence[int]]
+_Numbers = Callable[[list[str]], Sequence[int]]
+"""A function from the words of a frame to the indices of its numbers among them, in the order of
+the columns of `Channels`."""
 
 
 def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
@@ -89,7 +80,10 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     source = Path(source)
     require_writable(after)
     is_bvh = source.suffix.lower() == ".bvh"
-    file_format = _bvh_format(source, before) if is_bvh else _amc_format(source, before)
+    channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
+    # Every line of the header of a BVH file begins with a keyword or a brace.
+    begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
+    numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
     misses: dict[str, float] = {}
     count = 0
     with (
@@ -98,7 +92,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
         _text(temporary, "w") as output,
     ):
         last = None
-        parts = _parts(lines, file_format.begins)
+        parts = _parts(lines, begins)
         output.write(next(parts))
         while texts := list(islice(parts, _BLOCK)):
             frames = slice(count, count + len(texts))
@@ -106,7 +100,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
             if count > len(before):
                 break
             block = before.at(frames), after.at(frames)
-            texts, last = _replaced(texts, last, *block, file_format, misses)
+            texts, last = _replaced(texts, last, *block, channels, numbers, misses)
             output.writelines(texts)
         if count != len(before):
             raise MotionFileError(source, None, "has changed since it was read")
@@ -120,7 +114,8 @@ def _replaced(
     last: np.ndarray | None,
     before: Motion,
     after: Motion,
-    file_format: _Format,
+    channels: list[Channels],
+    numbers: _Numbers,
     misses: dict[str, float],
 ) -> tuple[list[str], np.ndarray]:
     """The texts of a block of frames with new numbers, and the numbers of its last frame.
@@ -134,24 +129,24 @@ def _replaced(
     # Changed frames, their neighbours and the last frame are parsed.
     parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
     parsed[-1] = True
-    width = sum(len(channels.names) for channels in file_format.channels)
+    width = sum(len(of_joint.names) for of_joint in channels)
     values = np.zeros((len(texts), width))
     places_in: dict[int, list[int]] = {}  # frame -> the places of its numbers among its pieces
     for frame in np.flatnonzero(parsed).tolist():
         # Frames are split a second time below: the words of all of them do not fit in the cache.
         pieces, words = _split(texts[frame])
-        order = file_format.numbers([pieces[word] for word in words])
+        order = numbers([pieces[word] for word in words])
         places_in[frame] = [words[index] for index in order]
         if len(order) != width:
             raise ValueError(f"a frame has {len(order)} numbers, but had {width} when it was read")
         values[frame] = [float(pieces[place]) for place in places_in[frame]]
     old = values.copy()
-    for joint, channels in enumerate(file_format.channels):
+    for joint, of_joint in enumerate(channels):
         frames = np.flatnonzero(moved[:, joint]).tolist()
-        place = np.ix_(frames, channels.columns("t"))
-        values[place] = channels.position_values(after.translations[frames, joint])
+        place = np.ix_(frames, of_joint.columns("t"))
+        values[place] = of_joint.position_values(after.translations[frames, joint])
         if turned[:, joint].any():
-            miss = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], channels)
+            miss = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], of_joint)
             if miss > _NOTICEABLE:
                 name = after.skeleton.names[joint]
                 misses[name] = max(miss, misses.get(name, 0.0))
@@ -228,25 +223,22 @@ def _parts(lines: Iterable[str], begins: re.Pattern[str]) -> Iterator[str]:
     yield "".join(part)
 
 
-def _bvh_format(source: Path, motion: Motion) -> _Format:
-    # Every line of the header begins with a keyword or a brace.
-    begins = re.compile(r"\s*[-+.\d]")
-    return _Format(bvh_channels(source, motion.unit), begins, lambda words: range(len(words)))
+def _all(words: list[str]) -> range:
+    return range(len(words))
 
 
-def _amc_format(source: Path, motion: Motion) -> _Format:
-    channels = amc_channels(source, motion.unit)
-    counts = [len(of_joint.names) for of_joint in channels]
-    index = {name: joint for joint, name in enumerate(motion.skeleton.names)}
+def _amc_numbers(channels: list[Channels], names: Sequence[str]) -> _Numbers:
+    """Of a frame of an .amc file: its number, then for each bone the name and the values."""
+    index = {name: joint for joint, name in enumerate(names)}
 
     def numbers(words: list[str]) -> list[int]:
-        places = [0] * sum(counts)
+        places = [0] * sum(len(of_joint.names) for of_joint in channels)
         place = 1
         while place < len(words):
-            joint = index[words[place]]
-            first, count = channels[joint].first, counts[joint]
+            of_joint = channels[index[words[place]]]
+            first, count = of_joint.first, len(of_joint.names)
             places[first : first + count] = range(place + 1, place + 1 + count)
             place += 1 + count
         return places
 
-    return _Format(channels, re.compile(r"\s*\d+\s*(#|$)"), numbers)
+    return numbers

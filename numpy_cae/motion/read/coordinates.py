@@ -100,17 +100,12 @@ def with_unit_of_limbs(motion: Motion) -> Motion:
         total += lengths[path[: path.index(start)]].sum() if start in path else 0.0
     unit, note = guess_unit(total / 2 / LIMBS / motion.unit)
     scale = unit / motion.unit
-    ends = motion.skeleton.end_sites.items()
-    skeleton = replace(
-        motion.skeleton,
-        offsets=scale * motion.skeleton.offsets,
-        end_sites={joint: scale * tip for joint, tip in ends},
-    )
     _, *notes = motion.unit_note.split("; ")
     motion = replace(motion, unit=unit, unit_note="; ".join([note, *notes]))
     if scale == 1:
         return motion
-    return replace(motion, skeleton=skeleton, translations=scale * motion.translations)
+    skeleton, translations = motion.skeleton.scaled(scale), scale * motion.translations
+    return replace(motion, skeleton=skeleton, translations=translations)
 
 
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
