@@ -3,6 +3,7 @@
 Its unit is guessed from its bones, whatever the pose and wherever the root.
 """
 
+import json
 import logging
 from dataclasses import replace
 
@@ -79,30 +80,20 @@ def read_text(tmp_path):
     return read
 
 
-UNTIDY = {
-    "CRLF": TIDY.replace("\n", "\r\n"),
-    "CR": TIDY.replace("\n", "\r"),
-    "byte order mark": "\ufeff" + TIDY,
-    "blank lines": TIDY.replace("\n", "\n\n \t\n"),
-    "tabs": TIDY.replace("  ", "\t").replace(" ", "\t").replace("Left\tLeg", "Left Leg"),
-    "trailing blanks": TIDY.replace("\n", "  \t\n"),
-    "no last newline": TIDY.rstrip("\n"),
-    "brace on the same line": TIDY.replace("\n  {", " {").replace("\n{", "{"),
-    "beyond UTF-8": TIDY.replace("Hips", "Hüfte").encode("latin-1"),
-    "headers": TIDY.replace("Frames: 2", "FRAMES :2").replace("Frame Time: ", "frame  time:"),
-    "case": TIDY.replace("Xrotation", "xROTATION").replace("ROOT", "Root").replace("Site", "site"),
-    "named End Site": TIDY.replace("End Site", "End Site toe"),
-    "CHANNELS before OFFSET": TIDY.replace("    OFFSET 0 -40 0\n", "").replace(
-        "Xrotation Zrotation\n", "Xrotation Zrotation\n    OFFSET 0 -40 0\n"
-    ),
-}
+UNTIDY = json.loads((FILES / "untidy.json").read_text(encoding="utf-8"))
+"""What the parts of the tidy file are replaced by."""
 
 
-@pytest.mark.parametrize("untidied", UNTIDY.values(), ids=UNTIDY)
-def test_spacing_and_case_do_not_matter(read_text, untidied):
-    tidy, motion = read_text(TIDY, unit=0.01), read_text(untidied, unit=0.01)
-    hips = "Hüfte" if isinstance(untidied, bytes) else "Hips"
-    assert motion.skeleton.names == (hips, "mixamorig:Left Leg")
+@pytest.mark.parametrize(("name", "changes"), UNTIDY.items(), ids=UNTIDY)
+def test_spacing_and_case_do_not_matter(read_text, name, changes):
+    untidied = TIDY
+    for old, new in changes:
+        assert old in untidied
+        untidied = untidied.replace(old, new)
+    latin = name == "beyond UTF-8"
+    motion = read_text(untidied.encode("latin-1" if latin else "utf-8"), unit=0.01)
+    tidy = read_text(TIDY, unit=0.01)
+    assert motion.skeleton.names == ("Hüfte" if latin else "Hips", "mixamorig:Left Leg")
     assert motion.rate == tidy.rate
     np.testing.assert_array_equal(motion.positions(), tidy.positions())
     np.testing.assert_array_equal(motion.skeleton.end_sites[1], tidy.skeleton.end_sites[1])
