@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -22,13 +23,30 @@ class Table:
     """Plain values with a heading for each column; the first value of a row is its name.
 
     A value that is None or nan is an empty cell; a str or an int is printed as it is. `formats`
-    are of the floats: one format for all columns, or one for each.
+    are of the floats: one format for all columns, or one for each. `best` says which of the floats
+    the page marks: "low" or "high" the best of each column, "low across" the lowest of each row.
+    Rows of one column are compared if their names agree up to the last ": ".
     """
 
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[object]]
     formats: str | Sequence[str] = ".2f"
+    best: str = ""
+
+    def best_cells(self) -> set[tuple[int, int]]:
+        """Row and column of each value that is marked as the best."""
+        compared = defaultdict(list)
+        for place, row in enumerate(self.rows):
+            group = row[0] if str in map(type, row[1:2]) else str(row[0]).rpartition(": ")[0]
+            for column, value in enumerate(row):
+                if isinstance(value, float | np.floating) and not np.isnan(value):
+                    key = place if self.best == "low across" else (column, group)
+                    compared[key].append((float(value), (place, column)))
+        choose = max if self.best == "high" else min
+        winners = [choose(values)[0] for values in compared.values()]
+        pairs = zip(winners, compared.values(), strict=True)
+        return {cell for won, each in pairs for value, cell in each if self.best and value == won}
 
     def cells(self) -> list[list[str]]:
         """The rows as printed, without the header."""

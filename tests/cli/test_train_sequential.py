@@ -37,7 +37,8 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     out = tmp_path / "study"
     options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20]
     run("study", "--data", walks, "-o", out, *options)
-    said = (out / "study.txt").read_text(encoding="utf-8")
+    said, page = ((out / f"study.{kind}").read_text(encoding="utf-8") for kind in ("txt", "html"))
+    assert page.count("confirmed</span>") > said.count("confirmed:")  # and in the summary
     assert capsys.readouterr().out == said
     assert len(re.findall("^(not )?confirmed: .* Measured: ", said, re.MULTILINE)) > 3
     written = {path.name for path in out.iterdir()}

@@ -37,6 +37,22 @@ def test_formats_by_column_and_empty_cells():
     assert table.cells() == [["z", "25%", "", "", "2.000", "7, 2"]]
 
 
+def test_the_best_of_a_column_or_of_a_row_is_marked():
+    rows = [["a: x", 3.0, 1.0], ["a: y", 2.0, 4.0], ["b: x", 9.0, None]]
+    marked = {
+        best: Table("", ["", "cm", "share"], rows, best=best).best_cells()
+        for best in ("", "low", "high", "low across")
+    }
+    assert marked == {
+        "": set(),
+        "low": {(1, 1), (0, 2), (2, 1)},
+        "high": {(0, 1), (1, 2), (2, 1)},
+        "low across": {(0, 2), (1, 1), (2, 1)},
+    }
+    html = page({"a": Result("A `name`", [Table("", ["", "cm", "share"], rows, best="low")])}, {})
+    assert "<th>method</th>" in html and html.count("<td class=number><b>") == 3
+
+
 def test_the_page_is_self_contained_and_the_text_has_the_same():
     html = page(RESULTS, {"model": "m.npz <1>", "seed": "0"})
     opened = []
@@ -52,7 +68,7 @@ def test_the_page_is_self_contained_and_the_text_has_the_same():
     for text in (CLAIMS[0].sentence, CLAIMS[1].figures, NOTE, "m.npz <1>", RESULT.title):
         assert escape(text) in html
     assert "1 of 2 claims are confirmed" in html and "Could not be run: no press-ups." in html
-    assert html.count(">not confirmed<") == 2  # in the summary and at the claim
+    assert html.count("✗ not confirmed") == html.count(escape(CLAIMS[1].sentence)) == 1
     assert "<th>a</th><th class=number>error, cm</th>" in html
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
     assert escape(NOTE) in RESULT._repr_html_()

@@ -104,9 +104,20 @@ def _read(args: argparse.Namespace, data: str) -> tuple[MotionManifold, Material
         "learned from": ", ".join(folders),
         "data": f"{data}: {counts}",
         "test takes": f"{listed}, by take, never trained on or fitted to",
-        "training": str(settings("schedule", "")),
+        "training": _in_words(settings("schedule", {})),
     }
     return manifold, material, {name: text for name, text in provenance.items() if text}
+
+
+def _in_words(schedule: dict) -> str:
+    """The schedule that a model records, in words."""
+    stages = []
+    for name, words in (("layer", "layer by layer"), ("fine_tuning", "all layers at once")):
+        if stage := schedule.get(name):
+            how = f"{stage['epochs']} epochs in batches of {stage['batch']}, by "
+            how += f"{stage['optimiser']} with a rate of {stage['rate']:g}"
+            stages.append(f"{words}: {how if stage['epochs'] else 'left out'}")
+    return "; ".join(stages)
 
 
 def _test_patterns(manifold: MotionManifold, args: argparse.Namespace) -> list[str]:

@@ -200,11 +200,16 @@ class _Trial:
             for hole, ratios in self.ratios().items()
         }
         return [
-            _table(errors, self.errors, DAMAGES),
+            _table(errors, self.errors, DAMAGES, "low"),
             _table(f"{name}: change of everything else, cm", self.elsewhere, DAMAGES),
             _table(f"{name}: joints and frames that repair touches, %", self.touched, DAMAGES),
             _table(f"{name}: without damage", self.clean, CLEAN),
-            _table(f"{name}: holes in takes without damage, cm", self.holes, (*CURVES, GIVEN)),
+            _table(
+                f"{name}: holes in takes without damage, cm",
+                self.holes,
+                (*CURVES, GIVEN),
+                "low across",
+            ),
             _table(
                 f"{name}: the same holes, error of repair divided by that of each curve, geometric "
                 "mean over the holes",
@@ -238,9 +243,11 @@ class _Trial:
             ),
             *(
                 (
-                    f"Repair, mask unknown, leaves at most {share:.2f} of damage: {kind}",
+                    f"Without a mark of the damage, repair leaves at most {share:.0%} of its "
+                    f"error: {kind}",
                     error(UNKNOWN, kind) <= share * error(DAMAGED, kind),
-                    f"{error(DAMAGED, kind):.2f} cm before, {error(UNKNOWN, kind):.2f} after.",
+                    f"{error(DAMAGED, kind):.2f} cm before, {error(UNKNOWN, kind):.2f} after, "
+                    f"{error(UNKNOWN, kind) / error(DAMAGED, kind):.0%}.",
                 )
                 for kind, share in REMAINS.items()
             ),
@@ -251,8 +258,8 @@ class _Trial:
             ),
             *(
                 (
-                    f"Holes with the mask given, {part}: at most {most:.2f} of the error of the "
-                    "best rotation curve at every length",
+                    f"Where a hole is marked, {part}, fill has at most {most:.0%} of the error of "
+                    "the best curve of animation programs at every length of hole",
                     bool(of_part) and max(of_part.values()) <= most,
                     ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items()) + ".",
                 )
@@ -261,7 +268,8 @@ class _Trial:
             ),
             *(
                 (
-                    f"Repair, mask given, has at most the error of the best rotation curve: {kind}",
+                    "Where the damage is marked, repair has at most the error of the best curve of "
+                    f"animation programs: {kind}",
                     error(GIVEN, kind) <= min(error(name, kind) for name in CURVES),
                     f"{error(GIVEN, kind):.2f} cm, the curves "
                     f"{', '.join(f'{error(name, kind):.2f}' for name in CURVES)}.",
@@ -269,7 +277,7 @@ class _Trial:
                 for kind in self.errors[GIVEN]
             ),
             (
-                "Repair, mask unknown, moves everything else by at most 0.2 cm",
+                "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
                 moved <= 0.2,
                 f"at most {moved:.2f} cm in the mean of a kind of damage.",
             ),
@@ -285,12 +293,12 @@ def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return 100 * np.linalg.norm(one - other, axis=-1)
 
 
-def _table(caption: str, values: Values, columns: Sequence[str]) -> Table:
+def _table(caption: str, values: Values, columns: Sequence[str], best: str = "") -> Table:
     rows = [
         [name, *(np.mean(numbers[column]) if column in numbers else None for column in columns)]
         for name, numbers in values.items()
     ]
-    return Table(f"{caption}.", ["", *columns], rows)
+    return Table(f"{caption}.", ["", *columns], rows, best=best)
 
 
 def _figure(source: str, errors: Values):

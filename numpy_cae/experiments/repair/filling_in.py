@@ -56,6 +56,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 "Error at the missing joint, cm (root mean square of a coordinate):",
                 ["missing joint", MEAN_POSE, NETWORK],
                 [[joint, *errors] for joint, errors in wrists.items()],
+                best="low across",
             ),
             Table(f"{STEPPED}:", ["method", "error, cm", "delayed, cm", "jitter, m/s²"], rows),
         ],

@@ -107,7 +107,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     columns = [f"p = {p}" for p in PS]
     *rows, mask_given = ([name, *row] for name, row in errors.items())
     tables = [
-        Table(CAPTION, ["mask unknown", *columns], rows),
+        Table(CAPTION, ["mask unknown", *columns], rows, best="low"),
         Table("An easier problem, mask given:", ["mask given", *columns], [mask_given]),
     ]
     return Result(

@@ -85,7 +85,7 @@ def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
                 f"{squared[NETWORK]:.3f} of unit variance, PCA {squared[LINEAR]:.3f}.",
             )
         )
-    table = Table("", [f"{latent} numbers a clip", SQUARED, RADIANS], rows, ".3f")
+    table = Table("", [f"{latent} numbers a clip", SQUARED, RADIANS], rows, ".3f", "low")
     title = "Reconstruction of held-out clips by jang2018's network and by simpler methods"
     return Result(title, [table], claims)
 
