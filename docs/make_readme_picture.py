@@ -13,11 +13,12 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from data_synth import make_take
 from numpy_cae.manifold import repair, starter
-from numpy_cae.motion import PARENTS, RATE, body_positions
+from numpy_cae.motion import JOINTS, PARENTS, RATE, body_positions
 from numpy_cae.motion.quaternions import product
 from numpy_cae.viz.camera import bones, camera_view
 
@@ -50,19 +51,28 @@ def draw(walks: dict[str, np.ndarray], path: str) -> None:
         axes.axis("off")
         axes.text(0, 1.85, name, ha="center", color=colour, fontsize=11)
         axes.plot([-0.6, 0.6], [0, 0], color="#dddddd", linewidth=1)
-        lines = LineCollection([], colors=colour, linewidths=3.5, capstyle="round")
-        bodies[name] = axes.add_collection(lines)
+        shades = [_shade(colour, joint) for joint in JOINTS[1:]]
+        lines = LineCollection([], colors=shades, linewidths=4, capstyle="round")
+        head = axes.plot([], [], "o", color=colour, markersize=15)[0]
+        bodies[name] = axes.add_collection(lines), head
 
     def show(frame: int) -> list:
         middle = np.median(walks["true walk"][frame], axis=0)
         follow = middle * [1.0, 0.0, 1.0]  # the point of the floor below it
-        for name, lines in bodies.items():
-            lines.set_segments(bones(camera_view(walks[name][frame] - follow, AZIMUTH), PARENTS))
-        return list(bodies.values())
+        for name, (lines, head) in bodies.items():
+            seen = camera_view(walks[name][frame] - follow, AZIMUTH)
+            lines.set_segments(bones(seen, PARENTS))
+            head.set_data(*(seen[JOINTS.index("head")] + [0, 0.06])[:, None])
+        return [artist for body in bodies.values() for artist in body]
 
     moments = range(0, len(walks["true walk"]), STEP)
     animation = FuncAnimation(figure, show, frames=moments, init_func=lambda: [])
     animation.save(path, writer=PillowWriter(fps=round(RATE / STEP)))
+
+
+def _shade(colour: str, joint: str) -> np.ndarray:
+    """The left side is lighter than the right, as in the viewer."""
+    return 1 - (1 - np.array(to_rgb(colour))) * (0.6 if joint.startswith("left") else 1.0)
 
 
 def main(path: str) -> None:
