@@ -28,11 +28,12 @@ def floor_height(positions: np.ndarray) -> float:
     return float(np.quantile(positions[:, FEET, 1].min(axis=1), 0.05))
 
 
-def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None) -> np.ndarray:
+def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
     """Whether each foot stands.
 
-    A foot is in contact in a frame if its toe is within `STANDING_HEIGHT` of the floor and moves
-    along it slower than `STANDING_SPEED`; gaps and contacts of less than three frames are noise.
+    A foot is in contact in a frame if its toe is within `STANDING_HEIGHT` of the floor, which is at
+    `floor_height`, and moves along it slower than `STANDING_SPEED`; gaps and contacts of less than
+    three frames are noise.
 
     Parameters
     ----------
@@ -40,8 +41,6 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
         World positions in metres.
     rate : float
         Frames a second.
-    floor : float, optional
-        Its height in metres; `floor_height` if None.
 
     Returns
     -------
@@ -52,10 +51,9 @@ def find_contacts(positions: np.ndarray, rate: float, floor: float | None = None
 
     if len(positions) < 2:
         return np.zeros((len(positions), 2), bool)
-    floor = floor_height(positions) if floor is None else floor
     toes = positions[:, FEET]
     speed = np.linalg.norm(np.gradient(toes[..., [0, 2]], axis=0), axis=-1) * rate
-    stands = (toes[..., 1] < floor + STANDING_HEIGHT) & (speed < STANDING_SPEED)
+    stands = (toes[..., 1] < floor_height(positions) + STANDING_HEIGHT) & (speed < STANDING_SPEED)
     for foot in stands.T:
         # The edge values are repeated: a clip may begin and end in the middle of a step.
         padded = np.pad(foot, _MIN_FRAMES, mode="edge")

@@ -108,12 +108,10 @@ def autoencoder_steps(
         state.end_stage()
 
 
-def hidden_below(
-    model: ConvAutoencoder, windows: np.ndarray, layer: int, at_once: int = 64
-) -> np.ndarray:
-    """The input of a layer: what the layers below it make of clean windows, `at_once` at a time to
-    save memory."""
+def hidden_below(model: ConvAutoencoder, windows: np.ndarray, layer: int) -> np.ndarray:
+    """The input of a layer: what the layers below it make of clean windows, 64 at a time to save
+    memory."""
     for below in model.layers[:layer]:
-        parts = [windows[start : start + at_once] for start in range(0, len(windows), at_once)]
+        parts = [windows[start : start + 64] for start in range(0, len(windows), 64)]
         windows = np.concatenate([below.encode_with_pullback(part)[0] for part in parts])
     return windows

@@ -26,9 +26,7 @@ def body_skeleton(lengths: np.ndarray) -> Skeleton:
     return Skeleton(JOINTS, PARENTS, directions * lengths[:, None], dict(REST_TIPS))
 
 
-def fit_motion(
-    positions: np.ndarray, lengths: np.ndarray, rate: float, unit: float = 0.01
-) -> Motion:
+def fit_motion(positions: np.ndarray, lengths: np.ndarray, rate: float) -> Motion:
     """The motion of the twenty joints, on bones of these lengths, that fits the positions best.
 
     If a single bone begins at a joint, its direction is kept exactly. If several do, the angles
@@ -40,12 +38,13 @@ def fit_motion(
         World positions in metres.
     lengths : (20,) array of float
         In metres.
-    rate, unit : float
-        Frames a second, and metres in one unit of the file to be written.
+    rate : float
+        Frames a second.
 
     Returns
     -------
     Motion
+        Written in centimetres.
 
     Examples
     --------
@@ -73,7 +72,7 @@ def fit_motion(
         rotations[:, joint] = product(inverse(before), rotation)
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
     translations[:, 0] = positions[:, 0]
-    return Motion(skeleton, rate, rotations, translations, unit, f"{unit:g} m")
+    return Motion(skeleton, rate, rotations, translations, 0.01, "0.01 m")
 
 
 def _fit(bones: np.ndarray, rest: np.ndarray, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
