@@ -49,7 +49,7 @@ def shortened(text: str) -> list[str]:
 
 def deck(notebook: dict, title: str) -> str:
     """The page of a lesson's slides."""
-    exporter = HTMLExporter(template_name="basic", exclude_input=True)
+    exporter = HTMLExporter(template_name="basic", exclude_input=True, exclude_output_prompt=True)
     slides: list[list] = [[]]
     for cell in notebook["cells"]:
         if TAG not in cell["metadata"].get("tags", ()):

@@ -3,7 +3,7 @@
 from numpy_cae.viz.actor import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
 from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, matrix_figure
 from numpy_cae.viz.live_curve import LiveCurve
-from numpy_cae.viz.sliders import Chart, SliderFigure, slider_figure
+from numpy_cae.viz.sliders import Chart, slider_figure
 from numpy_cae.viz.strip import save_figure, strip_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer
 
@@ -17,7 +17,6 @@ __all__ = [
     "Chart",
     "Curve",
     "LiveCurve",
-    "SliderFigure",
     "bars_figure",
     "curves_figure",
     "in_notebook",

@@ -6,9 +6,7 @@ row at which the controls stand as SVG. A sentence for each position says the sa
 
 from __future__ import annotations
 
-import base64
 import json
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -20,6 +18,7 @@ import numpy as np
 
 from numpy_cae.viz.actor import OTHERS, Actor
 from numpy_cae.viz.curves import Curve
+from numpy_cae.viz.viewer import deflated
 
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
 _LARGEST = 300_000
@@ -135,7 +134,7 @@ def slider_figure(
     table = {"controls": named, "panels": drawn, "start": start}
     page = Template(_FOLDER.joinpath("slider.html").read_text(encoding="utf-8")).substitute(
         title=escape(title),
-        table=base64.b64encode(zlib.compress(json.dumps(table).encode(), 9)).decode(),
+        table=deflated(json.dumps(table).encode()),
         texts="\n".join(f"<li>{escape(text)}</li>" for text in texts),
         script=_FOLDER.joinpath("slider.js").read_text(encoding="utf-8"),
     )
@@ -152,16 +151,10 @@ def _short(values) -> list:
 
 
 def _chart(chart: Chart, others: Iterator[str]) -> dict:
-    curves = [
-        {
-            "label": curve.label,
-            "colour": curve.colour or next(others),
-            "style": curve.style,
-            "x": _short(curve.x),
-            "y": _short(curve.y),
-        }
-        for curve in chart.curves
-    ]
+    curves = []
+    for curve in chart.curves:
+        numbers = {"x": _short(curve.x), "y": _short(curve.y)}
+        curves.append({**vars(curve), **numbers, "colour": curve.colour or next(others)})
     return {**vars(chart), "curves": curves}
 
 

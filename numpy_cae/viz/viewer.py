@@ -88,7 +88,7 @@ def head(**scripts: str) -> str:
     `scripts` are further modules, name to text, which are run after the viewer's.
     """
     texts = {name: _text(file) for name, file in _MODULES.items()} | scripts
-    packed = {name: _deflated(text.encode()) for name, text in texts.items()}
+    packed = {name: deflated(text.encode()) for name, text in texts.items()}
     return (
         f"<style>{_text('viewer.css')}</style>\n"
         f'<script type="application/json" id="viewer-modules">{json.dumps(packed)}</script>\n'
@@ -148,14 +148,14 @@ def _packed(actor: Actor, first: Actor, furthest: float) -> dict:
         "colour": actor.colour,
         "names": [*actor.names] or [f"joint {joint}" for joint in range(len(actor.parents))],
         "parents": [int(parent) for parent in actor.parents],
-        "steps": _deflated(signed.astype("<u4").view(np.uint8).reshape(-1, 4).T.tobytes()),
+        "steps": deflated(signed.astype("<u4").view(np.uint8).reshape(-1, 4).T.tobytes()),
         "from_first": from_first,
         "step": step,
         "furthest": furthest,
     }
     if actor.moved is not None and furthest > 0:
         levels = np.ceil(np.nan_to_num(actor.moved) / furthest * 255).astype(np.uint8)
-        packed["moved"] = _deflated(levels.T.tobytes())
+        packed["moved"] = deflated(levels.T.tobytes())
     return packed
 
 
@@ -166,7 +166,8 @@ def _steps(positions: np.ndarray, step: float) -> np.ndarray:
     return np.round(local / step).astype(np.int32).reshape(len(local), -1).T.copy()
 
 
-def _deflated(values: bytes) -> str:
+def deflated(values: bytes) -> str:
+    """Bytes, compressed by zlib, in base64: `inflated` of start.js undoes it."""
     return base64.b64encode(zlib.compress(values, 9)).decode()
 
 
