@@ -13,6 +13,8 @@ from numpy_cae import ops, verify
 from numpy_cae.verify.operations.trial import failing_case, try_property
 
 ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "own_operation.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```python\n# (\S+)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 
 
 def test_the_plugin_is_registered_and_imports_nothing_heavy():
@@ -85,6 +87,7 @@ def test_a_wrong_operation_of_ones_own_fails_in_its_property(f, name):
     stated = verify.properties_of(f, {"x": "... classes"})
     failed = {each.name for each in stated if failing_case(each, f)}
     assert (name in failed) if name else (failed == set())
+    assert [each.name for each in stated].index("strides") < [s.name for s in stated].index("dtype")
     if f is kept:
         outcome = try_property(stated[-1], f)
         assert outcome.mistake.startswith("Results are kept in one array")
@@ -145,11 +148,25 @@ def test_square(x):
 """
 
 
+@pytest.mark.parametrize("library", ["jax", "mygrad"])
+def test_adapters_for_libraries_that_may_be_installed(library):
+    module = pytest.importorskip(library)
+    if library == "jax":
+        module.config.update("jax_enable_x64", True)
+    adapters = {}
+    exec(dict(BLOCKS)["adapters.py"], adapters)
+
+    def cube(x, scale):
+        return adapters[f"of_{library}"](lambda x, scale: scale * x * x * x, x, scale)
+
+    stated = verify.properties_of(cube, {"x": "batch channels", "scale": "channels"})
+    assert [each.name for each in stated if failing_case(each, cube)] == []
+
+
 def test_the_page_for_ones_own_layer_and_its_adapters_in_a_project_of_its_own(tmp_path):
     pytest.importorskip("torch")
-    page = (ROOT / "docs" / "own_operation.md").read_text(encoding="utf-8")
-    for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE):
-        (tmp_path / block.partition("\n")[0].removeprefix("# ")).write_text(block)
+    for name, block in BLOCKS:
+        (tmp_path / name).write_text(block)
     (tmp_path / "test_project.py").write_text(PROJECT)
     options = "-q -rA -p numpy_cae.pytest_plugin -p no:cacheprovider".split()
     environment = {
@@ -162,7 +179,7 @@ def test_the_page_for_ones_own_layer_and_its_adapters_in_a_project_of_its_own(tm
     text = ran.stdout
     assert "1 failed, 21 passed, 6 skipped" in text, text + ran.stderr
     assert "FAILED test_project.py::test_cube::gradient for scale" in text
-    named = re.findall(r"^(test_my_layer.py::.*)$", page, re.MULTILINE)
+    named = re.findall(r"^(test_my_layer.py::.*)$", PAGE, re.MULTILINE)
     assert len(named) == 8 and all(f"PASSED {name}" in text for name in named)
     report = text.partition("FAILURES")[2].partition("short test summary")[0]
     assert "batch 2, channels 1, seed 0" in report and "scale = [-1.0]" in report
