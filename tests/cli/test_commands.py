@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from dataclasses import asdict, replace
 
 import pytest
@@ -13,6 +14,7 @@ import numpy_cae
 from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
 from numpy_cae.cli.commands import demo
+from numpy_cae.cli.shared.output import working
 from numpy_cae.manifold import load_manifold
 from numpy_cae.motion import write_bvh
 from numpy_cae.training import Schedule, Stage, recipe
@@ -55,6 +57,14 @@ def test_a_reader_that_ends_early_is_no_error(walks):
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         process.stdout.close()
         assert process.stderr.read() == b"" and process.wait() == 1
+
+
+def test_work_on_a_long_file_says_how_much_time_is_left(capsys):
+    with working("take.bvh") as is_done:
+        time.sleep(0.1)
+        is_done(0.02)
+        time.sleep(2.3)
+    assert re.fullmatch(r"take\.bvh: 2 s, about \d+ s to go\n", capsys.readouterr().err)
 
 
 def test_it_runs_as_a_module_and_prints_its_version():

@@ -155,3 +155,10 @@ def test_a_small_file_cannot_ask_for_much_memory(tmp_path, joints, frames, secon
     assert not read_or_refuse(path, "a.bvh", len(data), joints)
     with pytest.raises(MotionFileError, match=r"\d+ joint rotations at 30 a second .* at most"):
         load_motion(path)
+
+
+def test_a_skeleton_of_10_000_joints_is_refused(tmp_path):
+    joints = "".join(f"JOINT s{i}\n{{\nOFFSET 0 1 0\n" for i in range(10_000))
+    text = f"HIERARCHY\nROOT a\n{{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n{joints}"
+    with pytest.raises(MotionFileError, match="the skeleton has more than 5000 joints"):
+        load_motion(write(tmp_path, "a.bvh", text.encode()))
