@@ -30,7 +30,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.experiments.material import evenly
 from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.manifold.fill import corrected
-from numpy_cae.manifold.repair import Holes
+from numpy_cae.manifold.holes import Holes
 from numpy_cae.motion import JOINTS, RATE, Motion, find_motion_files, load_motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 

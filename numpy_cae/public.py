@@ -32,7 +32,7 @@ def repair(motion: Motion, manifold: MotionManifold | None = None, **options) ->
     manifold : MotionManifold, optional
         As `learn` returns it; the starter model of the package where None.
     **options
-        Of `numpy_cae.manifold.repair`: `damaged`, `strength`, `smooth`, `force`.
+        Of `numpy_cae.manifold.repair`: `damaged`, `preset`, `findings`, `strength`.
 
     Returns
     -------
@@ -44,9 +44,11 @@ def repair(motion: Motion, manifold: MotionManifold | None = None, **options) ->
     >>> import numpy_cae
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
-    >>> motion.translations[30:33, motion.skeleton.index("lwrist")] += 0.5
+    >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
     >>> numpy_cae.repair(motion)
-    left_wrist: frames 30 to 32: moved 86.6 cm, at most 86.6
+    left_wrist: frame 30: moved 27.9 cm, at most 27.9
+    found:
+      left_elbow: frame 30: spike (73° from the frames before and after): 27.9 cm, confidence 0.94
     """
     return repair_motion(motion, manifold or starter(), **options)
 

@@ -36,7 +36,7 @@ def test_importing_loads_nothing_heavy_and_names_are_loaded_when_used():
 def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_path, monkeypatch):
     motion = numpy_cae.load(take)
     repaired = numpy_cae.repair(motion)
-    assert str(repaired).startswith("left_wrist: frames 59 to 65: moved ")
+    assert str(repaired).startswith("left_wrist: frames 60 to 65: moved ")
     repaired.motion.save(tmp_path / "fixed.bvh")
     before, after = (path.read_text().splitlines() for path in (take, tmp_path / "fixed.bvh"))
     differ = sum(one != other for one, other in zip(before, after, strict=True))

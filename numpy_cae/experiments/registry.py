@@ -6,7 +6,6 @@ from numpy_cae.experiments.result import Result
 
 EXPERIMENTS = {
     "repair_sweep": "repair.repair_sweep",
-    "damage": "repair.damage",
     "filling_in": "repair.filling_in",
     "interpolation": "interpolation",
     "comparison": "comparison",
@@ -15,7 +14,7 @@ EXPERIMENTS = {
 `run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
 experiment needs."""
 
-PUBLISHED = {"cmu35": "published.cmu35", "sources": "sources"}
+PUBLISHED = {"sources": "sources"}
 """Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
 they are named."""
 

@@ -33,12 +33,10 @@ from importlib.resources import files
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import POSITIONS, RootTransform, positions_to_features
+from numpy_cae.motion.features import POSITIONS
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.lengths import change_lengths
 from numpy_cae.motion.masks import run_lengths, runs, runs_with
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.curves import over_holes
 
 REPEATS = 3
@@ -237,14 +235,6 @@ def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
             curve = PchipInterpolator(given, filled[given, column])
             filled[gaps, column] = curve(np.clip(gaps, given[0], given[-1]))
     return filled
-
-
-def bridged_features(body: Body, missing: np.ndarray) -> tuple[np.ndarray, RootTransform]:
-    """The features (F, 63) of a motion and its root transform, with missing joints (F, 20) on a
-    spline in the world, so that they do not distort the heading and the path of the hips."""
-    positions = spline(body.positions, missing)
-    positions = change_lengths(positions, body.lengths, body.mean_lengths)
-    return positions_to_features(positions, RATE)
 
 
 def keyframe_mask(frames: int, every: int) -> np.ndarray:

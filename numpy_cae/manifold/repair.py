@@ -6,118 +6,68 @@ taken to thirty frames a second once, (F, …), and the repaired joints are take
 of the file once, (frames, …).
 """
 
-from collections import defaultdict
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.manifold.detect import find_damage, residual
+from numpy_cae.manifold.detect import find_unlikely
+from numpy_cae.manifold.evidence.finding import BODY, Finding
+from numpy_cae.manifold.evidence.holes import POSITIONS, interpolate, missing_joints
+from numpy_cae.manifold.evidence.jumps import joint_names
+from numpy_cae.manifold.evidence.presets import Preset
+from numpy_cae.manifold.evidence.steps import mend
+from numpy_cae.manifold.evidence.t_pose import find_t_pose
 from numpy_cae.manifold.fill import checked_mask, corrected
+from numpy_cae.manifold.holes import Holes
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.manifold.smooth import smooth_motion
-from numpy_cae.motion.features import features_to_positions, positions_to_features
+from numpy_cae.manifold.repaired import Repaired, distances, with_centimetres
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.lengths import change_lengths
-from numpy_cae.motion.masks import at_thirty, runs
-from numpy_cae.motion.motion import RATE, Motion, blocks
-from numpy_cae.motion.retarget.body import Body, at_rate_of
-from numpy_cae.motion.retarget.curves import on_curves, over_holes, rotations_over_holes
-from numpy_cae.motion.retarget.rigs import find_joints
-from numpy_cae.motion.retarget.to_rig import retarget
+from numpy_cae.motion.masks import runs
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import slerp
+from numpy_cae.motion.retarget.curves import over_holes, rotations_over_holes
 
 UNKNOWN = 0.12
 """UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
 more than that of any take of a source left out of training (docs/lab_book/detection.md)."""
-MOST_RUNS = 5
-"""MOST_RUNS: at most this many runs of frames are printed with their frame numbers."""
-
-
-@dataclass(frozen=True, repr=False)
-class Repaired:
-    """A motion after a repair, and what was changed: its repr lists joints, frames and centimetres.
-
-    Parameters
-    ----------
-    motion : Motion
-        With the skeleton, rate, unit and length of the original motion.
-    touched : (frames, 20) array of bool
-        The joints that were repaired, in the frames of the file.
-    moved : (frames, 20) array of float64
-        How far each joint moved, metres.
-    residual : float
-        Median distance of a joint from its projection, metres; 0 where it was not measured.
-    known : bool
-        Whether the motion is like what the manifold was learned from.
-
-    Examples
-    --------
-    >>> from data_synth import make_take
-    >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
-    >>> touched = np.zeros((30, 20), bool)
-    >>> touched[[3, 4, 5, 9], 0] = True
-    >>> Repaired(motion, touched, 0.02 * touched)
-    hips: frames 3 to 5, 9: moved 2.0 cm, at most 2.0
-    """
-
-    motion: Motion
-    touched: np.ndarray
-    moved: np.ndarray
-    residual: float = 0.0
-    known: bool = True
-
-    def __repr__(self) -> str:
-        """A line for joints that were changed in the same frames: names, frames, centimetres."""
-        if not self.known:
-            return (
-                f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
-                "from their projection; left unchanged (--force repairs it nevertheless)"
-            )
-        groups: dict[str, list[int]] = defaultdict(list)
-        for joint in np.flatnonzero(self.touched.any(axis=0)):
-            groups[_frames_of(self.touched[:, joint])].append(int(joint))
-        lines = []
-        for frames, joints in groups.items():
-            moved = 100 * self.moved[:, joints][self.touched[:, joints]]
-            names = ", ".join(JOINTS[joint] for joint in joints)
-            names = "all joints" if len(joints) == len(JOINTS) else names
-            lines.append(
-                f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
-            )
-        return "\n".join(lines) or "nothing to repair was found"
-
-
-def _frames_of(mask: np.ndarray) -> str:
-    """The runs of a mask (frames,), such as "frames 30 to 45, 102"."""
-    ends = runs(mask)
-    texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_RUNS]]
-    more = f" and {len(ends) - MOST_RUNS} more" if len(ends) > MOST_RUNS else ""
-    return f"frame{'' if mask.sum() == 1 else 's'} {', '.join(texts)}{more}"
+LONG = 0.1
+"""LONG: the manifold corrects what was interpolated over more than this time (s)."""
+MOVED = 1e-6
+"""MOVED: a joint is touched if it moves by more than this (m)."""
+FILLED = ("repeated", "frozen", "displaced", "not finite")
+"""Kinds of findings that the manifold fills in where they are long, besides `POSITIONS`."""
 
 
 def repair(
     motion: Motion,
-    manifold: MotionManifold,
+    manifold: MotionManifold | None,
     damaged: np.ndarray | None = None,
+    preset: Preset | None = None,
+    findings: Sequence[Finding] | None = None,
     strength: float = 1.0,
-    smooth: bool = False,
-    force: bool = False,
 ) -> Repaired:
-    """Find what is damaged in a motion and fill it in; the rest of the motion is unchanged.
+    """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
+
+    What the file itself shows is mended first, without the manifold (`evidence`). The manifold then
+    corrects what was interpolated for long. What only the manifold says is proposed. A motion that
+    is unlike what the manifold knows (`Repaired.known` False) gets the first part, and from the
+    manifold only what is marked.
 
     Parameters
     ----------
     motion : Motion
         A motion at any rate, on any rig in which the twenty joints can be found.
-    manifold : MotionManifold
+    manifold : MotionManifold or None
+        With None the steps that need no model are taken.
     damaged : (frames, 20) array of bool, optional
-        In the frames of the file; found by `find_damage` where None.
+        In the frames of the file: only this is repaired, and nothing is looked for.
+    preset : Preset, optional
+        Which steps are taken; `Preset()` by default.
+    findings : sequence of Finding, optional
+        Only these are mended, whatever their confidence, and nothing is looked for.
     strength : float
-        0 keeps the damaged positions, 1 uses the repaired ones.
-    smooth : bool
-        Whether to remove jitter from the whole motion, by `smooth_motion`.
-    force : bool
-        Whether to repair a motion that is unlike what the manifold knows; otherwise it is returned
-        unchanged, with `known` False.
+        0 keeps the damaged motion, 1 uses the repaired one.
 
     Returns
     -------
@@ -126,37 +76,54 @@ def repair(
     Raises
     ------
     UnknownRigError, ValueError
-        If joints of the rig are missing; if `strength` is not from 0 to 1.
+        If joints of the rig are missing; if `strength` is not from 0 to 1, or a finding is of a
+        joint or of frames that the motion does not have.
 
     Examples
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import repair, starter
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
-    >>> motion.translations[30:33, motion.skeleton.index("lwrist")] += 0.5
-    >>> repair(motion, starter())
-    left_wrist: frames 30 to 32: moved 86.6 cm, at most 86.6
+    >>> motion.rotations[30:33, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
+    >>> repaired = repair(motion, starter())
+    >>> repaired.findings[0].joint, repaired.findings[0].frames, repaired.findings[0].kind
+    ('left_elbow', (30, 32), 'spike')
     """
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")
-    motion, not_finite = _finite(motion)
-    manifold = manifold.remembering()
-    body = manifold.body(motion)
-    if damaged is None:
-        damaged = find_damage(manifold, body)
-    holes = Holes(body, damaged | not_finite[:, find_joints(motion.skeleton)])
-    distance = holes.typical_residual(manifold)
-    if distance > UNKNOWN and not force:
-        nothing = np.zeros(holes.in_file.shape)
-        return Repaired(motion, nothing > 0, nothing, distance, known=False)
-    features = corrected(manifold, holes.features, holes.mask)
-    repaired = replace(holes.filled(features, motion, strength), residual=distance)
-    if smooth:
-        smoothed = smooth_motion(repaired.motion)
-        moved = distances(motion, smoothed)
-        # Every joint that moves counts as touched.
-        repaired = replace(repaired, motion=smoothed, touched=moved > 0, moved=moved)
-    return repaired
+    preset = preset or Preset()
+    given = findings if damaged is None else marked(damaged)
+    rest = None if given is None else list(given)
+    _require_usable(motion, rest or [])
+    whole, broken = _finite(motion)
+    pose = find_t_pose(whole) if rest is None else [f for f in rest if f.kind == "T-pose"]
+    first = max((finding.frames[1] + 1 for finding in pose), default=0)
+    moving = whole.at(slice(first, None)) if first else whole
+    if rest is not None:
+        rest = _shifted([finding for finding in rest if finding not in pose], -first)
+    mended, found = mend(moving, preset, rest)
+    found += _shifted(broken, -first) + [f for f in rest or [] if f.kind in POSITIONS]
+    distance, unlikely = 0.0, list[Finding]()
+    if manifold is not None:
+        look = preset if rest is None else None
+        mended, distance, unlikely = _filled(mended, manifold, found, look)
+    if strength < 1:
+        mended = _between(moving, mended, strength)
+    kept = whole.at(slice(0 if preset.cut else first))
+    if len(kept):
+        mended = _joined(kept, mended)
+    moved = distances(whole.at(slice(first - len(kept), None)), mended)
+    touched = (moved > MOVED) | missing_joints(mended, _shifted(broken, len(kept) - first))
+    found += [finding for finding in unlikely if preset.is_sure(finding)]
+    return Repaired(
+        mended,
+        touched,
+        moved,
+        distance,
+        distance <= UNKNOWN,
+        tuple(pose + _shifted(with_centimetres(found, moved, len(kept)), first)),
+        tuple(_shifted([f for f in unlikely if not preset.is_sure(f)], first)),
+    )
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
@@ -191,120 +158,90 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     >>> from numpy_cae.manifold import fill_motion, keyframe_mask, starter
     >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
     >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
-    all joints: frames 1 to 9, 11 to 19: moved 4.1 cm, at most 27.8
+    all joints: frames 1 to 9, 11 to 19: moved 4.4 cm, at most 27.8
     """
     missing = checked_mask(missing, len(motion))
     holes = Holes(manifold.body(motion), missing)
-    return holes.filled(corrected(manifold, holes.features, holes.mask))
+    filled = holes.filled(corrected(manifold, holes.features, holes.mask))
+    return Repaired(filled, missing, distances(motion, filled))
 
 
-class Holes:
-    """A motion in which some joints are damaged or missing in some frames.
+def marked(damaged: np.ndarray) -> list[Finding]:
+    """The runs of a mask (frames, 20) as findings of kind "marked"."""
+    return [
+        Finding(name, (int(first), int(end) - 1))
+        for name, column in zip(JOINTS, damaged.T, strict=True)
+        for first, end in runs(column)
+    ]
 
-    Parameters
-    ----------
-    body : Body
-        The body of the motion.
-    in_file : (frames, 20) array of bool
-        What is damaged or missing, in the frames of the file.
 
-    Attributes
-    ----------
-    mask : (F, 20) array of bool
-        What is damaged or missing at thirty frames a second.
-    start : Motion
-        The frames that have holes, with the rotations of the rig interpolated over these
-        (`on_curves`). All frames of an hour would take half a gigabyte more.
-    features, root : (F, 63) array of float64, RootTransform
-        Of the motion with the joints of the holes where they are in `start`: the X_0 of `fill`.
+def _filled(
+    motion: Motion, manifold: MotionManifold, found: list[Finding], preset: Preset | None
+) -> tuple[Motion, float, list[Finding]]:
+    """The motion with the holes of findings filled in by the manifold, the typical distance of the
+    motion from it, and, with a preset, what is unlikely; what is sure enough of it is filled too.
+
+    A motion that is unlike what the manifold knows gets only what the user marked.
     """
+    manifold = manifold.remembering()
+    body, least = manifold.body(motion), LONG * motion.rate
 
-    def __init__(self, body: Body, in_file: np.ndarray):
-        self.body, self.in_file = body, in_file
-        self.mask = at_thirty(body.motion, in_file)
-        start = replace(body, motion=on_curves(body.motion, in_file))
-        self.start = start.motion.at(np.asarray(in_file.any(axis=1)))
-        self.lengths = start.lengths
-        positions = np.where(self.mask[..., None], start.positions, body.positions)
-        positions = change_lengths(positions, self.lengths, body.mean_lengths)
-        self.features, self.root = positions_to_features(positions, RATE)
+    def holes(findings: list[Finding]) -> Holes:
+        wrong = [finding for finding in findings if finding.kind in POSITIONS]
+        long = [f for f in findings if f.kind in FILLED and f.frames[1] - f.frames[0] >= least]
+        return Holes(body, missing_joints(motion, wrong + long), interpolate(motion, wrong))
 
-    def positions_of(self, features: np.ndarray) -> np.ndarray:
-        """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres."""
-        on_mean_bones = features_to_positions(features, self.root)
-        return change_lengths(on_mean_bones, self.body.mean_lengths, self.lengths)
-
-    def typical_residual(self, manifold: MotionManifold) -> float:
-        """The median distance of a joint outside the holes from its projection, metres."""
-        if self.mask.all():
-            return 0.0
-        distance = np.linalg.norm(residual(manifold, self.features, self.mask), axis=-1)
-        return float(np.median(distance[~self.mask]))
-
-    def filled(
-        self, features: np.ndarray, original: Motion | None = None, strength: float = 1.0
-    ) -> Repaired:
-        """The motion with the joints of the holes, and nothing else, moved to those of features.
-
-        Parameters
-        ----------
-        features : (F, 63) array of float
-            On the mean skeleton; used only in the holes.
-        original : Motion, optional
-            What `Repaired.moved` is measured from; the body's motion where None.
-        strength : float
-            Share of the way to the features, 0 to 1.
-        """
-        body, holes = self.body, self.in_file
-        original = body.motion if original is None else original
-        if not holes.any():
-            return Repaired(original, holes, np.zeros(holes.shape))
-        after, before = map(self.positions_of, (features, self.features))
-        correction = np.where(self.mask[..., None], after - before, 0.0)
-        weight = _ramps(holes, body.motion.rate)
-        joints, changed = find_joints(original.skeleton), np.asarray(holes.any(axis=1))
-        row = np.cumsum(changed) - 1  # of a frame in `start`
-
-        def targets(frames: np.ndarray) -> np.ndarray:
-            before = body.motion.at(frames).positions(joints)
-            after = self.start.at(row[frames]).positions(joints)
-            moved = at_rate_of(body.motion, correction, frames) * weight[frames, :, None]
-            return before + strength * (after + moved - before)
-
-        motion = retarget(body.motion, targets, holes, self.start)
-        return Repaired(motion, holes, distances(original, motion, changed))
+    filling = holes(found)
+    distance, unlikely = filling.typical_residual(manifold), []
+    if distance > UNKNOWN:
+        filling = holes([finding for finding in found if finding.kind in POSITIONS])
+    elif preset is not None:
+        unlikely = find_unlikely(manifold, body, filling.in_file)
+        sure = [finding for finding in unlikely if preset.is_sure(finding)]
+        filling = holes(found + sure) if sure else filling
+    return filling.filled(corrected(manifold, filling.features, filling.mask)), distance, unlikely
 
 
-def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:
-    """A weight for each frame of a mask (frames, 20): 0 outside the holes, and within them it rises
-    smoothly to 1 in 1/30 s from each end. A correction at thirty frames a second, resampled, is not
-    exactly zero next to a hole; with this weight neither place nor speed jumps."""
-    frame = np.arange(len(holes), dtype=np.float32)[:, None]
-    before = np.maximum.accumulate(np.where(holes, -np.inf, frame), axis=0)
-    after = np.minimum.accumulate(np.where(holes, np.inf, frame)[::-1], axis=0)[::-1]
-    u = np.minimum(np.minimum(frame - before, after - frame) * (RATE / rate), 1.0)
-    return u * u * (3 - 2 * u)
+def _require_usable(motion: Motion, findings: Sequence[Finding]) -> None:
+    """ValueError if a finding is of no joint or frames of the motion."""
+    names = {BODY, *JOINTS, *motion.skeleton.names}
+    for finding in findings:
+        if finding.joint not in names:
+            raise ValueError(f"{finding}: the rig has no joint {finding.joint!r}")
+        if finding.frames[1] >= len(motion):
+            raise ValueError(f"{finding}: the motion has frames 0 to {len(motion) - 1}")
 
 
-def distances(before: Motion, after: Motion, changed: np.ndarray | None = None) -> np.ndarray:
-    """How far each of the twenty joints moved, (frames, 20) in metres.
-
-    With a mask `changed` (frames,) only its frames are compared.
-    """
-    joints = find_joints(after.skeleton)
-    moved = np.zeros((len(after), len(joints)))
-    for frames in blocks(np.arange(len(after)) if changed is None else np.flatnonzero(changed)):
-        change = after.at(frames).positions(joints) - before.at(frames).positions(joints)
-        moved[frames] = np.linalg.norm(change, axis=-1)
-    return moved
+def _shifted(findings: Sequence[Finding], later: int) -> list[Finding]:
+    """The findings some frames later; what lies before frame 0 is left out."""
+    ends = [(finding, *np.add(finding.frames, later).tolist()) for finding in findings]
+    return [replace(finding, frames=(max(a, 0), b)) for finding, a, b in ends if b >= 0]
 
 
-def _finite(motion: Motion) -> tuple[Motion, np.ndarray]:
-    """The motion with rotations and translations that are not finite interpolated, and a mask
-    (frames, J) of the rig's joints that depend on such values."""
+def _joined(start: Motion, rest: Motion) -> Motion:
+    """The frames of one motion and then those of another."""
+    return replace(
+        rest,
+        rotations=np.concatenate([start.rotations, rest.rotations]),
+        translations=np.concatenate([start.translations, rest.translations]),
+    )
+
+
+def _between(before: Motion, after: Motion, share: float) -> Motion:
+    """A share of the way from one motion to the other."""
+    if share == 0:
+        return before
+    shares = np.full(before.rotations.shape[:2], share)
+    rotations = slerp(before.rotations, after.rotations, shares)
+    translations = before.translations + share * (after.translations - before.translations)
+    return replace(after, rotations=rotations, translations=translations)
+
+
+def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
+    """The motion with rotations and translations that are not finite interpolated, and these."""
     wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
     if not wrong.any():
-        return motion, wrong
+        return motion, []
     rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
     finite = replace(
@@ -312,7 +249,9 @@ def _finite(motion: Motion) -> tuple[Motion, np.ndarray]:
         rotations=rotations_over_holes(rotations, wrong, motion.rate),
         translations=over_holes(translations, wrong, motion.rate),
     )
-    for child, parent in enumerate(motion.skeleton.parents):
-        if parent >= 0:
-            wrong[:, child] |= wrong[:, parent]
-    return finite, wrong
+    found = [
+        Finding(name, (int(first), int(end) - 1), "not finite")
+        for name, column in zip(joint_names(motion.skeleton), wrong.T, strict=True)
+        for first, end in runs(column)
+    ]
+    return finite, found

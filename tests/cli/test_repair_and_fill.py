@@ -1,5 +1,6 @@
 """`numpy-cae repair` and `numpy-cae fill`: what is damaged or missing, folders, what is written."""
 
+import json
 import sys
 from dataclasses import replace
 
@@ -102,9 +103,9 @@ def takes(tmp_path_factory):
 
 def test_repair_of_a_folder_lists_what_could_not_be_used(takes, tmp_path, capsys, run):
     out = tmp_path / "out"
-    run("repair", takes, "-o", out, "--force", "--html")
+    run("repair", takes, "-o", out, "--html", "--findings", out / "found")
     assert "left_elbow" in capsys.readouterr().out
-    assert {path.name for path in out.rglob("*.html")} == {"clean.html", "spike.html"}
+    assert {path.name for path in out.rglob("*.html")} == {"spike.html"}
     before, after = (load_motion(each / "more" / "spike.bvh") for each in (takes, out))
     assert changed_joints(before, after)[40, before.skeleton.index("lradius")]
 
@@ -122,10 +123,38 @@ def test_what_the_model_does_not_know_stays_as_it_is(folder, tmp_path, capsys, m
     monkeypatch.setattr(sys.modules["numpy_cae.manifold.repair"], "UNKNOWN", 0.0)
     out = tmp_path / "out.bvh"
     words = ["repair", folder / "walk.bvh", "-m", folder / "model.npz", "-o", out]
-    run(*words)
-    assert "left unchanged (--force" in capsys.readouterr().out
+    assert main([*map(str, words)]) == 4
+    assert "unlike what the model knows" in capsys.readouterr().out
     assert out.read_bytes() == (folder / "walk.bvh").read_bytes()
-    run(*words, "--force", "--joint", "left_wrist", "--frames", 3, 50, "--strength", 0)
+    marks = ["--joint", "left_wrist", "--frames", 3, 50]
+    assert main([*map(str, [*words, *marks, "--strength", 0])]) == 4
     assert out.read_bytes() == (folder / "walk.bvh").read_bytes()
+    run(*words, *marks)
+    assert out.read_bytes() != (folder / "walk.bvh").read_bytes()
     run(*words, "--project")
     assert "all joints: frames 0 to 119: " in capsys.readouterr().out
+
+
+def test_findings_are_written_corrected_and_passed_back(takes, tmp_path, capsys, run):
+    spiked, found, out = takes / "more" / "spike.bvh", tmp_path / "found.json", tmp_path / "out.bvh"
+    assert main(["repair", str(spiked), "--dry-run", "--findings", str(found)]) == 0
+    entries = json.loads(found.read_text())
+    assert {entry["joint"] for entry in entries} == {"left_shoulder", "left_elbow"}
+    assert all(entry["frames"] == [40, 40] and entry["cm"] > 5 for entry in entries)
+    found.write_text(json.dumps([entries[0]]))
+    run("repair", spiked, "-o", out, "--mask", found)
+    before, after = load_motion(spiked), load_motion(out)
+    assert changed_joints(before, after).sum() == 1
+    run("fill", spiked, "-o", out, "--mask", found)
+    found.write_text(json.dumps([entries[0] | {"kind": "odd"}]))
+    assert main(["repair", str(spiked), "-o", str(out), "--mask", str(found)]) == 2
+    assert "found.json: entry 1: kind is 'odd'" in capsys.readouterr().err
+
+
+def test_a_clean_file_comes_back_with_a_status_of_its_own_and_no_page(takes, tmp_path, capsys):
+    out = tmp_path / "clean.bvh"
+    words = ["repair", str(takes / "clean.bvh"), "-o", str(out), "--html", "--from", "optical"]
+    assert main(words) == 3
+    assert "--from optical: sensitivity 0.5" in capsys.readouterr().out
+    assert out.read_bytes() == (takes / "clean.bvh").read_bytes()
+    assert not out.with_suffix(".html").exists()

@@ -19,7 +19,7 @@ from numpy_cae.training import Schedule, Stage
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 WRIST = {"wrist": ("left_wrist",)}
 SMALL = {
-    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45)},
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45), "POLYNOMIALS": ((5, 0), (9, 2))},
     "damage": {
         "TAKES": 1,
         "HOLE_TAKES": 1,
@@ -30,7 +30,7 @@ SMALL = {
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
 }
 """Constants of experiments that would take long."""
-SCRIPTS = ("samples_of_priors", "constrained_projection")
+SCRIPTS = ("damage", "samples_of_priors", "constrained_projection")
 """Experiments in docs/, which `numpy-cae report` does not run."""
 sys.path.append(str(Path(__file__).parents[2] / "docs"))
 

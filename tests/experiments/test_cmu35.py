@@ -1,11 +1,11 @@
 """The published protocol on CMU subject 35."""
 
+import zipfile
+
 import numpy as np
 import pytest
-
-from numpy_cae.experiments.published import baselines, cmu35, networks, protocol
-from numpy_cae.experiments.published.protocol import GROUPS, read_protocol
-from numpy_cae.experiments.registry import run_experiment
+from cmu35 import baselines, experiment, networks, protocol
+from cmu35.protocol import GROUPS, read_protocol
 
 
 @pytest.fixture(scope="module")
@@ -71,12 +71,19 @@ def test_both_networks_are_trained_and_measured(table, monkeypatch):
     monkeypatch.setattr(protocol, "TRAINING", [17, 19, 20, 21, 22])
     monkeypatch.setattr(networks, "STEPS", 2)
     monkeypatch.setattr(networks, "SEQUENCE_STEPS", 2)
-    monkeypatch.setattr(cmu35, "SEEDS", 2)
-    result = run_experiment("cmu35", [table])
+    monkeypatch.setattr(experiment, "SEEDS", 2)
+    result = experiment.run([table])
     published, test, left_out = result.tables
     assert len(result.claims) == 5 and len(published.rows) == 6
-    names = [row[0] for row in test.rows]
-    assert names[-4:] == [name + end for name in cmu35.NETWORKS for end in ("", cmu35.TOGETHER)]
+    names, ends = [row[0] for row in test.rows], ("", experiment.TOGETHER)
+    assert names[-4:] == [name + end for name in experiment.NETWORKS for end in ends]
     assert all("±" in cell for cell in test.rows[-4][2:])
     assert len(left_out.rows) == len(names) - 2
     assert result.png()
+
+
+def test_a_table_that_unpacks_to_too_much_is_refused(tmp_path):
+    with zipfile.ZipFile(tmp_path / "walk_jog_30hz.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("train_35_01.npy", bytes(10**8))
+    with pytest.raises(ValueError, match="it unpacks to 100 MB, expected at most"):
+        experiment.run([tmp_path])

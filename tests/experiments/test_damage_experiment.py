@@ -2,13 +2,13 @@
 
 from functools import partial
 
+import damage
 import numpy as np
 import pytest
+from kinds_of_damage import DAMAGES
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake
-from numpy_cae.experiments.repair import damage
-from numpy_cae.experiments.repair.damaged_motion import DAMAGES
 from numpy_cae.motion import JOINTS, body_of, body_positions
 
 

@@ -7,8 +7,12 @@ import pytest
 from numpy_cae.experiments.page import page
 from numpy_cae.experiments.registry import EXPERIMENTS
 
+SCRIPTS = ("damage", "samples_of_priors", "constrained_projection")
 
-@pytest.mark.parametrize("name", [*EXPERIMENTS, "samples_of_priors", "constrained_projection"])
+
+@pytest.mark.parametrize(
+    "name", [*EXPERIMENTS, "damage", "samples_of_priors", "constrained_projection"]
+)
 def test_the_result_is_well_formed(result_of, name):
     result = result_of(name)
     assert result.tables and result.claims

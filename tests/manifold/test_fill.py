@@ -73,7 +73,8 @@ def test_a_filled_joint_of_a_file_moves_alone(walk_manifold, rate, frames, joint
     assert not differ[~missing[:, place]].any()
     # The file holds the true motion, which the curve through its rotations nearly finds.
     assert 1e-5 < filled.moved[missing].max() < 0.15
-    assert filled.moved[~missing].max() < 1e-6
+    gap = body_positions(filled.motion) - body_positions(motion)
+    assert np.linalg.norm(gap, axis=-1)[~missing].max() < 1e-6
 
 
 @pytest.mark.parametrize("rate", [30.0, 25.0])

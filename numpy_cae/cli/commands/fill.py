@@ -11,6 +11,7 @@ import argparse
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
 from numpy_cae.manifold import fill_motion, keyframe_mask
+from numpy_cae.manifold.evidence.holes import missing_joints
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,9 +31,11 @@ def run(args: argparse.Namespace) -> int:
     for source, target in changed.files():
         with changed.reported(source):
             motion = changed.load(source)
-            missing = damage_options.chosen_mask(args, motion)
-            if missing is None:
+            findings = damage_options.chosen_findings(args, motion)
+            if findings is None:
                 missing = keyframe_mask(len(motion), args.keyframes)
+            else:
+                missing = missing_joints(motion, findings)
             filled = fill_motion(motion, manifold, missing)
             changed.write(motion, filled, target)
     return changed.status()

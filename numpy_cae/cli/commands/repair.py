@@ -1,54 +1,83 @@
-"""Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. A
-motion that is unlike the motions that the model learned is left unchanged. The command prints the
-repaired joints, their frames, and how far they moved. In a folder every file is repaired; the exit
-status is 1 if some files could not be used, 2 if none could.
+"""Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. What
+the file itself shows is mended first: a T-pose at the start, a root that is elsewhere, turned
+rotations, spikes, frozen and repeated frames, bones of wrong length. The model then corrects what
+was missing for long; what only the model finds odd is proposed, not changed. The command prints
+what was found, and how far the joints moved. In a folder every file is repaired. The exit status is
+0 if something was changed, 3 if nothing was, 4 if nothing was and the motion is unlike what the
+model learned, 1 if some of several files could not be used, 2 if none could.
 
 examples:
   numpy-cae repair take.bvh -o fixed.bvh --html
+  numpy-cae repair estimated.bvh -o fixed.bvh --from video
   numpy-cae repair take.bvh -o fixed.bvh --joint left_wrist --frames 30 75
-  numpy-cae repair takes/ -o repaired/
+  numpy-cae repair take.bvh --dry-run --findings found.json
+  numpy-cae repair take.bvh -o fixed.bvh --mask found.json
 """
 
 import argparse
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
-from numpy_cae.manifold import MotionManifold, Repaired, project_motion, repair
-from numpy_cae.manifold.repair import distances
+from numpy_cae.manifold import PRESETS, MotionManifold, Preset, Repaired, project_motion, repair
+from numpy_cae.manifold.evidence.presets import fitting_preset
+from numpy_cae.manifold.repaired import distances
 from numpy_cae.motion import Motion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, what is damaged and how it is repaired."""
     change_files.add_arguments(parser)
-    damage_options.add_arguments(parser, "damaged", "found in the motion")
+    group = damage_options.add_arguments(parser, "damaged", "found in the motion")
+    findings = "write what was found to a JSON file (for several motions into a folder of this "
+    findings += "name); corrected, it is passed back as --mask"
+    group.add_argument("--findings", type=Path, metavar="JSON", help=findings)
+    sensitivity = "0 to 1: mend what has a confidence of at least 1 - S (default: 0.5)"
+    group.add_argument("--sensitivity", type=arguments.fraction, metavar="S", help=sensitivity)
     add = parser.add_argument_group("how it is repaired").add_argument
+    source = "; ".join(f"{name}: {preset}" for name, preset in PRESETS.items())
+    add("--from", dest="source", choices=list(PRESETS), help=f"where the motion is from. {source}")
+    add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
+    add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
     strength = "0 keeps the damaged positions, 1 uses the repaired ones (default: 1)"
     add("--strength", type=arguments.fraction, default=1.0, metavar="S", help=strength)
-    add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
-    add("--force", **arguments.FLAG, help="repair a motion that is unlike what the model learned")
     project = "project the whole motion onto the manifold instead, as holden2015 does"
     add("--project", **arguments.FLAG, help=project)
 
 
 def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
-    manifold = one_motion.load_model(args)
-    if args.project and (damage_options.is_chosen(args) or args.smooth or args.strength < 1):
-        what = "--joint, --mask, --smooth and --strength"
+    manifold, preset = one_motion.load_model(args), _preset(args)
+    if args.project and (damage_options.is_chosen(args) or args.strength < 1 or preset != Preset()):
+        what = "--joint, --mask, --from, --smooth, --feet, --sensitivity and --strength"
         raise ValueError(f"--project changes the whole motion: use it without {what}")
+    if args.source:
+        print(f"--from {args.source}: {preset}")
     changed = change_files.ChangedFiles(args)
     for source, target in changed.files():
         with changed.reported(source):
             motion = changed.load(source)
             if args.project:
-                repaired = _projected(motion, manifold)
-            else:
-                damaged = damage_options.chosen_mask(args, motion)
-                repaired = repair(motion, manifold, damaged, args.strength, args.smooth, args.force)
+                changed.write(motion, _projected(motion, manifold), target)
+                continue
+            findings = damage_options.chosen_findings(args, motion)
+            repaired = repair(
+                motion, manifold, preset=preset, findings=findings, strength=args.strength
+            )
             changed.write(motion, repaired, target)
+            if findings is None and preset == Preset() and (name := fitting_preset(motion)):
+                print(f"  this motion looks like one for --from {name}: {PRESETS[name]}")
     return changed.status()
+
+
+def _preset(args: argparse.Namespace) -> Preset:
+    """That of --from, with the other options."""
+    preset = PRESETS.get(args.source, Preset())
+    sensitivity = preset.sensitivity if args.sensitivity is None else args.sensitivity
+    smooth, feet = preset.smooth or args.smooth, preset.feet or args.feet
+    return replace(preset, sensitivity=sensitivity, smooth=smooth, feet=feet)
 
 
 def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:

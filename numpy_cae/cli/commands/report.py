@@ -1,13 +1,11 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
-pictures), and the same as report.json. `--only cmu35` needs no model: it trains on
-CMU subject 35 and compares with published figures (get the files by `numpy-cae download cmu
---subjects 35`). The exit status is 2 if no experiment could be run.
+pictures), and the same as report.json. `--only sources` needs no model: it leaves each of several
+folders out of training in turn. The exit status is 2 if no experiment could be run.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
-  numpy-cae report --only cmu35 --data cmu35/ -o report
-  numpy-cae report --data motions/ --only damage -o report
+  numpy-cae report --only sources --data bandai/ cmu/ -o report
 """
 
 import argparse

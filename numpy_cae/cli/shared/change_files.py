@@ -10,7 +10,7 @@ from textwrap import indent
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import require_one_target_each, with_progress, working
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.manifold import Repaired
+from numpy_cae.manifold import Repaired, write_findings
 from numpy_cae.motion import (
     JOINTS,
     PARENTS,
@@ -20,13 +20,20 @@ from numpy_cae.motion import (
     load_motion,
 )
 from numpy_cae.motion.formats.write import require_bvh
-from numpy_cae.motion.masks import runs
 from numpy_cae.motion.read.load import KEPT, FileMotion
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
+
+UNCHANGED, UNLIKE = 3, 4
+"""UNCHANGED, UNLIKE: exit statuses of one file in which nothing was changed; of one that is also
+unlike what the model knows."""
+TRY = (
+    "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
+    "is damaged (--joint, --frames), or where the motion is from (--from)"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,6 +72,7 @@ class ChangedFiles:
         self.single = len(args.files) == 1 and not args.files[0].is_dir()
         self.targets = self._targets()
         self.unusable: list[str] = []
+        self.unchanged = 0
         self.is_done: Callable[[float], None] | None = None
 
     def files(self) -> Iterator[tuple[Path, Path | None]]:
@@ -94,22 +102,32 @@ class ChangedFiles:
 
     def write(self, motion: Motion, repaired: Repaired, target: Path | None) -> None:
         """Write the changed motion, unless in a dry run, and print what was changed."""
+        same = len(repaired.motion) == len(motion) and not repaired.touched.any()
+        same = same and self.args.command == "repair"
         if target is not None:
             if not self.single:
                 target.parent.mkdir(parents=True, exist_ok=True)
             assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
             repaired.motion.save(target, motion)
             print(f"{target}: {repaired.motion}")
-            if self.args.html:
+            if self.args.html and not same:
                 self._write_page(motion, repaired, target)
         print(indent(str(repaired), "  "))
+        if getattr(self.args, "findings", None):
+            self._write_findings(motion, repaired)
+        if same:
+            self.unchanged = UNCHANGED if repaired.known else UNLIKE
+            if not repaired.known:
+                print(f"  {TRY}")
 
     def status(self) -> int:
-        """List the files that could not be used; 0 if all could, 1 if some, 2 if none."""
+        """List the files that could not be used; 0 if all could, 1 if some, 2 if none. Of one file
+        that is unchanged: `UNCHANGED` or `UNLIKE`."""
         if self.unusable:
             print(f"\n{len(self.unusable)} of {len(self.targets)} files could not be used:")
             print("\n".join(self.unusable))
-        return 0 if not self.unusable else 1 + (len(self.unusable) == len(self.targets))
+            return 1 + (len(self.unusable) == len(self.targets))
+        return self.unchanged if self.single else 0
 
     def _targets(self) -> dict[Path, Path | None]:
         args = self.args
@@ -142,6 +160,15 @@ class ChangedFiles:
                 raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
         return targets
 
+    def _write_findings(self, motion: Motion, repaired: Repaired) -> None:
+        path = self.args.findings
+        if not self.single:
+            assert isinstance(motion, FileMotion)
+            path = path / f"{motion.source.stem}.json"
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_findings(path, repaired.findings + repaired.proposed)
+        print(f"{path}: {len(repaired.findings)} found, {len(repaired.proposed)} proposed")
+
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
         joints = find_joints(motion.skeleton)
         before, after = (each.positions(joints) for each in (motion, repaired.motion))
@@ -149,15 +176,7 @@ class ChangedFiles:
             Actor(before, PARENTS, "before", CORRUPTED, JOINTS),
             Actor(after, PARENTS, "after", PROJECTED, JOINTS, repaired.moved),
         ]
-        findings = [
-            {
-                "joint": JOINTS[joint],
-                "frames": [int(first), int(end) - 1],
-                "cm": round(100 * float(repaired.moved[first:end, joint].max()), 1),
-            }
-            for joint in range(len(JOINTS))
-            for first, end in runs(repaired.touched[:, joint])
-        ]
+        findings = [finding.to_json() for finding in repaired.findings]
         page = target.with_suffix(".html")
         source = next(source for source, name in self.targets.items() if name == target)
         title = f"{source.name}: before and after"

@@ -2,6 +2,7 @@
 
 A mask file is a JSON list of objects with a joint (our name or the rig's) or a limb, and frames,
 first and last, counted from 0. Without a joint or limb all joints are meant, without frames all.
+Objects with a kind are findings, as `repair --findings` writes them.
 """
 
 import argparse
@@ -12,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
+from numpy_cae.manifold import Finding
+from numpy_cae.manifold.repair import marked
 from numpy_cae.motion import JOINTS, Motion, MotionFileError
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.rigs import joint_index
@@ -44,24 +47,27 @@ def is_chosen(args: argparse.Namespace) -> bool:
     return bool(args.joint or args.limb or args.frames or args.mask)
 
 
-def chosen_mask(args: argparse.Namespace, motion: Motion) -> np.ndarray | None:
-    """The joints and frames of a motion that the options name, (frames, 20) bool; None without
-    options.
+def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] | None:
+    """What the options name, as findings of kind "marked"; None without options. Entries of the
+    mask file that have a kind are findings themselves, as `repair --findings` writes them.
 
     Raises UnknownRigError for an unknown joint, ValueError for frames that the motion does not
     have, MotionFileError for a mask file that is not as above.
     """
     if not is_chosen(args):
         return None
-    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    findings = []
     if args.joint or args.limb or args.frames:
-        mask |= _mask(args.joint, args.limb, args.frames, motion)
+        findings += marked(_mask(args.joint, args.limb, args.frames, motion))
     for number, entry in enumerate(_entries(args.mask) if args.mask else (), start=1):
         try:
-            mask |= _mask(*_parts(entry), motion)
+            if isinstance(entry, dict) and "kind" in entry:
+                findings.append(Finding.from_json(entry))
+            else:
+                findings += marked(_mask(*_parts(entry), motion))
         except ValueError as error:
             raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
-    return mask
+    return findings
 
 
 def _mask(

@@ -18,21 +18,26 @@ from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
 
-KINDS = {
-    "T-pose": "a pose of reference at the start, which a jump ends",
-    "root elsewhere": "the body is at another place for some frames, or from a frame on",
-    "flip": "a rotation is turned by half a turn",
-    "spike": "a joint jumps away and back within a few frames",
-    "length": "a bone has another length than in the rest of the file",
-    "repeated": "the file repeats a pose until the motion jumps on",
-    "frozen": "a rotation stands still until it jumps",
-    "not finite": "values are no numbers",
-    "jitter": "noise in every frame",
-    "foot": "a foot that stands slides, or is in the floor or above it",
-    "unlikely": "the manifold has another pose there, and the joint jumps",
-    "marked": "the user says so",
-}
-"""Each kind of a finding, in words."""
+KINDS = (
+    *("T-pose", "root elsewhere", "turned", "displaced", "spike", "length", "repeated", "frozen"),
+    *("not finite", "jitter", "foot", "unlikely", "marked"),
+)
+"""Kinds of findings:
+
+- T-pose: a pose of reference at the start, which a jump ends
+- root elsewhere: the body is at another place for some frames, or from a frame on
+- turned: a rotation is turned, by the same turn, for some frames or from a frame on
+- displaced: a rotation is another between a jump and the jump back
+- spike: a rotation jumps away and back within a few frames
+- length: a bone has another length than in the rest of the file
+- repeated: the file repeats a pose until the motion jumps on
+- frozen: a rotation stands still until it jumps
+- not finite: values are no numbers
+- jitter: noise in every frame
+- foot: a foot that stands slides, or is in the floor or above it
+- unlikely: the manifold has another pose there
+- marked: the user says so
+"""
 BODY = "body"
 """BODY: the `joint` of a finding about the whole body."""
 
@@ -122,6 +127,16 @@ EXAMPLE = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 4
 
 def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:
     """Write findings to a JSON file, one on each line, atomically.
+
+    Parameters
+    ----------
+    path : path of the file
+    findings : iterable of Finding
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
 
     Examples
     --------

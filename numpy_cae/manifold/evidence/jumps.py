@@ -1,0 +1,148 @@
+"""Steps of a curve from frame to frame, and which of them are jumps.
+
+A curve is a joint's rotations (F, 4) or translations (F, 3), in the frames of the file. `between`
+is the difference of two of its values: R_i⁻¹ R_j as a rotation vector, or t_j - t_i. Differences of
+rotations are multiplied by `lever`, so that all of them are in metres at the end of the body that
+the joint moves.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import inverse, product, to_vector
+from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.motion.skeleton import Skeleton
+
+STILL = 1e-6
+"""STILL: a curve stands still where it changes by no more than this (m, or in quaternions)."""
+LEAST_LEVER = 0.1
+"""LEAST_LEVER: the lever (m) of a joint that moves nothing but itself, such as a hand."""
+JUMP, RATIO, USUAL = 0.08, 3.0, 8.0
+"""JUMP, RATIO, USUAL: a step is a jump if it is longer than JUMP (m), than RATIO times the steps
+before and after it, and than USUAL times the usual change of the step (`usual`)."""
+
+
+FASTEST = 1500.0
+"""FASTEST: the whole body does not turn faster than this (° a second)."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The rotations (F, 4) or translations (F, 3) of a joint of the rig.
+
+    `name` is that of `joint_name`. `lever` is the distance in metres that a rotation by one radian
+    moves the furthest joint below; 1 for translations. `is_root` says that it moves the whole body.
+    """
+
+    joint: int
+    name: str
+    values: np.ndarray
+    lever: float
+    rate: float
+    is_root: bool
+
+    @property
+    def kind(self) -> str:
+        """What a spike of this curve is: of the rotation, the root's place, a bone's length."""
+        return "spike" if self.is_rotation else "root elsewhere" if self.is_root else "length"
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the values are quaternions."""
+        return self.values.shape[1] == 4
+
+    def part(self, first: int, end: int) -> "Curve":
+        """The curve in some frames."""
+        return replace(self, values=self.values[first:end])
+
+    def amount(self, metres: float) -> str:
+        """A difference of rotations in degrees, of places in centimetres."""
+        if self.is_rotation:
+            return f"{np.degrees(metres / self.lever):.0f}°"
+        return f"{100 * metres:.1f} cm"
+
+    def between(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """The difference of the values in frames i and j, (N, 3), metres."""
+        one, other = self.values[i], self.values[j]
+        if not self.is_rotation:
+            return other - one
+        return self.lever * to_vector(product(inverse(one), other))
+
+    def steps(self) -> np.ndarray:
+        """The lengths of the steps to the next frame, (F - 1,) in metres.
+
+        The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
+        everything else.
+        """
+        if not self.is_rotation:
+            return np.linalg.norm(np.diff(self.values, axis=0), axis=-1)
+        dot = np.abs(np.einsum("ij,ij->i", self.values[1:], self.values[:-1]))
+        return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
+
+
+def curves_of(motion: Motion) -> Iterator[Curve]:
+    """The curves of a motion that change: rotations of all joints, then translations."""
+    skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
+    names, root = joint_names(skeleton), skeleton.path(find_joints(skeleton)[0])
+    for values in (motion.rotations, motion.translations):
+        for joint, name in enumerate(names[: len(names) - skeleton.added]):
+            curve = values[:, joint]
+            if np.abs(curve - curve[:1]).max(initial=0.0) > STILL:
+                lever = levers[joint] if values.shape[2] == 4 else 1.0
+                yield Curve(joint, name, curve, lever, motion.rate, joint in root)
+
+
+def joint_names(skeleton: Skeleton) -> list[str]:
+    """Our name of each joint of a rig that is one of the twenty, else the rig's."""
+    names = list(skeleton.names)
+    for name, joint in zip(JOINTS, find_joints(skeleton), strict=True):
+        names[joint] = name
+    return names
+
+
+def levers_of(skeleton: Skeleton) -> np.ndarray:
+    """The distance from each joint of a rig to the furthest joint or end below it, (J,) metres."""
+    levers = np.full(len(skeleton.names), LEAST_LEVER)
+    for joint in reversed(range(len(levers))):
+        if joint in skeleton.end_sites:
+            levers[joint] = max(levers[joint], np.linalg.norm(skeleton.end_sites[joint]))
+        parent, length = skeleton.parents[joint], np.linalg.norm(skeleton.offsets[joint])
+        if parent >= 0:
+            below = levers[joint] if skeleton.children(joint) else 0.0
+            levers[parent] = max(levers[parent], length + below)
+    return levers
+
+
+def usual(steps: np.ndarray, rate: float) -> np.ndarray:
+    """The median over a second of how much the length of a step (N,) changes to the next one."""
+    from scipy.ndimage import median_filter  # slow to import, and seldom needed
+
+    change = np.abs(np.diff(steps, append=steps[-1:]))
+    return median_filter(change, min(2 * round(rate / 2) + 1, max(len(steps), 1)), mode="nearest")
+
+
+def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
+    """The frames after which a curve jumps, with the score of each: the jump is the step from frame
+    t to t + 1."""
+    steps = curve.steps()
+    large = np.flatnonzero(steps > JUMP / (2 * sensitivity))
+    if not len(large):
+        return []
+    padded = np.pad(steps, 1)
+    beside = np.maximum(padded[large], padded[large + 2])
+    level = usual(steps, curve.rate)[large]
+    score = steps[large] / np.maximum(JUMP, np.maximum(RATIO * beside, USUAL * level))
+    if curve.is_root and curve.is_rotation:
+        score = np.maximum(score, steps[large] * curve.rate / (np.radians(FASTEST) * curve.lever))
+    likely = score > 1 / (2 * sensitivity)
+    return list(zip(large[likely].tolist(), score[likely].tolist(), strict=True))
+
+
+def confidence(score: float) -> float:
+    """The confidence of a finding whose evidence is `score` times its threshold: 1 - 1 / (2 score),
+    which is 0.5 at the threshold."""
+    return float(np.clip(1 - 0.5 / max(score, 0.5), 0.0, 1.0))

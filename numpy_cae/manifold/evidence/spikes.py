@@ -1,0 +1,106 @@
+"""Spikes: a rotation or a place that jumps away and back within a few frames.
+
+A run of n frames is compared with the cubic through the two frames before it and the two after it.
+Its deviation is the smaller one of its first and its last frame: that of a run which is longer than
+the spike, or beside it, is nearly 0. Of runs that touch each other, the one with the largest
+deviation is the spike. It is removed and the rest is searched again, as a spike also distorts the
+cubics beside it.
+"""
+
+import numpy as np
+
+from numpy_cae.manifold.evidence.finding import Finding
+from numpy_cae.manifold.evidence.holes import interpolated
+from numpy_cae.manifold.evidence.jumps import Curve, confidence, curves_of, usual
+from numpy_cae.motion.motion import Motion
+
+SECONDS = 0.1
+"""SECONDS: the longest spike, but at any rate three frames."""
+LEAST, TIMES = 0.08, 9.0
+"""LEAST, TIMES: a spike deviates by more than LEAST (m) and TIMES the usual change of the step from
+frame to frame (`usual`)."""
+BESIDE = 1.5
+"""BESIDE: and by more than this times the larger step just before or after it, plus the first step
+within it."""
+ROUNDS = 4
+"""ROUNDS: how often the rest is searched again."""
+
+
+def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """The spikes of each joint of the rig; those of bones have kind "length", of the root's place
+    "root elsewhere".
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
+    >>> find_spikes(motion)
+    [left_elbow: frame 30: spike (...]
+    """
+    found = []
+    for curve in curves_of(motion):
+        for _ in range(ROUNDS):
+            runs = _spikes(curve, sensitivity)
+            if not runs:
+                break
+            found += [
+                Finding(
+                    curve.name,
+                    (first, end - 1),
+                    curve.kind,
+                    f"{curve.amount(size)} from the frames before and after",
+                    confidence=confidence(score),
+                )
+                for first, end, size, score in runs
+            ]
+            curve = interpolated(curve, [(first, end) for first, end, *_ in runs])
+    return found
+
+
+def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, float]]:
+    """The first frame and the end of each spike, its deviation (m) and its score."""
+    steps = curve.steps()
+    if len(steps) < 4:
+        return []
+    level = np.maximum(LEAST, TIMES * usual(steps, curve.rate))
+    candidates: list[tuple[float, float, int, int]] = []
+    for length in range(1, max(3, round(SECONDS * curve.rate)) + 1):
+        # The step to the first frame and the one from the last are at least half of the deviation.
+        least = level[: len(steps) - length] / (4 * sensitivity)
+        first = 1 + np.flatnonzero(np.minimum(steps[:-length], steps[length:]) > least)
+        first = first[(first >= 2) & (first + length + 1 < len(curve.values))]
+        size = _deviation(curve, first, length)
+        beside = np.maximum(steps[first - 2], steps[first + length])
+        inside = steps[first] if length > 1 else 0.0
+        score = size / np.maximum(level[first - 1], BESIDE * (beside + inside))
+        likely = np.flatnonzero(score > 1 / (2 * sensitivity))
+        candidates += [(size[i], score[i], first[i], first[i] + length) for i in likely]
+    taken = np.zeros(len(curve.values), bool)
+    spikes = []
+    for deviation, times, begin, end in sorted(candidates, reverse=True):
+        if not taken[begin - 1 : end + 1].any():
+            taken[begin:end] = True
+            spikes.append((int(begin), int(end), float(deviation), float(times)))
+    return spikes
+
+
+def _deviation(curve: Curve, first: np.ndarray, length: int) -> np.ndarray:
+    """How far runs that begin at the frames `first` (N,) are from their cubics, (N,) in metres."""
+    before = first - 1
+    ends = [curve.between(before, first + k) for k in (-2, length, length + 1)]
+    deviations = []
+    for inside in (0, length - 1):
+        cubic = sum(w * x for w, x in zip(_weights(length, inside + 1), ends, strict=True))
+        deviations.append(np.linalg.norm(curve.between(before, first + inside) - cubic, axis=-1))
+    return np.minimum(*deviations)
+
+
+def _weights(length: int, at: int) -> list[float]:
+    """The weights at the time `at` of a cubic's values at the times -1, length + 1 and length + 2;
+    its value at 0 is 0."""
+    times = np.array([-1.0, 0.0, length + 1, length + 2])
+    return [
+        float(np.prod([(at - other) / (time - other) for other in times if other != time]))
+        for time in times[[0, 2, 3]]
+    ]

@@ -1,0 +1,210 @@
+"""Damage that the file shows is found and mended; what shows nothing is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from data_synth import make_take
+from numpy_cae.manifold import PRESETS, Finding, Preset, find_unlikely, repair, starter
+from numpy_cae.manifold.evidence.jitter import jumping_steps, strongly_filtered
+from numpy_cae.manifold.evidence.presets import fitting_preset
+from numpy_cae.manifold.evidence.steps import mend
+from numpy_cae.motion import JOINTS, body_positions
+
+LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
+ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
+REST = [0.0, 0.0, 0.0, 1.0]
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    return starter()
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return make_take("walk", 77, seconds=5.0, rate=60.0).motion
+
+
+def turned(motion, degrees, axis, frames=slice(None)):
+    """The motion with joints of the rig, by name, turned about their own axis in some frames."""
+    rotations = motion.rotations.copy()
+    for joint, angle in degrees.items():
+        index = motion.skeleton.index(joint)
+        turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1)), degrees=True)
+        rotations[frames, index] = (Rotation.from_quat(rotations[frames, index]) * turn).as_quat()
+    return replace(motion, rotations=rotations)
+
+
+def held(motion, joints, frames, value=None):
+    """The rotations of joints of the rig held in some frames, at a value or at the first one's."""
+    rotations = motion.rotations.copy()
+    for joint in joints:
+        index = motion.skeleton.index(joint)
+        rotations[frames, index] = rotations[frames.start, index] if value is None else value
+    return replace(motion, rotations=rotations)
+
+
+def moved(motion, step, frames):
+    translations = motion.translations.copy()
+    translations[frames, 0] += step
+    return replace(motion, translations=translations)
+
+
+def error(motion, truth, frames, joints):
+    off = body_positions(motion)[frames][:, joints] - body_positions(truth)[frames][:, joints]
+    return np.linalg.norm(off, axis=-1).mean()
+
+
+def assert_other_frames_are_kept(repaired, motion):
+    untouched = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[untouched], motion.rotations[untouched])
+
+
+SHOULDER, ALL = slice(101, 103), slice(None)
+DAMAGE = {
+    "turned": (lambda m: turned(m, {"lfemur": 50.0}, "z", slice(120, 200)), slice(120, 200), 0.05),
+    "spike": (lambda m: turned(m, {"lhumerus": 60.0}, "z", SHOULDER), SHOULDER, 0.02),
+    "frozen": (lambda m: held(m, ["lhumerus", "lradius"], slice(120, 180)), slice(121, 180), 0.6),
+    "repeated": (lambda m: m.at(np.r_[:90, [89] * 15, 105:300]), slice(90, 105), 0.3),
+    "root elsewhere": (lambda m: moved(m, [0.3, 0, 0.2], slice(90, None)), slice(90, None), 0.05),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damage_is_found_and_mended_without_a_model(walk, kind):
+    damage, frames, share = DAMAGE[kind]
+    damaged = damage(walk)
+    repaired = repair(damaged, None)
+    assert kind in {finding.kind for finding in repaired.findings}
+    for finding in repaired.findings:
+        last = len(walk) if frames.stop is None else frames.stop
+        assert frames.start - 2 <= finding.frames[0] <= finding.frames[1] <= last + 1
+        assert 0.5 <= finding.confidence <= 1
+        assert finding.cm > 0
+    every = slice(None)
+    assert error(repaired.motion, walk, frames, every) < share * error(damaged, walk, frames, every)
+    assert_other_frames_are_kept(repaired, damaged)
+
+
+def test_a_clean_motion_is_left_as_it_is(manifold, walk):
+    for preset in (Preset(), Preset(feet=True)):
+        repaired = repair(walk, manifold, preset=preset)
+        assert repaired.known
+        assert not repaired.findings
+        assert repaired.motion is walk
+    assert fitting_preset(walk) is None
+
+
+def test_findings_passed_back_are_mended_and_nothing_else(manifold, walk):
+    damaged = turned(turned(walk, {"lhumerus": 60.0}, "z", SHOULDER), {"rfemur": 40}, "x", [200])
+    findings = repair(damaged, manifold).findings
+    assert {finding.joint for finding in findings} >= {"left_shoulder", "right_hip"}
+    chosen = [finding for finding in findings if finding.joint == "left_shoulder"]
+    repaired = repair(damaged, manifold, findings=chosen)
+    assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [101, 102]
+    with pytest.raises(ValueError, match="no joint 'tail'"):
+        repair(walk, manifold, findings=[Finding("tail", (3, 4), "spike")])
+    with pytest.raises(ValueError, match="frames 0 to 299"):
+        repair(walk, manifold, findings=[Finding("hips", (3, 300), "spike")])
+
+
+def test_the_strength_is_a_share_of_the_way(manifold, walk):
+    damaged = turned(walk, {"lhumerus": 60.0}, "z", SHOULDER)
+    motions = [repair(damaged, manifold, strength=share).motion for share in (0, 0.5, 1)]
+    errors = [error(motion, walk, SHOULDER, ARM) for motion in motions]
+    assert errors[0] > 1.5 * errors[1] > 2 * errors[2]
+    assert motions[0].rotations is damaged.rotations
+
+
+@pytest.mark.parametrize("frames", [1, 30])
+def test_a_t_pose_at_the_start_is_kept_or_cut_and_not_smeared(walk, frames):
+    rotations, translations = walk.rotations.copy(), walk.translations.copy()
+    rotations[:frames, 1:], translations[:frames] = REST, translations[0]
+    damaged = replace(walk, rotations=rotations, translations=translations)
+    kept = repair(damaged, None, preset=Preset(smooth=True))
+    assert (kept.findings[0].kind, kept.findings[0].frames) == ("T-pose", (0, frames - 1))
+    np.testing.assert_array_equal(kept.motion.rotations[:frames], rotations[:frames])
+    assert error(kept.motion, damaged, slice(frames, frames + 10), ALL) < 0.01
+    cut = repair(damaged, None, preset=Preset(cut=True))
+    np.testing.assert_array_equal(cut.motion.rotations, rotations[frames:])
+    assert fitting_preset(damaged) == "suit"
+
+
+def test_a_bone_of_no_length_gets_its_length_back(walk):
+    wrist, translations = walk.skeleton.index("lwrist"), walk.translations.copy()
+    translations[100:160, wrist] = 0.0
+    translations[200, wrist, 0] += 0.01  # so that the bone has a channel: no damage
+    repaired = repair(replace(walk, translations=translations), None)
+    assert [finding.frames for finding in repaired.findings] == [(100, 159)]
+    np.testing.assert_allclose(repaired.motion.translations[100:160], walk.translations[100:160])
+
+
+def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
+    """Someone kneels down, stays and stands up again: no model of walks knows it."""
+    motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
+    degrees = 100 * np.interp(np.arange(len(motion)), [60, 80, 150, 170], [0, 1, 1, 0])
+    kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
+    repaired = repair(kneels, manifold)
+    assert not repaired.touched.any()
+    assert all("at neither end" in finding.evidence for finding in repaired.proposed)
+    assert find_unlikely(manifold, manifold.body(kneels)) == list(repaired.proposed)
+
+
+def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
+    lying = make_take("idle", 1, seconds=3.0, rate=30.0).motion
+    slow = np.linspace(0.0, 1.0, len(lying))[:, None, None]
+    directions = np.random.default_rng(0).normal(size=(len(lying.skeleton.names), 3))
+    turns = Rotation.from_rotvec((directions * (1 + 0.1 * slow)).reshape(-1, 3)).as_quat()
+    strange = replace(lying, rotations=turns.reshape(lying.rotations.shape))
+    repaired = repair(strange, manifold)
+    assert not repaired.known
+    assert not repaired.touched.any()
+    spiked = turned(strange, {"lhumerus": 60.0}, "z", slice(40, 41))
+    repaired = repair(spiked, manifold)
+    assert not repaired.known
+    assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [40]
+    marked = np.zeros((len(lying), 20), bool)
+    marked[50:60] = True
+    assert repair(strange, manifold, marked).touched[50:60].all()
+
+
+def test_values_that_are_not_finite_are_filled_in(manifold, walk):
+    rotations, elbow = walk.rotations.copy(), walk.skeleton.index("lradius")
+    rotations[50:60, elbow] = np.nan
+    repaired = repair(replace(walk, rotations=rotations), manifold)
+    assert np.all(np.isfinite(repaired.motion.rotations))
+    assert [(f.joint, f.frames, f.kind) for f in repaired.findings] == [
+        ("left_elbow", (50, 59), "not finite")
+    ]
+    assert error(repaired.motion, walk, slice(50, 60), ARM[1:]) < 0.02
+    assert_other_frames_are_kept(repaired, walk)
+
+
+def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
+    """The opponent is a median and a Butterworth filter on all rotations."""
+    rng = np.random.default_rng(0)
+    shaken = {name: 4 * rng.normal(size=len(walk)) for name in walk.skeleton.names[1:20]}
+    noisy = turned(walk, shaken, "x")
+    for frame in rng.integers(10, 290, 30):
+        noisy = turned(noisy, {"lhumerus": 70.0}, "z", [frame])
+    assert fitting_preset(noisy) == "video"
+    repaired = repair(noisy, None, preset=PRESETS["video"])
+    filtered = noisy.rotations.copy()
+    for joint in range(1, filtered.shape[1]):
+        signs = np.sign(np.sum(filtered[1:, joint] * filtered[:-1, joint], axis=-1, keepdims=True))
+        filtered[1:, joint] *= np.cumprod(signs, axis=0)
+        filtered[:, joint] = strongly_filtered(filtered[:, joint], walk.rate)
+    filtered /= np.linalg.norm(filtered, axis=-1, keepdims=True)
+    ten_lines = replace(noisy, rotations=filtered)
+    assert error(repaired.motion, walk, ALL, ALL) < 1.2 * error(ten_lines, walk, ALL, ALL)
+    assert jumping_steps(repaired.motion).sum() <= jumping_steps(ten_lines).sum()
+
+
+def test_mending_needs_no_known_rig_of_the_model_and_short_motions_pass(walk):
+    for frames in (1, 2, 4, 7):
+        assert (
+            mend(walk.at(slice(frames)), Preset(0.75, smooth=True))[0].rotations.shape[0] == frames
+        )
