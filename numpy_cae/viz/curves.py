@@ -110,7 +110,7 @@ def matrix_figure(distances: np.ndarray, names: Sequence[str], unit: str = "dist
     rows = np.arange(0, len(names), -(-len(names) // _LABELS))
     axes.set_xticks([])
     axes.yaxis.tick_right()
-    axes.set_yticks(rows, [names[row] for row in rows], fontsize=8)
+    axes.set_yticks(rows, [names[int(row)] for row in rows], fontsize=8)
     figure.colorbar(image, label=unit)
     return figure
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -59,7 +59,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
             time = f"{frame / rate:.1f} s"
             axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
         if actor.label:
-            name = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
+            name: dict[str, Any] = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
             axes.text(0.004, 0.99, actor.label, transform=axes.transAxes, va="top", **name)
         axes.set(xlim=(left, right), ylim=(low, high))
         axes.set_aspect("equal")

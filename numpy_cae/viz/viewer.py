@@ -17,6 +17,7 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def save_viewer(
         Path(temporary).write_text(page, encoding="utf-8")
 
 
-def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: object) -> str:
+def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: Any) -> str:
     """The page that `save_viewer` writes; `more` are its further arguments."""
     title = title or ", ".join(actor.label for actor in actors)
     viewer = fragment(actors, rate, "whole", *more)
