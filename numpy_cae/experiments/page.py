@@ -67,18 +67,19 @@ def _verdict(confirmed: bool, number: str = "") -> str:
 
 def section(result: Result) -> str:
     """One result as HTML: claims, figure, motions, tables and note."""
+    tables = "tables-" + re.sub(r"\W+", "-", result.title.lower())
     parts = [f"<h2>{escape(result.title)}</h2>", *map(_claim, result.claims)]
     if picture := result.png():
         source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
         label = escape(f"{result.title}: picture")
-        parts.append(f'<figure><img alt="{label}" src="{source}">{_BELOW}</figure>')
+        below = f'<figcaption><a href="#{tables}">The numbers are in the tables</a>.</figcaption>'
+        below = below if result.tables else ""
+        parts.append(f'<figure><img alt="{label}" src="{source}">{below}</figure>')
     if moving := result.animation:
         viewer = fragment(moving.actors, moving.rate)
         parts.append(f'<figure class="moving">{viewer}</figure>')
-    return "\n".join([*parts, *map(_table, result.tables), _paragraph(result.note)])
-
-
-_BELOW = "<figcaption>The numbers are in the tables below.</figcaption>"
+    parts.append(f'<div id="{tables}">')
+    return "\n".join([*parts, *map(_table, result.tables), "</div>", _paragraph(result.note)])
 
 
 def _definitions(meanings: Mapping[str, str]) -> str:
