@@ -2,15 +2,15 @@
 
 const dot = "\u00b7";
 
-// Joints that are damaged in the same way in the same frames are one entry.
+// Joints that are damaged in the same way in the same frames are one entry, with the evidence and the
+// confidence of the joint that moves farthest.
 export function grouped(findings) {
   const groups = new Map();
   for (const finding of findings) {
-    const key = JSON.stringify([finding.frames, finding.kind, finding.evidence]);
-    const group = groups.get(key) ?? { ...finding, joints: [], cm: 0 };
+    const key = JSON.stringify([finding.frames, finding.kind]);
+    const group = groups.get(key) ?? { joints: [], cm: -1 };
     group.joints.push(finding.joint);
-    group.cm = Math.max(group.cm, finding.cm ?? 0);
-    groups.set(key, group);
+    groups.set(key, (finding.cm ?? 0) > group.cm ? { ...group, ...finding, cm: finding.cm ?? 0 } : group);
   }
   return [...groups.values()].sort((one, other) => one.frames[0] - other.frames[0]);
 }
