@@ -131,7 +131,7 @@ def without_bias(weights, x):
     [
         (linear, set(), ""),
         (half_of_gradients, {"of w", "of both"}, "w"),
-        (without_bias, {"of w", "of both", "dtype"}, "no gradient for b"),
+        (without_bias, {"of w", "of both", "dtype"}, "expected the structure of weights"),
         (lambda weights, x: x, {"value", "of w", "of both", "dtype"}, "does not return 2 things"),
     ],
 )

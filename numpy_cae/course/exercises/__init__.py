@@ -1,10 +1,12 @@
 """The exercises of the lessons, as data: check cells, the tests and grading all use them."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.catalogue import Exercise
+from numpy_cae.verify.operations.property import Property
 
 EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
 SHARES = {0: 0.4, 1: 0.4, 2: 0.2}
@@ -38,8 +40,18 @@ def with_points(exercise: Exercise) -> Exercise:
     ]
     of_group = {g: sum(w for w, of in zip(weights, groups, strict=True) if of == g) for g in shares}
     points = (total * shares[g] * w / of_group[g] for w, g in zip(weights, groups, strict=True))
-    properties = zip(exercise.properties, points, strict=True)
-    return replace(exercise, properties=tuple(replace(p, points=n) for p, n in properties))
+    diagnose = None if name in operations.CATALOGUE else _likely_mistake
+    properties = (
+        replace(stated, points=number, diagnose=diagnose)
+        for stated, number in zip(exercise.properties, points, strict=True)
+    )
+    return replace(exercise, properties=tuple(properties))
+
+
+def _likely_mistake(stated: Property, implementation: Callable) -> str:
+    from numpy_cae.course.mistakes import likely_mistake  # imports this package
+
+    return likely_mistake(stated, implementation)
 
 
 LESSONS: dict[str, tuple[Exercise, ...]] = {

@@ -4,14 +4,15 @@ An argument is a number, an array, a dict of arrays by name, a list of arrays, o
 pairs (w, b) of each layer. Gradients have the structure of the argument that they belong to.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from inspect import signature
 
 import numpy as np
 
-from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.checks.gradients import wrong_gradients
+from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, leaves, rebuilt
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import Property, require_equal
 
@@ -49,9 +50,9 @@ def purity(function, case, **given):
     before = deepcopy(given)
     function(*given.values())
     for name, argument in before.items():
-        after = arrays_in(name, given[name])
-        for part, array in arrays_in(name, argument).items():
-            if not np.array_equal(after[part], array):
+        after = dict(leaves(name, given[name]))
+        for part, array in leaves(name, argument):
+            if isinstance(array, np.ndarray) and not np.array_equal(after[part], array):
                 raise AssertionError(f"the call changes {part}")
 
 
@@ -133,21 +134,23 @@ class Differentiated:
         """Gradients agree with differences; `only` names the arrays, by default all."""
 
         def check(function: Callable, case: Case, **given: object) -> None:
-            arrays = {k: v for i in self.inputs for k, v in arrays_in(i, given[i]).items()}
+            arrays = dict(all_leaves([given[i] for i in self.inputs], self.inputs))
 
             def f(*values):
                 rest = iter(values)
-                changed = {i: _rebuilt(given[i], rest) for i in self.inputs}
+                changed = {i: rebuilt(given[i], rest) for i in self.inputs}
                 value, *others = self._call(function, given | changed)
                 value = value if np.ndim(value) else np.float64(value)
                 return value, lambda upstream: self._gradients(others, given, upstream)
 
             names = tuple(arrays)
-            chosen = tuple(name for name in names if not only or name in only)
-            try:
-                check_gradients(f, *arrays.values(), rng=case.rng(), names=names, only=chosen)
-            finally:  # the call that a report shows
-                function(*given.values())
+            keys = (name.partition("['")[2].removesuffix("']") or name for name in names)
+            chosen = [n for n, key in zip(names, keys, strict=True) if not only or key in only]
+            problems = wrong_gradients(f, [*arrays.values()], names, case.rng(), only=chosen)
+            function(*given.values())  # the call that a report shows
+            if problems:
+                others = (problem.partition(", shape")[0] for problem in problems[1:])
+                raise AssertionError("\n".join([problems[0], *others]))
 
         statement = "it agrees with central differences of the function that you wrote"
         return states(name, statement)(check)
@@ -176,17 +179,10 @@ class Differentiated:
 
     def _gradients(self, others: list, given: Mapping[str, object], upstream) -> tuple:
         """The gradients of all input arrays, from what the function returned after its value."""
-        if PULLBACK in self.returns:
-            pulled = others[0](upstream)
-            one = len(self.inputs) == 1
-            others = (pulled,) if one else require_parts(pulled, [f"d{i}" for i in self.inputs])
-            upstream = None
-        flat = [
-            gradient
-            for name, of_name in zip(self.inputs, others, strict=True)
-            for gradient in _gradients_in(given[name], of_name)
-        ]
-        return tuple(flat if upstream is None else (upstream * each for each in flat))
+        inputs, has_pullback = [given[i] for i in self.inputs], PULLBACK in self.returns
+        pulled = others[0](upstream) if has_pullback else others
+        every = gradients_of_leaves(inputs, self.inputs, pulled)
+        return tuple(every if has_pullback else (upstream * each for each in every))
 
 
 def same_as(definition: Callable, *names: str) -> Check:
@@ -228,51 +224,8 @@ def require_parts(returned, names) -> tuple | list:
     return returned
 
 
-def arrays_in(name: str, argument: object) -> dict[str, np.ndarray]:
-    """The arrays of an argument by name; the arrays of a dict have its keys as names."""
-    if isinstance(argument, np.ndarray):
-        return {name: argument}
-    if isinstance(argument, dict):
-        return dict(argument)
-    if not isinstance(argument, list):
-        return {}
-    if all(isinstance(entry, np.ndarray) for entry in argument):
-        return {f"{name}[{n}]": entry for n, entry in enumerate(argument)}
-    layers = enumerate(argument, 1)
-    return {f"{of} of layer {n}": a for n, pair in layers for of, a in zip("wb", pair, strict=True)}
-
-
-def _rebuilt(argument: object, arrays: Iterator[np.ndarray]) -> object:
-    """An argument of the same structure with other arrays."""
-    if isinstance(argument, np.ndarray):
-        return next(arrays)
-    if isinstance(argument, dict):
-        return {name: next(arrays) for name in argument}
-    return [tuple(next(arrays) for _ in pair) for pair in argument]
-
-
 def _narrowed(name: str, argument: object) -> object:
     """An argument with its float arrays as float32."""
-    arrays = arrays_in(name, argument).values()
-    narrow = (a.astype(np.float32) if a.dtype == np.float64 else a for a in arrays)
-    return _rebuilt(argument, narrow) if arrays else argument
-
-
-def _gradients_in(argument: object, gradients) -> list[np.ndarray]:
-    """The gradients of an argument's arrays, in the order of the arrays.
-
-    Raises an AssertionError if the gradients do not have the structure of the argument.
-    """
-    if isinstance(argument, dict):
-        if not isinstance(gradients, dict):
-            returned = type(gradients).__name__
-            raise AssertionError(f"expected a dict of gradients by name, got {returned}")
-        missing = [name for name in argument if name not in gradients]
-        if missing:
-            raise AssertionError(f"no gradient for {', '.join(missing)}")
-        return [gradients[name] for name in argument]
-    if isinstance(argument, list):
-        names = [f"(dw, db) of layer {n}" for n in range(1, len(argument) + 1)]
-        pairs = require_parts(gradients, names)
-        return [gradient for pair in pairs for gradient in require_parts(pair, ("dw", "db"))]
-    return [gradients]
+    parts = (part for _, part in leaves(name, argument))
+    narrow = (p.astype(np.float32) if getattr(p, "dtype", None) == np.float64 else p for p in parts)
+    return rebuilt(argument, narrow)

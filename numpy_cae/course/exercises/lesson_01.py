@@ -8,7 +8,8 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 TREE_SIZES = {"joints": (1, 2, 3, 4, 6, 8)}
-MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES}
+QUARTER = "by quarters"
+MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES, "turns": (QUARTER, "by any angle")}
 
 
 def chain_to_root(parents: tuple[int, ...], joint: int) -> tuple[int, ...]:
@@ -51,12 +52,22 @@ def random_tree(case: Case, rng: np.random.Generator) -> tuple[int, ...]:
     return (-1, *(int(rng.integers(0, joint)) for joint in range(1, case["joints"])))
 
 
-def random_rotations(rng: np.random.Generator, *counts: int) -> np.ndarray:
-    """Rotation matrices, (*counts, 3, 3)."""
+def random_rotations(case: Case, rng: np.random.Generator, *counts: int) -> np.ndarray:
+    """Rotation matrices, (*counts, 3, 3), by quarter turns about the axes or by any angle."""
     from scipy.spatial.transform import Rotation
 
-    vectors = spread(rng, (int(np.prod(counts)), 3))
-    return Rotation.from_rotvec(vectors).as_matrix().reshape(*counts, 3, 3)
+    count = int(np.prod(counts))
+    if case["turns"] == QUARTER:
+        every = Rotation.create_group("O").as_matrix().round() + 0.0
+        return every[rng.integers(len(every), size=count)].reshape(*counts, 3, 3)
+    return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix().reshape(*counts, 3, 3)
+
+
+def random_offsets(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """Translations, whole numbers beside quarter turns, so that paper is enough to check them."""
+    shape = (case["frames"], case["joints"], 3)
+    whole = rng.choice([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0], shape)
+    return whole if case["turns"] == QUARTER else spread(rng, shape)
 
 
 _speed_arguments = drawn(
@@ -69,8 +80,8 @@ _channel_arguments = drawn(
 )
 _motion_arguments = drawn(
     parents=random_tree,
-    rotations=lambda case, rng: random_rotations(rng, case["frames"], case["joints"]),
-    translations="frames joints 3",
+    rotations=lambda case, rng: random_rotations(case, rng, case["frames"], case["joints"]),
+    translations=random_offsets,
 )
 
 
@@ -104,7 +115,7 @@ def _rest_pose(function, case, parents, rotations, translations):
 )
 def _own_rotation(function, case, parents, rotations, translations):
     before = function(parents, rotations, translations)
-    rotations[:, -1] = rotations[:, -1] @ random_rotations(case.rng(), 1)
+    rotations[:, -1] = rotations[:, -1] @ random_rotations(case, case.rng(), 1)
     after = function(parents, rotations, translations)
     require_equal("with its last joint rotated, a position", after, before)
 

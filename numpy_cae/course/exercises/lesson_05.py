@@ -8,7 +8,7 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import FILTERS, WINDOW
 
 SIZES = {**WINDOW, **FILTERS, "frames": (1, 2, 3), "taps": (1, 3, 5)}
-BOUND = 0.9
+BOUND, SMALL = 0.9, 8
 
 
 def encode_layer(x, w, b):
@@ -35,8 +35,9 @@ def project_layer(x, w, b, bound):
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
-    """Uniform entries of full precision between -bound and bound: sums of these do not tie."""
-    return rng.uniform(-bound, bound, shape)
+    """Entries between -bound and bound: of many, uniform ones, whose sums do not tie."""
+    is_small = np.prod(shape) <= SMALL
+    return spread(rng, shape, bound) if is_small else rng.uniform(-bound, bound, shape).round(3)
 
 
 def random_weights(case: Case, rng: np.random.Generator) -> dict[str, np.ndarray]:

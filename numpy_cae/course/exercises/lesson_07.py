@@ -81,10 +81,8 @@ def _each_stage(function, case, x, layers):
         require_equal(what, found, expected)
 
 
-def _names_in_layers(of: str) -> tuple[str, ...]:
-    """The names of w or b of every layer that `Differentiated` uses."""
-    return tuple(f"{of} of layer {n}" for n in range(1, 1 + max(SIZES["layers"])))
-
+IN_LAYERS = {of: tuple(f"layers[{n}][{i}]" for n in range(3)) for i, of in enumerate("wb")}
+"""The names of w or b of every layer in a message."""
 
 EXERCISES = (
     exercise(
@@ -102,7 +100,7 @@ EXERCISES = (
         ("the loss", "the gradients"),
         SIZES,
         value="the loss is the mean squared error of the whole stack",
-        gradients={f"gradients for {of}": _names_in_layers(of) for of in "wb"},
+        gradients={f"gradients for {of}": IN_LAYERS[of] for of in "wb"},
         given=(
             "conv1d transpose_filters max_pool unpool_even unpool_random tanh arctanh "
             "mean_squared_error mean_absolute layer_loss sgd_step train_layer zero_values"

@@ -20,7 +20,7 @@ DECODER_GRU = ("decoder_w", "decoder_u", "decoder_b", "decoder_c")
 FRAME = ("frame_w", "frame_b")
 DECODER = ("state_w", "state_b", *DECODER_GRU, *FRAME)
 LOSS_AND_GRADIENTS = ("the loss", "the gradients by name")
-WEIGHT_BOUND = 0.9
+WEIGHT_BOUND = 1.0
 
 
 def random_weights(case: Case, rng: np.random.Generator) -> Weights:

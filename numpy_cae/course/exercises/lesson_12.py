@@ -20,13 +20,47 @@ from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, right_oper
 from numpy_cae.verify.operations.property import Property, require_equal
 from numpy_cae.verify.operations.trial import failing_case
 
-SUSPECTS: tuple[Patch, ...] = tuple(
+CATCH_ALL = "special inputs"
+"""CATCH_ALL: a property of every operation that nearly every bug violates; naming it says nothing
+about the mistake."""
+
+
+class Suspect:
+    """A wrong operation whose mistake is to be found by reading."""
+
+    def __init__(self, bug: Patch) -> None:
+        self._bug = bug
+        self.operation = bug.operation
+
+    def source(self) -> str:
+        """The source of the wrong operation."""
+        return self._bug.source()
+
+    def objection(self, named: object) -> str:
+        """Why the name of a property is no answer; "" if the operation violates that property."""
+        stated = {prop.name: prop for prop in properties_of_operation(self.operation)}
+        if named == CATCH_ALL:
+            return f"{CATCH_ALL!r} tests every result: name the property that the mistake is about"
+        if named not in stated:
+            names = ", ".join(name for name in stated if name != CATCH_ALL)
+            return f"{self.operation} has no property {named!r}; it has {names}"
+        has_it = failing_case(stated[named], self._bug.function()) is None
+        return f"this {self.operation} has the property {named!r}" if has_it else ""
+
+    def verdict(self, named: object) -> str:
+        """The mistake if the answer is right, else what is wrong with the answer."""
+        objection = self.objection(named)
+        return f"not yet: {objection}" if objection else self._bug.sentence
+
+
+_ACCUSED = tuple(
     bug_named(name)
     for name in (
         "conv_without_flip arctanh_gradient_beyond_bound conv_bias_not_over_windows "
         "step_biases_alike gru_first_state_dropped conv_accumulates"
     ).split()
 )
+SUSPECTS = tuple(map(Suspect, _ACCUSED))
 """The bugs to be found by reading, the first one being suspect 1."""
 
 GROUPS = {
@@ -77,7 +111,7 @@ def adjoint_gap(f, x, y):
 
 def accuse(suspect):
     """The property that suspect 1, 2, ... violates."""
-    return SUSPECTS[suspect - 1].caught_by
+    return _ACCUSED[suspect - 1].caught_by
 
 
 def check_gradients(f, inputs):
@@ -117,13 +151,8 @@ def _accused(number: int) -> Property:
     suspect = SUSPECTS[number - 1]
 
     def check(function, case, seed):
-        named = function(number)
-        stated = {prop.name: prop for prop in properties_of_operation(suspect.operation)}
-        if named not in stated:
-            names = ", ".join(stated)
-            raise AssertionError(f"{suspect.operation} has no property {named!r}; it has {names}")
-        if failing_case(stated[named], suspect.function()) is None:
-            raise AssertionError(f"suspect {number} has the property {named!r}")
+        if objection := suspect.objection(function(number)):
+            raise AssertionError(objection)
 
     statement = f"the {suspect.operation} violates the property that you name"
     return states(f"suspect {number}", statement, examples=1)(check)

@@ -8,14 +8,22 @@ LONGEST_TEXT = 2000
 
 WORTH_PRINTING = 32
 """Arrays of at most so many entries are printed in a counterexample."""
+LONGEST_ARGUMENTS = 600
+"""Arguments of at most so many characters are printed in a counterexample."""
 
 
 def written(value: object, digits: int = 6) -> str:
-    """An argument or result as it is printed in a counterexample."""
+    """An argument or result as people write it: arrays as lists, no -0, short numbers."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key!r}: {written(one, digits)}' for key, one in value.items())}}}"
+    if isinstance(value, list | tuple):
+        inside = ", ".join(written(one, digits) for one in value)
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
     if not isinstance(value, np.ndarray):
-        return f"{value:.{digits}g}" if isinstance(value, float) else repr(value)
+        return f"{value + 0:.{digits}g}" if isinstance(value, float) else repr(value)
     if value.dtype.kind == "f":
-        value = np.array([f"{v:.{digits}g}" for v in value.flat], float).reshape(value.shape)
+        texts = [f"{v + 0:.{digits}g}" for v in value.flat]
+        value = np.array(texts, float).reshape(value.shape)
     return str(value.tolist())
 
 

@@ -3,7 +3,6 @@
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 from numpy_cae.verify.operations.catalogue import (
     CONTRACT,
@@ -17,7 +16,6 @@ from numpy_cae.visible import visible
 
 WIDTH = 98
 INDENT = 10
-LONGEST_REASON = 28
 GROUPS = ("value", "gradients", "the rest")
 """What a property is about, by its `group`."""
 WHY = ("problem", "counterexample", "likely_mistake")
@@ -164,20 +162,18 @@ def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
-    """The lines below a property that does not hold, at most LONGEST_REASON."""
-    yield from islice(_every_reason(outcome), LONGEST_REASON)
-
-
-def _every_reason(outcome: Outcome) -> Iterator[str]:
-    for title, text in (
-        ("what", outcome.problem),
-        ("smallest", outcome.counterexample),
-        ("likely", outcome.mistake),
-        ("hint", outcome.stated.hint),
+    """The lines below a property that does not hold, not too many of each kind."""
+    for title, text, most in (
+        ("what", outcome.problem, 9),
+        ("smallest", outcome.counterexample, 13),
+        ("likely", outcome.mistake, 4),
+        ("hint", outcome.stated.hint, 4),
     ):
+        lines: list[str] = []
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
-            yield from _wrapped(head + "  " * line.startswith(" "), line.strip(), 2 * INDENT + 2)
+            lines += _wrapped(head + "  " * line.startswith(" "), line.strip(), 2 * INDENT + 2)
+        yield from lines[:most]
 
 
 def _wrapped(head: str, text: str, indent: int) -> list[str]:

@@ -26,6 +26,8 @@ TRUNCATED = "Truncated backpropagation: of 1200 frames the last one's gradient r
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or ""."""
+    if stated.diagnose is not None:
+        return stated.diagnose(stated, implementation)
     mistake, operation = _known_mistake(stated, implementation), stated.definition
     if not mistake and operation and operation.name == "gru" and stated.name in OF_GRADIENTS:
         frames = _carried_back(operation.reference, implementation)
@@ -43,12 +45,12 @@ def _known_mistake(stated: Property, implementation: Callable) -> str:
     cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
     results = [stated.check.results(implementation, case) for case in cases]
     right = [stated.check.results(operation.reference, case) for case in cases]
-    if sum(not _same(one, other) for one, other in zip(results, right, strict=True)) < SEVERAL:
+    if sum(not same(one, other) for one, other in zip(results, right, strict=True)) < SEVERAL:
         return ""
     explained = {}
     for sentence, wrong in _wrong_operations(operation.name):
         pairs = zip(results, cases, strict=True)
-        if all(_same(one, stated.check.results(wrong, case)) for one, case in pairs):
+        if all(same(one, stated.check.results(wrong, case)) for one, case in pairs):
             explained[sentence] = _shared_effects(operation, implementation, wrong)
     best = max(explained, key=explained.__getitem__, default="")
     return best if best and explained[best] >= 0 else ""
@@ -106,7 +108,8 @@ def _shared_effects(operation: Operation, implementation: Callable, wrong: Calla
     return -1 if touched & differing else len(touched)
 
 
-def _same(one: list, other: list) -> bool:
+def same(one: list, other: list) -> bool:
+    """Whether two lists of results are equal, to rounding of the largest of them."""
     return len(one) == len(other) and not _differing(one, other)
 
 

@@ -52,15 +52,23 @@ class Patch:
 
     def source(self, called: str = "suspect") -> str:
         """The source of the changed operation, under another name and without its docstring."""
-        lines = _source_lines(self.operation)
+        lines = self.changed(_source_lines(self.operation))
+        return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
+
+    def changed(self, lines: list[str]) -> list[str]:
+        """The lines of a source with the replacements; a ValueError if they do not fit."""
         for old, new in self.replacements:
             lines = _replaced(lines, old, new, self.name)
-        return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
+        return lines
 
 
 def read_patches(folder: Path) -> tuple[Patch, ...]:
     """The patches in the text files of a folder."""
-    return tuple(patch for path in sorted(folder.glob("*.txt")) for patch in _read(path))
+    return tuple(
+        patch
+        for path in sorted(folder.glob("*.txt"))
+        for patch in patches_in(path.read_text("utf-8"), path.stem)
+    )
 
 
 def right_operation(name: str) -> Callable:
@@ -68,15 +76,16 @@ def right_operation(name: str) -> Callable:
     return getattr(ops, name, tied_layer)
 
 
-def _read(path: Path) -> Iterator[Patch]:
-    for block in re.split(r"\n(?=\w)", path.read_text(encoding="utf-8").strip()):
+def patches_in(text: str, operation: str) -> Iterator[Patch]:
+    """The patches of an operation in a text of the form above."""
+    for block in re.split(r"\n(?=\w)", text.strip()):
         header, text = block.split("\n", 1)
         name, caught_by = HEADER.fullmatch(header).groups()
         text = textwrap.dedent(text)
         sentence = " ".join(re.findall(r"^[^-+].*", text, re.M))
         pairs = re.findall(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", text + "\n", re.M)
         replacements = tuple((_lines(old, strip=True), _lines(new)) for old, new in pairs)
-        yield Patch(name, path.stem, caught_by, sentence, replacements)
+        yield Patch(name, operation, caught_by, sentence, replacements)
 
 
 def _lines(marked: str, strip: bool = False) -> tuple[str, ...]:

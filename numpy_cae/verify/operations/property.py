@@ -77,6 +77,7 @@ class Property:
     hint: str = ""
     combined: tuple[str, ...] = ()  # every combination of these sizes and classes is drawn
     together: tuple[dict[str, str], ...] = ()  # classes to try with the last option of every size
+    diagnose: Callable[..., str] | None = field(default=None, repr=False)  # in place of diagnosis
     is_form: bool = False  # functions without the right value may have it, too
 
     def cases(self) -> list[Case]:
@@ -166,7 +167,9 @@ def require_equal(
         excess = np.where(off <= allowed, -1.0, np.nan_to_num(off - allowed, nan=np.inf))
         index = tuple(map(int, np.unravel_index(np.argmax(excess), off.shape)))
         place = f" at index {index}" if index else ""
-        one, other = written_apart(float(result[index]) + 0, float(expected[index]) + 0, 10)
+        least = float(np.broadcast_to(allowed, off.shape)[index])  # what is smaller is rounding
+        pair = (float(array[index]) for array in (result, expected))
+        one, other = written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
         error = Mismatch(f"{what} is {one}{place}, expected {other}")
         error.what, error.result, error.expected = what, result, expected
         raise error

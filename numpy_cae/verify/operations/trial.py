@@ -13,6 +13,7 @@ import numpy as np
 from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import (
+    LONGEST_ARGUMENTS,
     LONGEST_TEXT,
     WORTH_PRINTING,
     error_text,
@@ -212,10 +213,9 @@ def _described(tried: Property, case: Case, last: Recorder, error: Exception) ->
             shown |= dict(zip(names, upstreams, strict=True))
         elif upstreams:
             shown["upstream gradient"] = upstreams[-1]
-    if sum(np.size(a) for a in shown.values() if isinstance(a, np.ndarray)) > WORTH_PRINTING:
-        yield example_call(tried.operation, case)
-    else:
-        yield from (f"{name} = {written(argument)}" for name, argument in shown.items())
+    lines = [f"{name} = {written(argument)}" for name, argument in shown.items()]
+    is_short = sum(map(len, lines)) <= LONGEST_ARGUMENTS
+    yield from lines if is_short else [example_call(tried.operation, case)]
     if isinstance(error, Mismatch) and error.result.size <= WORTH_PRINTING:
         result, right = written_apart(error.result, error.expected)
         yield f"{error.what.removeprefix('the ')}: {result}"

@@ -1,0 +1,55 @@
+"""Known mistakes in the exercises: each is wrong, recognised, and not confused with others."""
+
+from dataclasses import replace
+
+import pytest
+
+from numpy_cae import course
+from numpy_cae.course.exercises import EXERCISES
+from numpy_cae.course.exercises.lesson_12 import SUSPECTS
+from numpy_cae.course.mistakes import _function, likely_mistake, patches_of, wrong_functions
+from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.patch import bugs_of
+from numpy_cae.verify.operations.trial import failing_case
+
+OWN = [name for name in EXERCISES if name not in {*OPERATIONS, "accuse", "check_gradients"}]
+SAME_VALUE = {("rescale", "naive")}  # the first property that fails does not tell it from another
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
+    stated = {prop.name: prop for prop in EXERCISES[name].properties}
+    assert len(wrong_functions(name)) >= 3
+    for right, patch in patches_of(name):
+        wrong, same = _function(patch, right), _function(replace(patch, replacements=()), right)
+        caught_by = stated[patch.caught_by]
+        assert failing_case(caught_by, wrong) is not None, patch.name
+        assert failing_case(replace(caught_by, examples=2), same) is None, patch.name
+
+
+@pytest.mark.lessons
+@pytest.mark.parametrize("name", OWN)
+def test_every_known_mistake_is_recognised(name):
+    stated = {prop.name: prop for prop in EXERCISES[name].properties}
+    for right, patch in patches_of(name):
+        named = likely_mistake(stated[patch.caught_by], _function(patch, right))
+        assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
+
+
+def test_a_mistake_is_named_and_two_at_once_are_not():
+    def speeds(positions, rate):
+        return ((positions[1:] - positions[:-1]) ** 2).sum(axis=-1)  # no root, no rate
+
+    assert course.report("speeds", speeds).outcomes[0].mistake == ""
+    rooted = course.report("speeds", lambda positions, rate: speeds(positions, rate) ** 0.5)
+    assert "likely:   The distance is not multiplied by the frames a second." in str(rooted)
+    assert all(bugs_of(name) for name in EXERCISES if name in OPERATIONS)
+
+
+@pytest.mark.parametrize("answer", ["special inputs", "gradient for x", "value", None])
+def test_no_answer_is_right_for_every_suspect(answer):
+    accused = course.report("accuse", lambda suspect: answer)
+    assert accused.points <= 3
+    verdicts = [suspect.verdict(answer) for suspect in SUSPECTS]
+    assert sum(verdict.startswith("not yet: ") for verdict in verdicts) >= 5
+    assert not hasattr(SUSPECTS[0], "caught_by")
