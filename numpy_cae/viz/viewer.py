@@ -1,7 +1,7 @@
 """Motions in an interactive viewer: one HTML file that needs no network.
 
 `viewer_page/viewer.js` draws with three.js. A page has the scripts once (`head`) and any number of
-viewers (`fragment`), each with a motion or more. Positions are packed in steps of 0.2 mm: the first
+viewers (`fragment`), each with a motion or more. Positions are packed in steps of 0.4 mm: the first
 joint in the world, each other joint from the first one. A motion with as many joints as the first
 motion is stored as its difference from that one. Differences between frames are stored with the
 sign in the lowest bit, in four planes of bytes, compressed by zlib, in base64.
@@ -37,7 +37,7 @@ _MODULES = {
     "motion-viewer": "viewer.js",
 }
 """Name by which a script imports another, and its file."""
-_STEP = 2e-4
+_STEP = 4e-4
 """STEP: positions are packed in multiples of this (m)."""
 
 

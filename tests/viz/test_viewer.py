@@ -40,10 +40,10 @@ def positions_of(data):
     return [body * packed["step"] for body, packed in zip(bodies, data["motions"], strict=True)]
 
 
-def test_positions_are_kept_within_a_fifth_of_a_millimetre():
+def test_positions_are_kept_within_two_roundings_of_0_4_mm():
     actors = [walking(), replace(walking(), positions=walking().positions[::-1]), walking(60)]
     for positions, actor in zip(positions_of(data_of(fragment(actors, 30.0))), actors, strict=True):
-        assert np.abs(positions - actor.positions).max() < 2e-4  # root and joint: two roundings
+        assert np.abs(positions - actor.positions).max() < 4e-4  # root and joint: two roundings
 
 
 def test_a_name_cannot_end_the_script():

@@ -112,6 +112,21 @@ def test_left_and_right_differ_and_a_standing_foot_is_marked(page):
     assert planted and all(0.2 < share < 0.9 for share in planted)  # of the frames of a walk
 
 
+def test_drawing_becomes_lighter_where_it_is_slow(page):
+    """Twice; the camera and the frame stay, and the joint under the pointer is still found."""
+    viewer = viewer_of(page)
+    before, after, steps = viewer.evaluate("""viewer => {
+        viewer.scrub(20);
+        viewer.lighter = 0;
+        const at = () => [...viewer.stage.camera.position, viewer.stage.frame];
+        const before = at();
+        for (let i = 0; i < 90; i++) viewer.measure(0.1);
+        return [before, at(), viewer.lighter];
+    }""")
+    np.testing.assert_allclose(after, before)
+    assert steps == 2
+
+
 def test_a_joint_is_named_under_the_pointer(page):
     viewer = viewer_of(page)
     viewer.evaluate("viewer => { viewer.scrub(20); viewer.stage.draw(); }")

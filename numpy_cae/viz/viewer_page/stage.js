@@ -26,11 +26,12 @@ function metreGrid(squares) {
 const square = (value) => value - Math.round(value / SQUARE) * SQUARE;
 
 export class Stage {
-  constructor(canvas, motions) {
+  // `light` is for slow computers: rough edges, fewer triangles and no shadow.
+  constructor(canvas, motions, light = false) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !light });
     this.renderer.setScissorTest(true);
-    this.sharp = Math.min(window.devicePixelRatio, 2);
+    this.sharp = Math.min(window.devicePixelRatio, light ? 1 : 2);
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color();
     this.scene.add(new THREE.HemisphereLight("#ffffff", "#9aa4ae", 2.2));
@@ -40,6 +41,7 @@ export class Stage {
     this.grid = metreGrid(12);
     this.scene.add(this.grid);
     this.figures = motions.map((motion) => new Figure(motion));
+    if (light) this.figures.forEach((figure) => figure.lighten());
     this.figures.forEach((figure) => this.scene.add(figure.group));
     this.camera = new THREE.PerspectiveCamera(VIEW, 1, 0.05, 500);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -176,11 +178,9 @@ export class Stage {
     return near.filter((hit) => hit.away < 14).sort((one, other) => one.away - other.away)[0];
   }
 
-  // For computers that draw less than twenty pictures a second.
-  lighten() {
-    this.sharp = this.light ? 0.6 : Math.min(this.sharp, 1);
-    if (!this.light) this.figures.forEach((figure) => figure.lighten());
-    this.light = this.changed = true;
+  // Pixels that are drawn for one of the page.
+  setSharpness(sharp) {
+    Object.assign(this, { sharp, changed: true });
   }
 
   dispose() {

@@ -140,9 +140,9 @@ class Viewer {
     this.followBox.addEventListener("change", () => this.arrange());
     this.overlayBox.addEventListener("change", () => this.arrange());
     this.toggles.forEach((toggle) => toggle.addEventListener("change", () => this.arrange()));
-    this.canvas.addEventListener("pointermove", (event) => this.hover(event));
-    this.canvas.addEventListener("click", (event) => this.hover(event, true));
-    this.canvas.addEventListener("pointerleave", () => { this.joint.hidden = true; });
+    this.area.addEventListener("pointermove", (event) => this.hover(event));
+    this.area.addEventListener("click", (event) => this.hover(event, true));
+    this.area.addEventListener("pointerleave", () => { this.joint.hidden = true; });
     for (const kind of ["pointerdown", "pointermove"]) {
       this.lines.addEventListener(kind, (event) => { if (event.buttons) this.scrub(this.timeline.frameAt(event.offsetX)); });
     }
@@ -215,6 +215,7 @@ class Viewer {
   }
 
   hover(event, chosen) {
+    if (event.target !== this.canvas) return;
     const area = this.canvas.getBoundingClientRect();
     const x = event.clientX - area.left, y = event.clientY - area.top;
     const hit = this.stage.jointAt(x, y);
@@ -309,10 +310,25 @@ class Viewer {
     this.fps = this.times.length / passed;
     this.times = [];
     this.lighter ??= 0;
-    if (this.fps < SLOW && this.lighter < 2) {
-      this.lighter += 1;
-      this.stage.lighten();
-    }
+    if (this.fps >= SLOW || this.lighter === 2) return;
+    this.lighter += 1;
+    if (this.lighter === 1) this.drawLighter();
+    else this.stage.setSharpness(0.6);
+  }
+
+  // A canvas keeps its way of drawing, so that another way needs another canvas.
+  drawLighter() {
+    const { camera, controls } = this.stage;
+    const canvas = this.canvas.cloneNode();
+    this.stage.dispose();
+    this.canvas.replaceWith(canvas);
+    this.canvas = canvas;
+    this.stage = new Stage(canvas, this.motions, true);
+    this.recolour();
+    this.arrange();
+    this.stage.camera.position.copy(camera.position);
+    this.stage.controls.target.copy(controls.target);
+    this.stage.show(this.wholeFrame());
   }
 
   drawTimeline() {
