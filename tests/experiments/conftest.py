@@ -19,7 +19,7 @@ from numpy_cae.training import Schedule, Stage
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 WRIST = {"wrist": ("left_wrist",)}
 SMALL = {
-    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45), "POLYNOMIALS": ((5, 0), (9, 2))},
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45)},
     "damage": {
         "TAKES": 1,
         "HOLE_TAKES": 1,

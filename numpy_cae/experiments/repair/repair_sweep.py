@@ -8,7 +8,6 @@ and the linear methods and the network are also given X_c / (1 - p), whose expec
 from collections.abc import Callable
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from numpy_cae.evaluation import PCA, Moments, interpolate_linearly
 from numpy_cae.experiments.clips import (
@@ -28,13 +27,9 @@ from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, Curve, curves_figure
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
-SAVITZKY_GOLAY = "Savitzky-Golay filter"
 AXES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450)
-POLYNOMIALS = tuple(
-    (length, order) for length in (5, 7, 9, 11, 15, 21, 31, 45, 61) for order in (0, 2)
-)
-Repair = Callable[[np.ndarray, object], np.ndarray]
-"""Windows and a setting to repaired windows."""
+Repair = Callable[[np.ndarray, int], np.ndarray]
+"""Windows and a number of axes to repaired windows."""
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 HALF = 0.5
 """The p of the paper's figure 1."""
@@ -52,20 +47,16 @@ Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
 
 
-Baseline = tuple[list, Repair, Repair]
-"""A method with one setting: the settings to choose from; the method fitted to `Split.fitting`, for
-choosing one of them on `Split.choosing`; and the method fitted to all training windows."""
+Baseline = tuple[list[int], Repair, Repair]
+"""PCA: the numbers of axes to choose from; PCA fitted to `Split.fitting`, for choosing one of them
+on `Split.choosing`; and PCA fitted to all training windows."""
 
 
 def repair_baselines(split: Split) -> dict[str, Baseline]:
-    """All of them by name. A polynomial of order 0 is the moving average."""
-
-    def polynomial(x: np.ndarray, setting: tuple[int, int]) -> np.ndarray:
-        return savgol_filter(x, *setting, axis=1)
-
+    """PCA on single frames and on whole windows. A filter over time is a linear map of frames: the
+    linear denoiser is the best one of its length."""
     _, frames, features = split.testing.x.shape
-    short = [setting for setting in POLYNOMIALS if setting[0] <= frames]
-    baselines: dict[str, Baseline] = {SAVITZKY_GOLAY: (short, polynomial, polynomial)}
+    baselines: dict[str, Baseline] = {}
     for name, numbers in ((PCA_ON_FRAMES, features), (PCA_ON_WINDOWS, frames * features)):
         parts = split.fitting, split.training
         trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
@@ -155,8 +146,8 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
 
 
 def _figure(errors: Errors):
-    """Error over p of six methods: each with or without rescaling, whichever is better."""
-    drawn = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS, SAVITZKY_GOLAY)
+    """Error over p of five methods: each with or without rescaling, whichever is better."""
+    drawn = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS)
     curves = [Curve(PS, errors[INTERPOLATED], INTERPOLATED, PLAIN, ":")]
     for number, method in enumerate(drawn):
         variants = [name for name in (method, method + RESCALED) if name in errors]
