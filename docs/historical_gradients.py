@@ -149,22 +149,24 @@ def verdict(check: str, bug: Bug, fixed: bool) -> bool | None:
 
 
 def main() -> None:
-    """Print the table, a row for each bug, and what each check found and refused."""
+    """Print a row for each bug, with the checks that miss it, and what each found and refused."""
     warnings.simplefilter("ignore")
-    print(f"| wrong gradient | mistake | {' | '.join(CHECKS)} |\n|{'---|' * (2 + len(CHECKS))}")
+    print("| wrong gradient | mistake | missed by |\n|---|---|---|")
     found, refused, every = dict.fromkeys(CHECKS, 0), dict.fromkeys(CHECKS, 0), bugs()
     for bug in every:
-        cells = []
+        missed = []
         for check in CHECKS:
             accepted = verdict(check, bug, fixed=False)
-            cells.append({True: "missed", False: "found", None: "not installed"}[accepted])
+            missed += [check] if accepted else []
             found[check] += accepted is False
             refused[check] += verdict(check, bug, fixed=True) is False
         project, thread, fix = (bug.fields[name] for name in ("project", "thread", "fix"))
         links = f"[{project}, {bug.fields['operation']}]({thread}) ([fix]({fix}))"
-        print(f"| {links} | {bug.fields['mistake']} | {' | '.join(cells)} |", flush=True)
-    for what, counts in ((f"found of {len(every)}", found), ("right ones refused", refused)):
-        print(f"| **{what}** | | {' | '.join(map(str, counts.values()))} |")
+        print(f"| {links} | {bug.fields['mistake']} | {', '.join(missed)} |", flush=True)
+    of = f"of {len(every)}"
+    print(f"\n| check | wrong ones found, {of} | right ones refused, {of} |\n|---|--:|--:|")
+    for check in CHECKS:
+        print(f"| {check} | {found[check]} | {refused[check]} |")
 
 
 if __name__ == "__main__":
