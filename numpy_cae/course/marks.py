@@ -1,6 +1,5 @@
-"""Marks of a class: a row of points for each student, and a file of feedback for each."""
+"""Who handed a file in, and a file of feedback for each student."""
 
-import csv
 import re
 import textwrap
 from collections import Counter, defaultdict
@@ -8,10 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
-from numpy_cae.verify.grading.report import Report
+from numpy_cae.course.catalogue import ASSIGNMENTS
 from numpy_cae.verify.grading.student_file import FileReport
-from numpy_cae.visible import csv_cell, visible
+from numpy_cae.visible import visible
 
 LESSON_FIRST = re.compile(r"^\d\d_")
 LONGEST_NAME = 50
@@ -39,27 +37,6 @@ def lesson_of(file: Path) -> str:
     return last if last in ASSIGNMENTS and not LESSON_FIRST.match(file.stem) else ""
 
 
-def write_csv(path: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
-    """Write one row for each student: the points of each exercise, their sum, and what is wrong.
-
-    If an exercise was handed in more than once, the best attempt counts. The cell of an exercise
-    that was not handed in is empty. The points possible are those of all columns.
-    """
-    by_student = _by_student(graded)
-    best = {student: _best(files) for student, files in by_student.items()}
-    names = [name for name in CATALOGUE if any(name in reports for reports in best.values())]
-    names.sort(key=[*sum(ASSIGNMENTS.values(), ()), *CATALOGUE].index)
-    possible = sum(CATALOGUE[name].points for name in names)
-    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["student", *names, "total", "possible", "problems"])
-        for student, reports in best.items():
-            points = [reports[name].points if name in reports else "" for name in names]
-            total = sum(report.points for report in reports.values())
-            problems = "; ".join(fault for each in by_student[student] for fault in each.faults)
-            writer.writerow([csv_cell(student), *points, total, possible, csv_cell(problems)])
-
-
 def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> None:
     """Write one Markdown file for each student, with the report on each exercise.
 
@@ -67,9 +44,9 @@ def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> No
     -, is long or differs from another only in its capitals, a dot and a number follow.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    by_student = _by_student(graded)
-    counts = Counter(student.casefold() for student in by_student)
-    for number, (student, files) in enumerate(by_student.items(), 1):
+    of_students = by_student(graded)
+    counts = Counter(student.casefold() for student in of_students)
+    for number, (student, files) in enumerate(of_students.items(), 1):
         lines = []
         for each in files:
             lines += [f"# {each.points} of {each.possible} points", ""]
@@ -86,16 +63,9 @@ def write_feedback(folder: Path, graded: Iterable[tuple[str, FileReport]]) -> No
             temporary.write_text(visible("\n".join(lines)), encoding="utf-8")
 
 
-def _by_student(graded: Iterable[tuple[str, FileReport]]) -> dict[str, list[FileReport]]:
+def by_student(graded: Iterable[tuple[str, FileReport]]) -> dict[str, list[FileReport]]:
+    """The reports on the files of each student, by name."""
     files = defaultdict(list)
     for student, report in graded:
         files[student].append(report)
     return dict(sorted(files.items()))
-
-
-def _best(files: list[FileReport]) -> dict[str, Report]:
-    best: dict[str, Report] = {}
-    for report in (report for each in files for report in each.reports):
-        other = best.setdefault(report.operation, report)
-        best[report.operation] = max(other, report, key=lambda each: each.points)
-    return best

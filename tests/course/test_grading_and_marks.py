@@ -11,8 +11,9 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
+from numpy_cae.course.class_tables import write_tables
 from numpy_cae.course.exercises import EXERCISES, LESSONS
-from numpy_cae.course.marks import lesson_of, student_id, write_csv, write_feedback
+from numpy_cae.course.marks import by_student, lesson_of, student_id, write_feedback
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade
 
@@ -133,11 +134,13 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     assert "ann: 07_going_deep.ipynb: 10 of 60 points" in capsys.readouterr().out
     with table.open(newline="", encoding="utf-8") as file:
         rows = {row["student"]: row for row in csv.DictReader(file)}
-    assert list(rows) == ["'=cmd()", "ann", "ben", "eve", "fay"]
-    points = [(row["frames_seen"], row["total"]) for row in rows.values()]
-    assert points == [("0", "0"), ("10", "10"), ("10", "10"), ("", "0"), ("", "0")]
-    assert rows["fay"]["problems"] == "it is a link to another file"
-    assert {row["possible"] for row in rows.values()} == {"60"} and "stack_loss" in rows["ann"]
+    assert list(rows) == ["maximum", "'=cmd()", "ann", "ben", "eve", "fay"]
+    points = [(row["frames_seen"], row["lesson 07"], row["total"]) for row in rows.values()]
+    one, none = ("10", "10", "10"), ("", "", "0")
+    assert points == [("10", "60", "60"), ("0", "0", "0"), one, one, none, none]
+    assert rows["fay"]["problems"] == "it is a link to another file; lesson 07 missing"
+    assert {row["possible"] for row in list(rows.values())[1:]} == {"60"}
+    assert "stack_loss" in rows["ann"] and rows["ann"]["percent"] == "16.7"
     assert "not a Jupyter notebook" in rows["eve"]["problems"]
     names = sorted(path.stem for path in feedback.glob("*.md"))
     assert names == ["_cmd__.1", "ann", "ben", "eve", "fay"]
@@ -150,9 +153,53 @@ def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
     report = FileReport(Path(os.fsdecode(b"\xe9.py")), faults=["\ud800"])
     write_feedback(tmp_path / "feedback", [(student, report) for student in students])
     assert len(list((tmp_path / "feedback").glob("*.md"))) == len(students)
-    write_csv(tmp_path / "marks.csv", [(student, report) for student in students])
+    graded = by_student((student, report) for student in students)
+    write_tables(tmp_path / "marks.csv", graded)
     text = (tmp_path / "marks.csv").read_text(encoding="utf-8")
-    assert len(text.splitlines()) == 1 + len(students) and "caf\\udce9" in text
+    assert len(text.splitlines()) == 2 + len(students) and "caf\\udce9" in text
+
+
+MOODLE = "First name,Username,Group\nAnn,ANN,a\nZoe,zoe,b\nSid,sid,b\n"
+CANVAS = "Student,ID,SIS Login ID,Section\nAnn,1,ANN,a\nZoe,2,zoe,b\nSid,3,sid,b\n"
+
+
+@pytest.mark.parametrize("export", [MOODLE, CANVAS])
+def test_everyone_of_a_roster_has_a_row_and_a_second_run_keeps_the_first(export, tmp_path, capsys):
+    submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
+    roster.write_text(export)
+    hand_in(submitted / "ann_07.ipynb", WRONG)
+    hand_in(submitted / "bob_07.ipynb", LOOPS)
+    hand_in(submitted / "sid_05.ipynb", TANH)
+    command = ["verify", str(submitted), "--csv", str(table), "--roster", str(roster)]
+    assert main([*command, "--due", "2001-01-01"]) == 1
+
+    def rows_of(name: str, key: str) -> dict[str, dict]:
+        with (tmp_path / name).open(newline="", encoding="utf-8") as file:
+            return {row[key]: row for row in csv.DictReader(file)}
+
+    rows = rows_of("marks.csv", "student")
+    assert list(rows) == ["maximum", "ANN", "zoe", "sid", "bob"]
+    said = [row["problems"] for row in rows.values()]
+    assert said[1:3] == ["lesson 05 missing; ann_07.ipynb late", "nothing handed in"]
+    assert "not in the roster" in said[4]
+    assert (rows["sid"]["lesson 05"], rows["sid"]["lesson 07"]) == ("10", "")
+    imported = rows_of("marks_import.csv", "Username" if export == MOODLE else "SIS Login ID")
+    assert imported["ANN"]["Lesson 07"] == imported["zoe"]["Lesson 05"] == "0"
+    assert imported["sid"]["Lesson 05"] == "10" and "bob" not in imported
+    assert ("Points Possible" in (tmp_path / "marks_import.csv").read_text()) == (export == CANVAS)
+    failed = rows_of("marks_statistics.csv", "exercise")["frames_seen"]
+    assert (failed["property"], failed["handed in"], failed["failed"]) == ("value", "2", "1")
+
+    hand_in(submitted / "ann_07.ipynb", LOOPS)
+    (submitted / "sid_05.ipynb").unlink()
+    assert main(command) == 1
+    again = rows_of("marks.csv", "student")
+    assert again["ANN"]["frames_seen"] == "10" and "late" not in again["ANN"]["problems"]
+    assert again["sid"] == rows["sid"] | {"problems": "lesson 07 missing"}
+    assert rows_of("marks.1.csv", "student") == rows
+    assert main(["verify", str(submitted), "--roster", str(roster)]) == 2
+    roster.write_text("Username\n")
+    assert main(command) == 2 and "no row of a student" in capsys.readouterr().err
 
 
 def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path, monkeypatch):

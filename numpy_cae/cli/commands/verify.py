@@ -15,7 +15,10 @@ lesson is graded for the functions that it has.
 
 With --csv, the name of a student is the folder submitted/ann/... in the folder that
 is graded, or part of the file's name: ann_03.ipynb, 03_ann.ipynb, ann.ipynb. Of an
-exercise handed in more than once the best counts.
+exercise handed in more than once the best counts. Where the table exists, its
+marks of what is not handed in now stay, and the old table is kept with a number
+in its name. With --roster everyone has a row, and marks_import.csv is the roster
+with the points of each lesson, to be imported where the roster came from.
 
 Each function runs in a process of its own with limits on time, memory, files and
 processes; where bubblewrap (bwrap) is installed and works, also without network
@@ -32,6 +35,7 @@ import json
 import os
 import re
 from concurrent.futures import ThreadPoolExecutor
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +60,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--time-limit", type=arguments.positive, default=120.0, metavar="SECONDS", help=seconds)
     memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
     add("--memory-limit", type=arguments.positive, default=2048.0, metavar="MB", help=memory)
-    marks = "write a table of marks, a row for each student"
+    marks = "write a table of marks, a row for each student, and statistics of the class"
     add("--csv", type=Path, metavar="FILE", help=marks)
+    everyone = "a CSV file with a row for each student, as Moodle or Canvas export it (with --csv)"
+    add("--roster", type=Path, metavar="FILE", help=everyone)
+    due = "files changed later are noted as late, such as 2026-11-30T23:59 (with --csv)"
+    add("--due", type=datetime.fromisoformat, metavar="TIME", help=due)
     feedback = "write the reports of each student to a Markdown file in this folder"
     add("--feedback", **arguments.FOLDER, help=feedback)
     add("--json", **arguments.FLAG, help="print JSON instead of text")
@@ -66,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     from numpy_cae.cli.shared.output import with_progress
-    from numpy_cae.course import catalogue, marks
+    from numpy_cae.course import catalogue, class_tables, marks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
     files = {file: path for path in args.files for file in _submissions(path)}
@@ -74,6 +82,9 @@ def run(args: argparse.Namespace) -> int:
         missing = [path for path in args.files if not path.exists()]
         problem = "there is no such file" if missing else "no Python file and no notebook"
         raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
+    if (args.roster or args.due) and not args.csv:
+        raise ValueError("--roster and --due are about the table of --csv FILE")
+    roster = class_tables.read_rows(args.roster) if args.roster else None
     named, limits = dict(args.named), (args.time_limit, int(args.memory_limit))
 
     def graded_file(file: Path) -> FileReport:
@@ -90,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
         for (file, folder), report in zip(files.items(), graded, strict=True)
     ]
     if args.csv:
-        marks.write_csv(args.csv, of_students)
+        class_tables.write_tables(args.csv, marks.by_student(of_students), roster, args.due)
     if args.feedback:
         marks.write_feedback(args.feedback, of_students)
     if args.json:

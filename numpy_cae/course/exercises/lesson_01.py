@@ -3,7 +3,7 @@
 import numpy as np
 
 from numpy_cae.course.exercises.checks import drawn, require_same, same_as, states
-from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.exercises.exercise import exercise, right_function
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
@@ -12,12 +12,8 @@ QUARTER = "by quarters"
 MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES, "turns": (QUARTER, "by any angle")}
 
 
-def chain_to_root(parents: tuple[int, ...], joint: int) -> tuple[int, ...]:
-    """The joint, its parent, and so on, the root last."""
-    chain = [joint]
-    while parents[chain[-1]] != -1:
-        chain.append(parents[chain[-1]])
-    return tuple(chain)
+chain_to_root, forward_kinematics = map(right_function, ("chain_to_root", "forward_kinematics"))
+"""The joint, its parent, and so on; p_j = p_parent + G_parent t_j, G_j = G_parent R_j."""
 
 
 def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> np.ndarray:
@@ -26,19 +22,6 @@ def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> 
 
     letters = "".join("XYZ"[axis] for axis in axes)
     return Rotation.from_euler(letters, angles, degrees=True).as_matrix()
-
-
-def forward_kinematics(
-    parents: tuple[int, ...], rotations: np.ndarray, translations: np.ndarray
-) -> np.ndarray:
-    """p_j = p_parent + G_parent t_j,  G_j = G_parent R_j, joint by joint."""
-    positions, rotated = translations.copy(), rotations.copy()
-    for joint, parent in enumerate(parents):
-        if parent != -1:
-            rotated[:, joint] = rotated[:, parent] @ rotations[:, joint]
-            bones = rotated[:, parent] @ translations[:, joint, :, None]
-            positions[:, joint] = positions[:, parent] + bones[..., 0]
-    return positions
 
 
 def speeds(positions: np.ndarray, rate: float) -> np.ndarray:

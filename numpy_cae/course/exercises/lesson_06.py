@@ -15,6 +15,7 @@ from numpy_cae.course.exercises.exercise import (
     differentiated_exercise,
     exercise,
     operation_exercise,
+    right_function,
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.training.schedule import decayed_rate
@@ -42,20 +43,8 @@ def layer_loss(x, corrupted, w, b, first, alpha, bound):
     return loss, dw, db
 
 
-def train_layer(windows, w, b, loss, epochs, batch, rate, decay, p, rng):
-    """Section 6: epochs over all windows in a new order; corrupt, compare, descend."""
-    weights, losses = [], []
-    for epoch in range(epochs):
-        order, of_steps = rng.permutation(len(windows)), []
-        for start in range(0, len(windows), batch):
-            x = windows[order[start : start + batch]]
-            corrupted = zero_values(x, p, rng.random(x.shape))
-            value, dw, db = loss(x, corrupted, w, b)
-            w, b = sgd_step(w, dw, rate, decay, epoch), sgd_step(b, db, rate, decay, epoch)
-            of_steps.append(value)
-        weights.append((w, b))
-        losses.append(np.mean(of_steps))
-    return weights, losses
+train_layer = right_function("train_layer", zero_values=zero_values, sgd_step=sgd_step)
+"""Section 6: epochs over all windows in a new order; corrupt, compare, descend."""
 
 
 def loss_of_weights(x, corrupted, w, b):

@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae import ops, verify
 from numpy_cae.course.exercises.checks import Recorded, drawn, states
-from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.exercises.exercise import exercise, right_function
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.catalogue import properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS
@@ -91,22 +91,8 @@ class Matrix:
         return self.a @ x, lambda dy: self.of_pullback.T @ dy
 
 
-def central_differences(f, x, h):
-    """(f(x + h) - f(x - h)) / 2h in one entry after the other."""
-    slopes = np.empty(x.shape)
-    for index in np.ndindex(x.shape):
-        step = np.zeros(x.shape)
-        step[index] = h
-        slopes[index] = (f(x + step) - f(x - step)) / (2 * h)
-    return slopes
-
-
-def adjoint_gap(f, x, y):
-    """|<A x, y> - <x, A' y>|, relative to the norms of the factors."""
-    value, pullback = f(x)
-    pulled = pullback(y)
-    size = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
-    return abs(np.sum(value * y) - np.sum(x * pulled)) / size
+central_differences, adjoint_gap = map(right_function, ("central_differences", "adjoint_gap"))
+"""(f(x + h) - f(x - h)) / 2h, and |<A x, y> - <x, A' y>| relative to the norms of the factors."""
 
 
 def accuse(suspect):
