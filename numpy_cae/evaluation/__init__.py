@@ -1,6 +1,6 @@
 """Measures of motions and of methods, and simple methods to compare the networks with."""
 
-from numpy_cae.evaluation.body import bone_length_error, foot_sliding, gait_frequency, jitter
+from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
 from numpy_cae.evaluation.interpolation import (
     ROTATION_CURVES,
@@ -23,7 +23,6 @@ __all__ = [
     "bone_length_error",
     "diversity",
     "foot_sliding",
-    "gait_frequency",
     "interpolate_cubically",
     "interpolate_linearly",
     "jitter",

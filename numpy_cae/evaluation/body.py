@@ -3,10 +3,8 @@
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET, STANDING_HEIGHT, floor_height
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.joints import PARENTS
 
-MIN_FREQUENCY = 0.4
-"""Strides a second; anything slower is standing."""
 _BONES = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
 
 
@@ -77,46 +75,3 @@ def foot_sliding(positions: np.ndarray, rate: float) -> float:
     speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
     contact = height[frames, lower] <= floor_height(positions) + STANDING_HEIGHT
     return float(100 * speed[contact].mean()) if contact.any() else 0.0
-
-
-def gait_frequency(positions: np.ndarray, rate: float) -> float:
-    """Strides a second.
-
-    Parameters
-    ----------
-    positions : (F, 20, 3) array of float
-        World positions of the twenty joints.
-    rate : float
-        Frames a second.
-
-    Returns
-    -------
-    float
-        nan where the legs do not alternate or the clip is shorter than a stride.
-    """
-    lead = _lead(np.asarray(positions, dtype=np.float64))
-    lead = lead - lead.mean()
-    frames = len(lead)
-    # The longest lag leaves a quarter of the clip to compare.
-    lags = np.arange(min(int(rate / MIN_FREQUENCY) + 2, frames * 3 // 4 + 2))
-    products = np.array([np.mean(lead[: frames - lag] * lead[lag:]) for lag in lags])
-    below = np.flatnonzero(products < 0)
-    start = below[0] if len(below) else len(lags)
-    for peak in range(start + 1, len(lags) - 1):
-        left, top, right = products[peak - 1 : peak + 2]
-        if top > 0 and left < top >= right:
-            # The peak of a parabola through three values lies between frames.
-            shift = 0.5 * (left - right) / (left - 2 * top + right)
-            return float(rate / (peak + shift))
-    return float("nan")
-
-
-def _lead(positions: np.ndarray) -> np.ndarray:
-    """How far the left ankle is in front of the right along the hips' direction, (F,), metres."""
-    across, ankles = (
-        positions[:, JOINTS.index(f"left_{name}")] - positions[:, JOINTS.index(f"right_{name}")]
-        for name in ("hip", "ankle")
-    )
-    forward = np.stack([-across[:, 2], np.zeros(len(across)), across[:, 0]], axis=1)
-    forward /= np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
-    return np.sum(ankles * forward, axis=1)

@@ -129,25 +129,6 @@ def test_the_two_sample_test_of_equal_different_and_copied_sets():
     assert evaluation.nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
 
 
-def walker(stride, rate=25.0, frames=50, facing=0.7):
-    """Two legs that swing against each other, `stride` times a second, in some direction."""
-    t = np.arange(frames) / rate
-    positions = np.zeros((frames, 20, 3))
-    forward = np.array([np.sin(facing), 0.0, np.cos(facing)])
-    left = np.array([np.cos(facing), 0.0, -np.sin(facing)])
-    for sign, side in ((1, "left"), (-1, "right")):
-        positions[:, JOINTS.index(f"{side}_hip")] = 0.1 * sign * left
-        swing = 0.3 * sign * np.sin(2 * np.pi * stride * t + 0.4)
-        positions[:, JOINTS.index(f"{side}_ankle")] = swing[:, None] * forward
-    return positions + t[:, None, None] * forward
-
-
-@pytest.mark.parametrize("stride", [0.75, 0.93, 1.2, 1.6])
-def test_the_frequency_of_a_stride(stride):
-    assert evaluation.gait_frequency(walker(stride), 25.0) == pytest.approx(stride, rel=0.04)
-    assert np.isnan(evaluation.gait_frequency(np.zeros((50, 20, 3)), 25.0))
-
-
 # Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
 DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
 ALIKE = np.array([[True, True, False, False], [False, True, False, True]])

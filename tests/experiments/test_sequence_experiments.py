@@ -84,9 +84,7 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
     result = samples.samples(studies)
     for action in ("walking", "waiting"):
         assert result.tables[0].value(f"{action}: {REAL}", "near") == pytest.approx(1)
-    assert 0.5 < result.tables[0].value(f"walking: {REAL}", "stride / real") < 2
-    assert np.isnan(result.tables[0].value(f"waiting: {FITTED}", "stride / real"))
-    assert len(result.claims) == 2
+    assert len(result.claims) == 1
 
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):

@@ -8,7 +8,6 @@ near           mean distance to the nearest held-out clip, relative to that of t
 distinguished  accuracy of a 1-nearest-neighbour two-sample test against held-out clips; 50% is
                perfect
 diversity      mean distance between two samples, relative to that between two held-out clips
-stride / real  median strides a second of walking, relative to that of held-out clips
 """
 
 from collections.abc import Sequence
@@ -27,12 +26,9 @@ SHOWN_IN_PAPER = 16
 STRIP_ROWS, SHOWN = 3, 4
 FITTED, PRIOR, REAL = "fitted", "prior", "real"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
-WALKING = ("walking", "walking_dog", "walking_extra")
 SAMPLES = 100
 """Clips from each source that are measured."""
-MAX_STRIDE_ERROR = 0.10
-"""Of the median stride of walking, relative to real clips."""
-HEADER = ("samples from", "near", "distinguished", "diversity", "stride / real", "1/s")
+HEADER = ("samples from", "near", "distinguished", "diversity")
 
 
 def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
@@ -72,10 +68,9 @@ def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Result:
 def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     """Draw clips from each source and study, and measure them."""
     rows = [row for study in studies for row in _rows(study, seed)]
-    table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f", ".2f", ".2f"))
+    table = Table("", HEADER, rows, ("", ".2f", ".0%", ".2f"))
     actions = [study.action for study in studies]
-    walking = any(action.name == "walking" for action in actions)
-    claims = [_walking_claim(table)] if walking else []
+    claims = []
     alike, other = (
         [table.value(f"{a.name}: {FITTED}", "diversity") for a in actions if a.periodic == periodic]
         for periodic in (True, False)
@@ -92,37 +87,15 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     return Result("Samples of jang2018's manifolds compared with real clips", [table], claims)
 
 
-def _walking_claim(table: Table) -> Claim:
-    stride, strides = (table.value(f"walking: {FITTED}", column) for column in HEADER[-2:])
-    return Claim(
-        "Samples of walking show a walking pattern (jang2018, Results; here: their median stride "
-        "is within 10% of real ones').",
-        abs(stride - 1) <= MAX_STRIDE_ERROR,
-        f"{strides:.2f} strides a second, {stride:.2f} of real clips'.",
-    )
-
-
 def _rows(study: Study, seed: int) -> list[list]:
     held_out = study.random_clips(SAMPLES, seed, training=False)
     training = study.random_clips(SAMPLES, seed + 1)
     real_near, real_diversity = nearest_distance(training, held_out), diversity(held_out)
-    real_strides = _strides(study, held_out)
     rows = []
     for source in (FITTED, PRIOR, REAL):
         clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
-        strides = _strides(study, clips)
         near, spread = nearest_distance(clips, held_out), diversity(clips)
         accuracy = evaluation.nearest_neighbour_accuracy(held_out, clips)
-        measured = near / real_near, accuracy, spread / real_diversity, strides / real_strides
-        rows.append([f"{study.action.name}: {source}", *measured, strides])
+        measured = near / real_near, accuracy, spread / real_diversity
+        rows.append([f"{study.action.name}: {source}", *measured])
     return rows
-
-
-def _strides(study: Study, clips: np.ndarray) -> float:
-    """Median strides a second over the clips with a stride; nan if no clip has one."""
-    if study.action.name not in WALKING:
-        return float("nan")
-    strides = [
-        evaluation.gait_frequency(study.positions(clip), study.manifold.rate) for clip in clips
-    ]
-    return float(np.nanmedian(strides)) if np.isfinite(strides).any() else float("nan")
