@@ -7,28 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from acclaim_files import FILES
 
 from numpy_cae import course
 from numpy_cae.course.copies import BEGIN
 from numpy_cae.course.mine import EMPTY, mine_before, run
 
-CELL = """
-%time
-import math
-HALF, unused = 0.5, print("shown")
-HALF = 0.5
-
-def half(y):
-    return HALF * y
-
-def unpool_even(y):
-    def pullback(dx):
-        return half(dx.reshape(len(y), y.shape[1], 2, -1).sum(axis=2))
-
-    return np.repeat(half(y), 2, axis=1), pullback
-
-print(unpool_even(np.ones((1, 2, 3))))
-"""
+CELL = (FILES / "cell_of_mine.txt").read_text()
 SGD_STEP = """
 def sgd_step(parameter, gradient, rate, decay, epoch):
     return parameter - rate * decay**epoch * gradient

@@ -2,42 +2,16 @@
 
 import json
 
+from acclaim_files import FILES
+
 from numpy_cae.cli import main
 from numpy_cae.verify.grading.report import _why
 
 RIGHT = "import numpy as np\ndef tanh(x):\n    y = np.tanh(x)\n"
 RIGHT += "    return y, lambda dy: dy * (1 - y * y)\n"
-SEVERAL = """
-import numpy as np
+SEVERAL = (FILES / "several_mistakes.txt").read_text()
 
-def tanh(x):
-    y = np.tanh(x)
-    return y, lambda dy: dy * (1 - x * x)
-
-def mine(a):
-    y = 1 / (1 + np.exp(-a))
-    return y, lambda dy: dy * y * (1 - y)
-
-def linear(x, w, b):
-    raise RuntimeError('\\x1b[2J' + 'x' * 10**6)
-
-def mean_squared_error(x_hat, x):
-    e = x_hat - x
-    return np.mean(e * e) / 2, lambda dloss=1.0: e * e.dtype.type(dloss / e.size)
-"""
-
-ENDLESS = """
-def sigmoid(x):
-    raise KeyboardInterrupt
-
-def max_pool(x):
-    while True:
-        pass
-
-def linear(x, w, b):
-    import os
-    os._exit(0)
-"""
+ENDLESS = (FILES / "endless_functions.txt").read_text()
 
 
 def test_each_function_of_a_file_has_its_report(graded):
@@ -120,16 +94,7 @@ def test_the_command_prints_json_and_its_status_tells(tmp_path, capsys):
     assert "gradient for x" in [p["name"] for p in file["operations"][0]["properties"]]
 
 
-CACHED = """
-import numpy as np
-
-VALUES = {}
-
-
-def tanh(x):
-    y = VALUES.setdefault(x.shape, np.tanh(x))
-    return y.copy(), lambda dy: dy * (1 - y * y)
-"""
+CACHED = (FILES / "cached_results.txt").read_text()
 
 
 def test_an_example_that_is_right_alone_is_said_to_be(graded):
