@@ -13,6 +13,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from html import escape
 from pathlib import Path
+from textwrap import shorten
 
 TEXTS = {"title", "set_title", "suptitle", "xlabel", "ylabel", "set_xlabel", "set_ylabel", "label",
          "annotate", "text", "xticklabels", "set_xticklabels", "LiveCurve", "Actor"}  # fmt: skip
@@ -56,7 +57,10 @@ def _article(notebook: dict, name: str, gallery: str) -> dict:
         f"{{download}}`Notebook with solutions <downloads/solved/{name}>`"
     )
     cells = notebook["cells"]
+    before = ""  # the text before the cell
     for cell in cells:
+        if cell["cell_type"] == "markdown":
+            before = "".join(cell["source"])
         if not any("image/png" in output.get("data", {}) for output in cell.get("outputs", ())):
             continue
         source, metadata = "".join(cell["source"]), cell["metadata"]
@@ -64,17 +68,22 @@ def _article(notebook: dict, name: str, gallery: str) -> dict:
         if "def " not in source or metadata.get("jupyter", {}).get("source_hidden"):
             tags.append("hide-input")
         image = metadata.setdefault("mystnb", {}).setdefault("image", {})
-        image.setdefault("alt", gallery if "gallery" in tags else alternative_text(source))
+        image.setdefault("alt", gallery if "gallery" in tags else alternative_text(source, before))
     links = {"cell_type": "markdown", "id": "downloads", "metadata": {}}
     cells.insert(1, links | {"source": f":::{{container}} downloads\n{downloads}\n:::"})
     notebook["metadata"]["html_theme.sidebar_secondary.remove"] = True  # room for wide code
     return notebook
 
 
-def alternative_text(source: str) -> str:
-    """What the code of a picture writes into it: titles, axes, lines, in the order of the code."""
+def alternative_text(source: str, before: str = "") -> str:
+    """What the code of a picture writes into it: titles, axes, lines. Where that is nothing, the
+    last paragraph before the picture, at most 250 characters of it."""
     shown = list(dict.fromkeys(_strings(ast.parse(re.sub(r"^[%!].*", "", source, flags=re.M)))))
-    return "Picture: " + "; ".join(shown) if shown else "Picture of the cell above"
+    if not shown:
+        paragraph = before.strip().rpartition("\n\n")[2]
+        plain = re.sub(r"\]\([^)]*\)|[*`$\[\]]|<[^>]*>", "", paragraph)
+        shown = [shorten(plain, 250, placeholder=" …")]
+    return f"Picture: {'; '.join(shown)}"
 
 
 def _strings(tree: ast.AST) -> Iterator[str]:
