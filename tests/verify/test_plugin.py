@@ -141,6 +141,12 @@ def test_linear(x, w):
     return of_layer(Linear(w), x)
 
 
+@verify.operation_test(shapes={"x": "..."}, values={"x": (-1e4, 1.0)})
+def test_sigmoid(x):
+    y = 1 / (1 + np.exp(-x))
+    return y, lambda dy: dy * y * (1 - y)
+
+
 @pytest.mark.skip
 @verify.operation_test(shapes={"x": "..."})
 def test_square(x):
@@ -177,8 +183,9 @@ def test_the_page_for_ones_own_layer_and_its_adapters_in_a_project_of_its_own(tm
     command = [sys.executable, "-m", "pytest", *options]
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     text = ran.stdout
-    assert "1 failed, 21 passed, 6 skipped" in text, text + ran.stderr
+    assert "1 failed, 27 passed, 6 skipped" in text, text + ran.stderr
     assert "FAILED test_project.py::test_cube::gradient for scale" in text
+    assert "RuntimeWarning: note: RuntimeWarning: overflow encountered in exp (line " in text
     named = re.findall(r"^(test_my_layer.py::.*)$", PAGE, re.MULTILINE)
     assert len(named) == 8 and all(f"PASSED {name}" in text for name in named)
     report = text.partition("FAILURES")[2].partition("short test summary")[0]
