@@ -12,9 +12,17 @@ from itertools import zip_longest
 import numpy as np
 
 from numpy_cae.verify.checks.call import copies
+from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.patch import bugs_of, conventions_of
-from numpy_cae.verify.operations.property import Property, compared, differentiated, property_of
+from numpy_cae.verify.operations.property import (
+    Property,
+    compared,
+    copied,
+    differentiated,
+    drawn_upstream,
+    property_of,
+)
 
 OF_GRADIENTS = ("gradient for x", "gradient for h0", "special inputs")
 SEVERAL = 2
@@ -57,15 +65,24 @@ def _known_mistake(stated: Property, implementation: Callable) -> str:
 
 
 def _has_one_buffer(stated: Property, implementation: Callable) -> bool:
-    """Whether two calls, or two calls of one pullback, return the same memory to write to."""
-    operation, given = stated.check.operation, stated.arguments(stated.cases()[0]).values()
+    """Whether the next call of a pullback, or of the function, alters what one returned.
+
+    Not where the pullback is wrong when it is called again: it remembers or adds something.
+    """
+    operation, case = stated.check.operation, stated.cases()[0]
+    cases = (case, Case(case.sizes, case.seed + 1))
+    given, others = (copies([*operation.arguments(each).values()]) for each in cases)
     try:
-        (value, pullback), (other, _) = (implementation(*copies([*given])) for _ in range(2))
-        pulled = (differentiated(operation, pullback(np.ones_like(value))) for _ in range(2))
-        pairs = [(value, other), *zip(*(each.values() for each in pulled), strict=True)]
+        value, pullback = implementation(*given)
+        dy = drawn_upstream(case, value)
+        first = [value, *differentiated(operation, pullback(copied(dy))).values()]
+        kept = copies(first)
+        again = copies([*differentiated(operation, pullback(2 * dy)).values()])
+        implementation(*others)[1](copied(dy))
     except Exception:  # another mistake
         return False
-    return any(np.ndim(a) and a.flags.writeable and np.shares_memory(a, b) for a, b in pairs)
+    is_linear = all(np.allclose(b, 2 * a) for a, b in zip(kept[1:], again, strict=True))
+    return is_linear and not all(np.array_equal(*both) for both in zip(first, kept, strict=True))
 
 
 def _carried_back(right: Callable, gru: Callable) -> int:
