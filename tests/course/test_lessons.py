@@ -21,6 +21,8 @@ from numpy_cae.verify.grading.submission import is_exercise
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
+SLIDERS = {"01", "03", "05", "08", "09", "10", "11", "12"}
+DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
 sys.path.append(str(FOLDER.parent / "docs"))
 from make_gallery import MADE_OF, picture_of, picture_path  # noqa: E402
@@ -102,10 +104,33 @@ def test_marked_for_nbgrader_and_without_solutions_in_the_student_copy(path):
     assert not any(cell.get("outputs") for cell in copied)
 
 
+@every_lesson
+def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path):
+    code = [cell for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code"]
+    for cell in code:
+        if any(call in cell["source"] for call in DRAWS) and "nbgrader" not in cell["metadata"]:
+            folded = cell["metadata"].get("jupyter", {}).get("source_hidden")
+            assert folded or cell["source"].count("\n") < 12, cell["source"]
+    figures = [shown(cell, "text/plain") for cell in code]
+    assert (path.name[:2] in SLIDERS) == any("figure with sliders" in text for text in figures)
+    assert "functions are yours" in "".join(code[-1]["outputs"][0]["text"])
+
+
 def test_lesson_00_ends_with_the_glossary():
     glossary = Path(__file__).parents[2] / "docs" / "glossary.md"
     last = read_notebook(LESSONS[0])["cells"][-1]["source"]
     assert last == glossary.read_text(encoding="utf-8").replace("# ", "## ").strip()
+
+
+def test_a_deck_shows_what_the_cells_show_and_needs_no_network():
+    pytest.importorskip("nbconvert")
+    from make_slides import deck
+
+    page = deck(read_notebook(LESSONS[3]), "03 <convolution>")
+    assert page.count("<section>") >= 8 and "03 &lt;convolution&gt;" in page
+    assert "The filters of the way back" in page and "three taps, and the curve" in page
+    assert "panel.imshow" not in page and "BEGIN SOLUTION" not in page
+    assert not re.findall(r"""(?:src|href)=["']https?:""", page)
 
 
 @every_lesson
