@@ -36,10 +36,7 @@ def test_a_picture_is_described_by_the_texts_that_it_shows():
         "epoch",
         ", filters",
     }
-    assert (
-        alternative_text("draw()", "One.\n\nThe **loss** falls. More.")
-        == "Picture: The loss falls."
-    )
+    assert alternative_text("draw()", "One.\n\nThe **loss** falls.") == "Picture: The loss falls."
 
 
 def test_every_picture_of_a_lesson_has_a_text_and_every_lesson_a_card(site):
