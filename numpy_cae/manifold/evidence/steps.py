@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from numpy_cae.manifold.evidence.displaced import find_displaced, mend_displaced
+from numpy_cae.manifold.evidence.feet import find_feet, mend_feet
 from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.manifold.evidence.holes import interpolate
 from numpy_cae.manifold.evidence.jitter import find_jitter, smooth_motion
@@ -31,6 +32,7 @@ STEPS = (
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate),
     Step(("jitter",), find_jitter, smooth_motion, "smooth"),
+    Step(("foot",), find_feet, mend_feet, "feet"),
 )
 
 

@@ -180,8 +180,8 @@ def _rotated(
             if ends[0] in limbs and len(bones[joint]) == 1:
                 end, exact = limbs[ends[0]]
                 chain = before[:, [joint, ends[0], end]]
-                bent = _bent(after[:, joint], chain, targets[ends[0]], targets[end])
-                targets[ends[0]] = np.where(exact[:, None], bent, targets[ends[0]])
+                middle = bent(after[:, joint], chain, targets[ends[0]], targets[end])
+                targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
             bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
             target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
             free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
@@ -194,7 +194,7 @@ def _rotated(
     return rotations
 
 
-def _bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
+def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
     """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
 
     Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the

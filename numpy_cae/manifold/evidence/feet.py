@@ -1,0 +1,105 @@
+"""Feet that stand still, on the floor.
+
+A foot stands while its toe is low and slow. The place where it stands is the median of the toe over
+that time, at the height at which toes stand in this motion. The displacement from the toe to that
+place fades out before and after (`EASE`). The root takes the mean displacement of both feet, so
+that the legs change little; each leg takes the rest by its own two bones, which keep their lengths
+(`motion.retarget.to_rig.bent`).
+"""
+
+import numpy as np
+
+from numpy_cae.manifold.evidence.finding import Finding
+from numpy_cae.manifold.evidence.jumps import confidence
+from numpy_cae.motion.contacts import FEET
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.masks import runs
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.retarget.rigs import body_positions
+from numpy_cae.motion.retarget.to_rig import bent, retarget
+
+SLOW, LOW = 0.5, 0.05
+"""SLOW, LOW: a toe stands if it is slower than SLOW (m/s) and at most LOW (m) above the height at
+which toes stand, the median height of the lower toe where it is slow."""
+SECONDS = 0.15
+"""SECONDS: for at least this time (s)."""
+LEAST = 0.04
+"""LEAST: the feet of a motion are changed if one of them is further than this (m) from its place
+while it stands."""
+EASE = 0.2
+"""EASE: the displacement of a foot fades in and out in this time (s)."""
+
+
+def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """The times in which a foot stands and slides, or is in the floor or above it.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> find_feet(motion)
+    []
+    >>> motion.translations[:, 0, 0] += np.linspace(0.0, 0.6, 60)
+    >>> find_feet(motion)[0].kind
+    'foot'
+    """
+    toes, level = _toes(motion)
+    if len(toes) < 3:
+        return []
+    speed = np.linalg.norm(np.gradient(toes, axis=0), axis=-1) * motion.rate
+    stands = (speed < SLOW) & (toes[..., 1] < level + LOW)
+    found, certain = [], False
+    for foot, side in enumerate(("left", "right")):
+        for first, end in runs(stands[:, foot]).tolist():
+            away = np.abs(toes[first:end, foot] - _place(toes[first:end, foot], level)).max(axis=0)
+            if end - first < SECONDS * motion.rate:
+                continue
+            certain |= bool(away.max() * 2 * sensitivity > LEAST)
+            slide, height = 100 * max(away[0], away[2]), 100 * away[1]
+            why = f"moves by {slide:.1f} cm, {height:.1f} cm off the floor"
+            sure = confidence(max(1.0, away.max() / LEAST))
+            found.append(Finding(f"{side}_toe", (first, end - 1), "foot", why, 0.0, sure))
+    return found if certain else []
+
+
+def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
+    """The motion with the feet of the findings at their places."""
+    toes, level = _toes(motion)
+    shift, weight = np.zeros(toes.shape), np.zeros((*toes.shape[:2], 1))
+    frame = np.arange(len(motion))
+    for finding in findings:
+        first, last = finding.frames
+        foot = int(finding.joint.startswith("right"))
+        nearest = np.clip(frame, first, last)
+        u = np.clip(1 - np.abs(frame - nearest) / (EASE * motion.rate + 1), 0.0, 1.0)
+        share = (u * u * (3 - 2 * u))[:, None]
+        place = _place(toes[first : last + 1, foot], level)
+        shift[:, foot] += share * (place - toes[nearest, foot])
+        weight[:, foot] += share
+    shift /= np.maximum(weight, 1.0)
+    weight = np.minimum(weight, 1.0)
+    root = shift.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0)
+    body = body_positions(motion)
+    targets = body + root[:, None]
+    for foot, toe in enumerate(FEET):
+        hip, knee, ankle = toe - 3, toe - 2, toe - 1
+        targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
+        chain = body[:, [hip, knee, ankle]]
+        targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
+    changed = np.asarray(weight.any(axis=(1, 2)))
+    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
+
+
+def _toes(motion: Motion) -> tuple[np.ndarray, float]:
+    """The places of both toes, (frames, 2, 3) in metres, and the height at which they stand."""
+    toes = body_positions(motion)[:, FEET]
+    lower = toes[..., 1].min(axis=1)
+    step = np.linalg.norm(np.diff(toes, axis=0, append=toes[-1:]), axis=-1).min(axis=1)
+    slow = step * motion.rate < SLOW
+    return toes, float(np.median(lower[slow] if slow.any() else lower))
+
+
+def _place(toe: np.ndarray, level: float) -> np.ndarray:
+    """Where a toe (frames, 3) stands: its median, at the height of the floor."""
+    x, _, z = np.median(toe, axis=0)
+    return np.array([x, level, z])
