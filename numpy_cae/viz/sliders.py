@@ -60,9 +60,8 @@ class SliderFigure:
 
     def __repr__(self) -> str:
         rows = np.unique(np.linspace(0, len(self.texts) - 1, 9).round().astype(int))
-        return "\n".join(
-            [f"a figure with sliders: {self.title}", *(self.texts[row] for row in rows)]
-        )
+        lines = [f"a figure with sliders: {self.title}", *(self.texts[row] for row in rows)]
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         return (
@@ -123,10 +122,12 @@ def slider_figure(
     """
     positions = prod(len(values) for values in controls.values())
     others = iter(OTHERS)
-    drawn = [
-        _chart(panel, others) if isinstance(panel, Chart) else _bodies(panel, rate)
-        for panel in panels
-    ]
+    drawn = []
+    for panel in panels:
+        if isinstance(panel, Chart):
+            drawn.append(_chart(panel, others))
+        else:
+            drawn.append({"title": "", "rate": rate, "actors": [_actor(each) for each in panel]})
     for rows in (texts, *(rows for panel in drawn for rows in _varying(panel))):
         if len(rows) != positions:
             raise ValueError(f"{len(rows)} rows or texts for {positions} positions of the controls")
@@ -156,10 +157,6 @@ def _chart(chart: Chart, others: Iterator[str]) -> dict:
         numbers = {"x": _short(curve.x), "y": _short(curve.y)}
         curves.append({**vars(curve), **numbers, "colour": curve.colour or next(others)})
     return {**vars(chart), "curves": curves}
-
-
-def _bodies(actors: Sequence[Actor], rate: float) -> dict:
-    return {"title": "", "actors": [_actor(actor) for actor in actors], "rate": rate}
 
 
 def _actor(actor: Actor) -> dict:
