@@ -19,7 +19,7 @@ from kinds_of_damage import DAMAGES
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import PCA, ROTATION_CURVES, foot_sliding
+from numpy_cae.evaluation import PCA, foot_sliding
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.repair.damaged_motion import stretch
@@ -30,7 +30,8 @@ from numpy_cae.manifold.holes import Holes
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.body import Body
-from numpy_cae.motion.retarget.curves import Curve, on_curves
+from numpy_cae.motion.retarget.curves import on_curves
+from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
@@ -323,7 +324,7 @@ def filtered(motion: Motion, name: str) -> Motion:
 
 def curve_filling(curve: Curve, body: Body, mask: np.ndarray) -> Motion:
     """The unknown rotations on a curve, other joints back at their positions."""
-    start = on_curves(body.motion, mask, curve)
+    start = on_curves(body.motion, mask, lambda *_: curve)
     positions = np.where(mask[..., None], body_positions(start), body_positions(body.motion))
     return retarget(body.motion, positions, mask, start.at(mask.any(axis=1)))
 

@@ -2,11 +2,7 @@
 
 from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
-from numpy_cae.evaluation.interpolation import (
-    ROTATION_CURVES,
-    interpolate_cubically,
-    interpolate_linearly,
-)
+from numpy_cae.evaluation.interpolation import interpolate_cubically, interpolate_linearly
 from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
@@ -14,7 +10,6 @@ from numpy_cae.evaluation.validity import Validity, ValidityMeasure
 
 __all__ = [
     "PCA",
-    "ROTATION_CURVES",
     "LinearDenoiser",
     "Moments",
     "Validity",

@@ -1,22 +1,8 @@
 """Interpolation between known values over time: easier than repair, where the known values are not
 given.
-
-`ROTATION_CURVES` are the curves of animation programs. Each is given the mask of the hole and the
-rotations of the rig on both sides of it, and nothing else:
-
-- "pchip", a monotone cubic, which does not overshoot
-- "cubic", the cubic spline with continuous acceleration
-- "slerp", a rotation at constant speed from the last known frame to the next one
-
-`motion.retarget.curves.on_curves(motion, missing, ROTATION_CURVES["pchip"])` is a motion filled
-by such a curve.
 """
 
 import numpy as np
-
-from numpy_cae.motion.retarget.curves import Curve
-
-__all__ = ["ROTATION_CURVES", "interpolate_cubically", "interpolate_linearly"]
 
 
 def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -65,35 +51,3 @@ def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
 
     spline = CubicSpline(keys, np.take(x, keys, axis=-2), axis=x.ndim - 2)
     return spline(np.clip(np.arange(x.shape[-2]), keys[0], keys[-1])).astype(x.dtype)
-
-
-def pchip(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The monotone cubic of Fritsch and Butland (1984) through all keys, a `Curve`."""
-    return _through("PchipInterpolator", keys, values, times)
-
-
-def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The cubic spline through all keys, a `Curve`."""
-    return _through("CubicSpline", keys, values, times)
-
-
-def _through(kind: str, keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """One of SciPy's interpolators through all keys; a single key, and the outer ones, are held."""
-    from scipy import interpolate  # slow to import, and seldom needed
-
-    if len(keys) == 1:
-        return np.repeat(values, len(times), axis=0)
-    return getattr(interpolate, kind)(keys, values)(np.clip(times, keys[0], keys[-1]))
-
-
-def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Linear between the two keys next to the hole, a `Curve`: for rotation vectors relative to the
-    first of the two this is spherical interpolation."""
-    after = int(np.clip(np.searchsorted(keys, times[0]), 1, max(len(keys) - 1, 1)))
-    first, last = max(after - 1, 0), min(after, len(keys) - 1)
-    share = np.clip((times - keys[first]) / max(keys[last] - keys[first], 1e-9), 0.0, 1.0)
-    return values[first] + share[:, None, None] * (values[last] - values[first])
-
-
-ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-"""The curves through rotations that animation programs draw, by name."""

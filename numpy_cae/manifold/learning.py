@@ -34,8 +34,9 @@ HIDDEN, LATENT, BURN_IN = 128, 8, 5
 """Units of each GRU, size of z, steps of the decoder before the first frame.
 
 jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
-CLIP_STEP = 5
-"""CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart."""
+CLIP_STEP, MOST_CLIPS = 5, 4000
+"""CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart, or
+further apart where there would be more than MOST_CLIPS of them, to bound memory."""
 
 
 def learn_manifold(
@@ -195,7 +196,8 @@ def untrained_sequences(
     if not sequences:
         raise ValueError("there are no motions to learn from")
     table, bones = common_bones(sequences)
-    clips = cut_clips(sequences, CLIP_STEP, frames)
+    step = max(CLIP_STEP, sum(map(len, sequences)) // MOST_CLIPS)
+    clips = cut_clips(sequences, step, frames)
     network = SequentialAutoencoder(len(table.columns), hidden, latent, rng, burn_in=burn_in)
     model = with_engine(network, engine)
     manifold = SequenceManifold(model, *mean_and_deviation(clips), table, bones)

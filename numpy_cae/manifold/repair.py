@@ -22,11 +22,18 @@ from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.holes import Holes
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.repaired import Repaired, distances, with_centimetres
+from numpy_cae.manifold.trials import chosen
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import slerp
-from numpy_cae.motion.retarget.curves import over_holes, rotations_over_holes
+from numpy_cae.motion.retarget.curves import (
+    CurveAt,
+    eased_everywhere,
+    on_curves,
+    over_holes,
+    rotations_over_holes,
+)
 
 UNKNOWN = 0.12
 """UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
@@ -158,11 +165,12 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     >>> from numpy_cae.manifold import fill_motion, keyframe_mask, starter
     >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
     >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
-    all joints: frames 1 to 9, 11 to 19: moved 4.4 cm, at most 27.8
+    all joints: frames 1 to 9, 11 to 19: moved 3.7 cm, at most 24.0
     """
-    missing = checked_mask(missing, len(motion))
-    holes = Holes(manifold.body(motion), missing)
-    filled = holes.filled(corrected(manifold, holes.features, holes.mask))
+    missing, body = checked_mask(missing, len(motion)), manifold.body(motion)
+    curve_at, strength = chosen(manifold, body, missing)
+    holes = Holes(body, missing, on_curves(motion, missing, curve_at))
+    filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
     return Repaired(filled, missing, distances(motion, filled))
 
 
@@ -186,20 +194,26 @@ def _filled(
     manifold = manifold.remembering()
     body, least = manifold.body(motion), LONG * motion.rate
 
-    def holes(findings: list[Finding]) -> Holes:
-        wrong = [finding for finding in findings if finding.kind in POSITIONS]
-        long = [f for f in findings if f.kind in FILLED and f.frames[1] - f.frames[0] >= least]
-        return Holes(body, missing_joints(motion, wrong + long), interpolate(motion, wrong))
+    def is_filled(finding: Finding) -> bool:
+        long = finding.frames[1] - finding.frames[0] >= least
+        return finding.kind in POSITIONS or (finding.kind in FILLED and long)
 
+    def holes(findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
+        missing = missing_joints(motion, findings)
+        return Holes(body, missing, interpolate(motion, findings, curve_at))
+
+    found = list(filter(is_filled, found))
     filling = holes(found)
     distance, unlikely = filling.typical_residual(manifold), []
     if distance > UNKNOWN:
-        filling = holes([finding for finding in found if finding.kind in POSITIONS])
+        found = [finding for finding in found if finding.kind in POSITIONS]
     elif preset is not None:
         unlikely = find_unlikely(manifold, body, filling.in_file)
-        sure = [finding for finding in unlikely if preset.is_sure(finding)]
-        filling = holes(found + sure) if sure else filling
-    return filling.filled(corrected(manifold, filling.features, filling.mask)), distance, unlikely
+        found += [finding for finding in unlikely if preset.is_sure(finding)]
+    curve_at, strength = chosen(manifold, body, missing_joints(motion, found))
+    filling = holes(found, curve_at)
+    filled = corrected(manifold, filling.features, filling.mask, strength)
+    return filling.filled(filled), distance, unlikely
 
 
 def _require_usable(motion: Motion, findings: Sequence[Finding]) -> None:

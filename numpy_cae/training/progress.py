@@ -17,13 +17,15 @@ class ProgressPrinter:
     """A `report` that prints a line after each epoch, and every `INTERVAL` seconds within one.
 
     The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
+    `training` is the name of the training, with which each line begins, where there are several.
 
     Examples
     --------
     >>> printer = ProgressPrinter()  # train_autoencoder(model, windows, report=printer)
     """
 
-    def __init__(self) -> None:
+    def __init__(self, training: str = "") -> None:
+        self.training = training and f"{training}: "
         self.printed = time.monotonic()
 
     def __call__(self, state: TrainingState) -> None:
@@ -36,7 +38,7 @@ class ProgressPrinter:
         elapsed = state.history.seconds[state.name]
         left = elapsed * (state.epochs / (state.epoch + state.step / state.steps) - 1)
         times = f"{elapsed:.0f} s elapsed, {left:.0f} s left"
-        line = f"{state.name}, epoch {done}/{state.epochs}{loss}, {times}"
+        line = f"{self.training}{state.name}, epoch {done}/{state.epochs}{loss}, {times}"
         print(line, file=sys.stderr, flush=True)
         self.printed = time.monotonic()
 

@@ -35,11 +35,14 @@ def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, 
     for name, fewer in {**sizes, "sequential.REPEATS": 1}.items():
         monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
     out = tmp_path / "study"
-    options = ["--test", "*_2.bvh", *NETWORK, "--frames", 20]
+    options = ["--test", "*_2.bvh", *NETWORK[:-1], "--frames", 20]
     run("study", "--data", walks, "-o", out, *options)
     said, page = ((out / f"study.{kind}").read_text(encoding="utf-8") for kind in ("txt", "html"))
     assert page.count("confirmed</span>") > said.count("confirmed:")  # and in the summary
-    assert capsys.readouterr().out == said
+    printed = capsys.readouterr()
+    assert printed.out == said
+    trainings = [line.split(":")[0] for line in printed.err.splitlines() if "epoch" in line]
+    assert set(trainings) == {"walking, λ = 1", "walking, λ = 0"}
     assert len(re.findall("^(not )?confirmed: .* Measured: ", said, re.MULTILINE)) > 3
     written = {path.name for path in out.iterdir()}
     assert {"figure_2.png", "walking_fitted.png", "walking_fitted.html", "walking.npz"} <= written

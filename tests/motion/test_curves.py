@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.evaluation import ROTATION_CURVES
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
 from numpy_cae.motion.retarget.curves import over_holes, rotations_over_holes, unknown_channels
+from numpy_cae.motion.retarget.key_curves import CURVES
 
 LEG = "right_knee right_ankle right_toe", "rfemur rtibia rfoot"
 
@@ -43,6 +43,6 @@ def test_rotations_turn_beyond_half_a_turn():
     turning = from_vector(0.1 * frames[..., None] * [1.0, 0.0, 0.0])
     missing = (frames >= 20) & (frames < 35)
     spoilt = np.where(missing[..., None], [0.0, 0.0, 0.0, 1.0], turning)
-    for curve in (None, *ROTATION_CURVES.values()):
-        filled = rotations_over_holes(spoilt, missing, 30.0, curve)
+    for curve in CURVES.values():
+        filled = rotations_over_holes(spoilt, missing, 30.0, lambda *_, curve=curve: curve)
         assert angle(product(inverse(filled), turning)).max() < 1e-6

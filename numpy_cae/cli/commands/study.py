@@ -1,7 +1,7 @@
-"""Train jang2018's network on each action, with its regulariser and without. Write study.html
-(tables, pictures, motions, and for each claim of the paper whether it is confirmed), the same as
-study.txt, figure 2 and samples as files of their own, and the models. Without --data the motions
-are made by data_synth.
+"""Train jang2018's network on each action, with its regulariser and without (λ = 0). Write
+study.html (tables, pictures, motions, and for each claim of the paper whether it is confirmed), the
+same as study.txt, figure 2 and samples as files of their own, and the models. Without --data the
+motions are made by data_synth.
 
 examples:
   numpy-cae study -o study
@@ -9,6 +9,7 @@ examples:
 """
 
 import argparse
+import sys
 
 from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import write_texts
@@ -38,8 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--test", **arguments.PATTERNS, help="names of the files to test on, required with --data")
     actions = f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"
     add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions)
-    minutes = "minutes of each synthetic action to train on, and to test on (default: 180)"
-    add("--minutes", type=arguments.positive, default=180.0, help=minutes)
+    minutes = "minutes of each synthetic action to train on, and to test on (default: 60)"
+    add("--minutes", type=arguments.positive, default=60.0, help=minutes)
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
     options = train_options.COMMON | train_options.SEQUENTIAL
     train_options.add_options(parser, "training", options)
@@ -50,10 +51,10 @@ def run(args: argparse.Namespace) -> int:
     network = train_options.given(args, "hidden", "latent", "frames")
     if network.get("frames", 3) < 3:
         raise ValueError(f"--frames is {args.frames}, expected 3 or more")
-    schedule = train_options.sequence_schedule_of(args)
+    schedule = train_options.sequence_schedule_of(args, "fast")
     actions = _actions(args)
     args.output.mkdir(parents=True, exist_ok=True)
-    report = None if args.quiet else ProgressPrinter()
+    report = None if args.quiet else ProgressPrinter
     results, manifolds = sequential(actions, schedule, args.seed, report=report, **network)
     tables = [result for result in results.values() if result.tables]
     claims = [claim.text() for result in tables for claim in result.claims]
@@ -76,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _actions(args: argparse.Namespace) -> list[Action]:
     if not args.data:
-        return [synthetic_action(name, args.minutes, args.seed) for name in args.actions]
+        return [_synthesised(name, args) for name in args.actions]
     reading = arguments.reading(args)
     actions = [
         read_action(folder.resolve().name, [folder], args.test, *reading) for folder in args.data
@@ -86,3 +87,10 @@ def _actions(args: argparse.Namespace) -> list[Action]:
             which = "train" if action.testing else "test"
             raise ValueError(f"--test leaves nothing of {action.name} to {which}")
     return actions
+
+
+def _synthesised(name: str, args: argparse.Namespace) -> Action:
+    if not args.quiet:
+        minutes = f"{args.minutes:g} minutes to train on and {args.minutes:g} to test on"
+        print(f"{name}: making {minutes}", file=sys.stderr, flush=True)
+    return synthetic_action(name, args.minutes, args.seed)

@@ -8,7 +8,7 @@ frame's 51 angles in radians.
 The regulariser, λ > 0, is compared with λ = 0: do latent vectors match the prior, and at what cost?
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy_cae.experiments.sequences import study as training
 from numpy_cae.experiments.sequences.samples import COLOURS, figure_3, samples
 from numpy_cae.experiments.sequences.study import CLIPS, Action, Study, discrepancy
 from numpy_cae.manifold import SequenceManifold
-from numpy_cae.training import SequenceSchedule
+from numpy_cae.training import SequenceSchedule, TrainingState
 
 NETWORK, LINEAR, MEAN, HELD = "the network", "PCA", "the mean pose", "the first frame held"
 SQUARED, RADIANS = "mean square, standardised", "distance, rad"
@@ -33,17 +33,26 @@ REPEATS = 10
 
 
 def sequential(
-    actions: Sequence[Action], schedule: SequenceSchedule, seed: int = 0, **options
+    actions: Sequence[Action],
+    schedule: SequenceSchedule,
+    seed: int = 0,
+    report: Callable[[str], Callable[[TrainingState], None]] | None = None,
+    **network,
 ) -> tuple[dict[str, Result], dict[str, SequenceManifold]]:
     """Train on each action with the regulariser and without.
 
-    The schedule's weight λ is that of the regulariser; `seed` and `options` are those of
-    `learn_sequences`. Returns the results by the names of their picture files, and the manifolds
-    trained with the regulariser by action.
+    The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
+    `train_study`. `report` returns the report of a training from its name. Returns the results by
+    the names of their picture files, and the manifolds trained with the regulariser by action.
     """
-    free = replace(schedule, weight=0.0)
-    studies = [training.train_study(action, schedule, seed, **options) for action in actions]
-    without = [training.train_study(action, free, seed, **options) for action in actions]
+
+    def train(action: Action, weight: float) -> Study:
+        progress = report(f"{action.name}, λ = {weight:g}") if report else None
+        weighted = replace(schedule, weight=weight)
+        return training.train_study(action, weighted, seed, progress, **network)
+
+    studies = [train(action, schedule.weight) for action in actions]
+    without = [train(action, 0.0) for action in actions]
     results = {
         "figure_2": training.figure_2(studies),
         "reconstruction": reconstruction(studies, seed),

@@ -9,7 +9,14 @@ from numpy_cae.manifold.evidence.finding import BODY, Finding
 from numpy_cae.manifold.evidence.jumps import Curve, joint_names
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.curves import over_holes, rotations_over_holes, unknown_channels
+from numpy_cae.motion.retarget.curves import (
+    CurveAt,
+    eased_everywhere,
+    of_channels,
+    over_holes,
+    rotations_over_holes,
+    unknown_channels,
+)
 from numpy_cae.motion.retarget.rigs import find_joints
 
 ROTATIONS, PLACES = ("spike", "displaced", "frozen"), ("length", "root elsewhere")
@@ -68,13 +75,16 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     return missing
 
 
-def interpolate(motion: Motion, findings: Iterable[Finding]) -> Motion:
+def interpolate(
+    motion: Motion, findings: Iterable[Finding], curve_at: CurveAt = eased_everywhere
+) -> Motion:
     """The motion with the damaged channels of findings interpolated (`motion.retarget.curves`)."""
     turned, moved = damaged_channels(motion, findings)
+    curve_of = of_channels(motion, curve_at)
     if turned.any():
-        rotations = rotations_over_holes(motion.rotations, turned, motion.rate)
+        rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve_of)
         motion = replace(motion, rotations=rotations)
     if moved.any():
-        translations = over_holes(motion.translations, moved, motion.rate)
+        translations = over_holes(motion.translations, moved, motion.rate, curve_of)
         motion = replace(motion, translations=translations)
     return motion

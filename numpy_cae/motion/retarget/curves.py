@@ -6,14 +6,8 @@ as rotation vectors relative to the last known frame before the hole:
 
     R_t = R_a exp(x(t)),    x(t_k) = log(R_a⁻¹ R_k)  at the known frames t_k
 
-`eased` is the curve x of `fill` and `repair`: a monotone cubic (PCHIP), to which the difference
-between the speed v at an end of the hole and the slope d of the cubic is added. With t the time
-from that end and T = min(EASE, duration of the hole):
-
-    x(t) = PCHIP(t) + (v - d) t (1 - |t| / T)²,  |t| < T
-
-So rotation and speed are continuous at both ends. In a hole shorter than EASE this is the cubic
-through values and speeds at both ends; in the middle of a long hole it is PCHIP.
+x is one of the curves of `motion.retarget.key_curves`, or a mean of them: `manifold.trials` chooses
+its weights.
 """
 
 import itertools
@@ -26,18 +20,20 @@ import numpy as np
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
+from numpy_cae.motion.retarget.key_curves import Curve, eased
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.to_rig import bones_through
 
-EASE = 2 / 3
-"""EASE: the speed at an end of a hole acts for at most this time (s). Chosen among 0.13 to 0.8 s
-(docs/lab_book/filling.md)."""
-Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-"""A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
-times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
+CurveAt = Callable[[int, int], Curve]
+"""The curve over the hole of a column that begins in a frame: column and frame to curve."""
 
 
-def on_curves(motion: Motion, missing: np.ndarray, curve: Curve | None = None) -> Motion:
+def eased_everywhere(column: int, first: int) -> Curve:
+    """`eased` over every hole, a `CurveAt`."""
+    return eased
+
+
+def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_everywhere) -> Motion:
     """The motion with unknown rotations and translations interpolated over time.
 
     Values of the file are ignored where they are unknown. A rotation that is unknown in all frames
@@ -49,8 +45,9 @@ def on_curves(motion: Motion, missing: np.ndarray, curve: Curve | None = None) -
         A motion at any rate, on any rig in which the twenty joints can be found.
     missing : (frames, 20) array of bool
         In the frames of the file.
-    curve : Curve, optional
-        `eased` by default.
+    curve_at : CurveAt
+        Its columns are the twenty joints: a rotation has the curve of the first missing joint that
+        it moves.
 
     Returns
     -------
@@ -78,12 +75,12 @@ def on_curves(motion: Motion, missing: np.ndarray, curve: Curve | None = None) -
     """
     if not missing.any():
         return motion
-    curve = eased if curve is None else curve
     turned, moved = unknown_channels(motion, missing)
-    rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve)
+    curve_of = of_channels(motion, curve_at)
+    rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve_of)
     translations = motion.translations  # an hour of them takes 0.3 GB
     if moved.any():
-        translations = over_holes(translations, moved, motion.rate, curve)
+        translations = over_holes(translations, moved, motion.rate, curve_of)
     return replace(motion, rotations=rotations, translations=translations)
 
 
@@ -107,20 +104,31 @@ def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, n
     return turned, moved
 
 
+def of_channels(motion: Motion, curve_at: CurveAt) -> CurveAt:
+    """The curves of the twenty joints as those of the joints of the rig: each has that of the first
+    of the twenty that it moves, or of the hips where it moves none."""
+    joints = find_joints(motion.skeleton)
+    ends = [0] * len(motion.skeleton.names)
+    for number in reversed(range(len(joints))):
+        for joint in motion.skeleton.path(joints[number])[number > 0 :]:
+            ends[joint] = number
+    return lambda channel, first: curve_at(ends[channel], first)
+
+
 def over_holes(
-    values: np.ndarray, missing: np.ndarray, rate: float, curve: Curve | None = None
+    values: np.ndarray, missing: np.ndarray, rate: float, curve_at: CurveAt = eased_everywhere
 ) -> np.ndarray:
     """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept."""
     filled = np.array(values, dtype=np.float64)
     for columns, first, end, keys in _holes(missing, rate):
         known = filled[np.ix_(keys, columns)]
         times = np.arange(first, end) / rate
-        filled[first:end, columns] = (curve or eased)(keys / rate, known, times)
+        filled[first:end, columns] = curve_at(columns[0], first)(keys / rate, known, times)
     return filled
 
 
 def rotations_over_holes(
-    rotations: np.ndarray, missing: np.ndarray, rate: float, curve: Curve | None = None
+    rotations: np.ndarray, missing: np.ndarray, rate: float, curve_at: CurveAt = eased_everywhere
 ) -> np.ndarray:
     """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
     filled = rotations.copy()
@@ -132,45 +140,9 @@ def rotations_over_holes(
         for side in (vectors[:before][::-1], vectors[max(before - 1, 0) :]):
             _unwrap(side)
         times = np.arange(first, end) / rate
-        turned = (curve or eased)(keys / rate, vectors, times)
+        turned = curve_at(columns[0], first)(keys / rate, vectors, times)
         filled[first:end, columns] = product(start, from_vector(turned))
     return filled
-
-
-def eased(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """PCHIP with the speeds at both ends of the hole; see the equation of the module."""
-    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
-
-    if len(keys) == 1:
-        return np.repeat(values, len(times), axis=0)
-    pchip, after = PchipInterpolator(keys, values), int(np.searchsorted(keys, times[0]))
-    curve = pchip(np.clip(times, keys[0], keys[-1]))
-    inner = 0 < after < len(keys)
-    longest = min(EASE, keys[after] - keys[after - 1]) if inner else EASE
-    # Both sides, each from the hole outwards.
-    for own, x in (
-        (keys[:after][::-1], values[:after][::-1]),
-        (keys[after:], values[after:]),
-    ):
-        speed = speed_at(own, x)
-        if speed is not None:
-            t = (times - own[0])[:, None, None]
-            excess = speed - (pchip(own[0], 1) if inner else 0.0)
-            curve += excess * t * np.clip(1 - np.abs(t) / longest, 0.0, None) ** 2
-    return curve
-
-
-def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
-    """The speed (N, C) at the first of some keys: the derivative of the parabola through it and
-    the keys 1/30 s and 2/30 s away. None where these are not successive frames: speeds between
-    sparse keyframes are PCHIP's."""
-    if len(times) < 3:
-        return None
-    step = max(1, round(1 / (RATE * abs(times[1] - times[0]))))
-    if len(times) <= 2 * step or abs(times[2 * step] - times[0]) > 2.5 / RATE:
-        return None
-    x0, x1, x2 = values[[0, step, 2 * step]]
-    return (3 * x0 - 4 * x1 + x2) / (times[0] - times[2 * step])
 
 
 def _holes(missing: np.ndarray, rate: float) -> Iterator[tuple[np.ndarray, int, int, np.ndarray]]:
