@@ -2,7 +2,7 @@
 
 from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
-from numpy_cae.evaluation.interpolation import interpolate_cubically, interpolate_linearly
+from numpy_cae.evaluation.interpolation import interpolate_linearly
 from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
@@ -18,7 +18,6 @@ __all__ = [
     "bone_length_error",
     "diversity",
     "foot_sliding",
-    "interpolate_cubically",
     "interpolate_linearly",
     "jitter",
     "nearest_distance",

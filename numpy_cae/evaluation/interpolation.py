@@ -32,22 +32,3 @@ def interpolate_linearly(x: np.ndarray, known: np.ndarray) -> np.ndarray:
             if sure.any():
                 filled[series] = np.interp(frames, frames[sure], x[series][sure])
     return filled
-
-
-def interpolate_cubically(x: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """The cubic spline through key frames, with "not a knot" ends; the last key is repeated.
-
-    Parameters
-    ----------
-    x : (…, T, C) array of float
-    keys : (K,) array of int
-        The known frames, rising, at least two.
-
-    Returns
-    -------
-    array of the shape and dtype of x
-    """
-    from scipy.interpolate import CubicSpline  # slow to import, and not needed to grade
-
-    spline = CubicSpline(keys, np.take(x, keys, axis=-2), axis=x.ndim - 2)
-    return spline(np.clip(np.arange(x.shape[-2]), keys[0], keys[-1])).astype(x.dtype)

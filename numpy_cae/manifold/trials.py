@@ -46,8 +46,6 @@ NEAR = 5.0
 MARGIN, APART = 0.2, 0.5
 """MARGIN, APART: the least time (s) between a trial and an unknown frame, and between two trials;
 two trials are also at least as far apart as they are long."""
-SHORTER = (1.0, 0.75, 0.5)
-"""SHORTER: where no trial of a hole's length fits, shorter ones are tried, by these factors."""
 MOST = 40
 """MOST: the longest holes, so many of them, have trials; all others have the prior's weights. The
 trials of a hole take a tenth to half of a second."""
@@ -179,21 +177,14 @@ def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
 
     `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
     """
-    margin = round(MARGIN * rate)
+    margin, size = round(MARGIN * rate), len(pattern)
     kinds, starts = np.zeros((len(known), len(JOINTS)), "U4"), list[int]()
-    for share in SHORTER:
-        size = max(round(share * len(pattern)), 1)
-        apart = size + max(size, round(APART * rate))
-        for first, end in runs(known):
-            spare = end - first - 2 * margin - size
-            if spare >= 0:
-                places = np.linspace(first + margin, first + margin + spare, spare // apart + 1)
-                starts += places.astype(int).tolist()
-        if starts:
-            break
+    apart = size + max(size, round(APART * rate))
+    for first, end in runs(known) + [margin, -margin - size]:
+        if end >= first:
+            starts += np.linspace(first, end, (end - first) // apart + 1).astype(int).tolist()
     for start in starts:
-        hidden = np.linspace(0, len(pattern) - 1, size).astype(int)
-        kinds[start : start + size] = pattern[hidden]
+        kinds[start : start + size] = pattern
     return Trials(kinds, starts, size)
 
 

@@ -84,18 +84,3 @@ def test_lines_are_restored_from_any_holes(seed):
     np.testing.assert_allclose(
         interpolation.interpolate_linearly(np.where(known, x, 0), known), x, atol=1e-9
     )
-
-
-def test_ends_are_repeated_and_unknown_features_unchanged():
-    x = np.array([[9.0, 5.0], [1.0, 5.0], [2.0, 5.0], [9.0, 5.0]])
-    known = np.array([[0, 0], [1, 0], [1, 0], [0, 0]], dtype=bool)
-    assert interpolation.interpolate_linearly(x, known).T.tolist() == [[1, 1, 2, 2], [5, 5, 5, 5]]
-    assert x[0, 0] == 9.0
-
-
-def test_cubics_are_restored_from_their_keys():
-    keys, t = np.arange(0, 40, 9), np.arange(40)[:, None] / 10
-    x = np.stack([1 + t - 2 * t**2 + 0.5 * t**3, t**2], axis=0)
-    spline = interpolation.interpolate_cubically(x, keys)
-    np.testing.assert_allclose(spline[:, : keys[-1] + 1], x[:, : keys[-1] + 1], atol=1e-9)
-    np.testing.assert_allclose(spline[:, keys[-1] :], np.repeat(x[:, [keys[-1]]], 4, axis=1))

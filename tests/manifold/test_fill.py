@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from data_synth import make_take
 from numpy_cae.manifold import fill, fill_motion, keyframe_mask
-from numpy_cae.manifold.fill import spline
 from numpy_cae.motion import JOINTS, POSITIONS, body_positions
 
 
@@ -21,17 +20,6 @@ def hole(frames, start, stop, *joints):
     missing = np.zeros((frames, 20), bool)
     missing[start:stop, list(joints)] = True
     return missing
-
-
-def test_a_hole_is_filled_better_than_by_the_spline(walk_manifold, walk_features):
-    missing = hole(72, 12, 42, *range(JOINTS.index("left_hip"), JOINTS.index("left_toe") + 1))
-    true = walk_features[:, POSITIONS].reshape(-1, 20, 3)
-    filled = fill(walk_manifold, walk_features, missing)[:, POSITIONS].reshape(true.shape)
-    errors = [
-        np.linalg.norm(each - true, axis=-1)[missing].mean()
-        for each in (spline(true, missing), filled)
-    ]
-    assert errors[1] < 0.8 * errors[0]
 
 
 @given(seed=st.integers(0, 999), frames=st.integers(1, 57), share=st.floats(0, 1))
@@ -51,8 +39,6 @@ def test_known_values_are_unchanged_and_missing_ones_are_ignored(
 
 
 def test_invalid_arguments_are_refused(walk_manifold):
-    with pytest.raises(ValueError, match="keyframes every 0 frames"):
-        keyframe_mask(9, 0)
     with pytest.raises(ValueError, match=r"missing has shape \(3, 20\), expected \(60, 20\)"):
         fill_motion(walk(1), walk_manifold, np.zeros((3, 20), bool))
 
@@ -84,21 +70,9 @@ def test_a_filled_joint_of_a_file_moves_alone(walk_manifold, rate, frames, joint
 def test_keyframes_of_a_file_are_unchanged(walk_manifold, rate, frames, every):
     motion = walk(3, rate, frames)
     filled = fill_motion(motion, walk_manifold, keyframe_mask(frames, every)).motion
-    last = (frames - 1) // every * every
-    for kept in (slice(None, None, every), slice(last, None)):
+    for kept in (slice(None, None, every), slice((frames - 1) // every * every, None)):
         np.testing.assert_array_equal(filled.rotations[kept], motion.rotations[kept])
         np.testing.assert_array_equal(filled.translations[kept], motion.translations[kept])
-
-
-def test_a_stepped_file_is_filled_nearer_to_the_truth_than_held(walk_manifold):
-    motion = walk(99, 120.0)
-    held = np.arange(len(motion)) // 40 * 40
-    missing = keyframe_mask(len(motion), 40)
-    truth = body_positions(motion)
-    filled = body_positions(fill_motion(motion.at(held), walk_manifold, missing).motion)
-    assert np.abs(np.diff(filled, axis=0)).max() < 2 * np.abs(np.diff(truth, axis=0)).max()
-    off = [np.linalg.norm(each - truth, axis=-1)[missing[:, 0]] for each in (filled, truth[held])]
-    assert off[0].mean() < 0.4 * off[1].mean()
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])

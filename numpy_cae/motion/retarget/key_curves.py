@@ -69,9 +69,8 @@ def with_speeds(curve: Curve, longest: float) -> Curve:
             (k[0], x, speed, sign) for k, x, sign in sides if (speed := speed_at(k, x)) is not None
         ]
         inside = [end + sign * third for end, *_, sign in ends]
-        result, *near = np.split(
-            curve(keys, values, np.concatenate([times, *inside])), n + 3 * np.arange(len(ends))
-        )
+        points = curve(keys, values, np.concatenate([times, *inside]))
+        result, *near = np.split(points, n + 3 * np.arange(len(ends)))
         for (end, x, speed, sign), (c1, c2, c3) in zip(ends, near, strict=True):
             # The curve is a cubic over the hole, whose slope these four values determine.
             slope = sign * (-11 * x[0] + 18 * c1 - 9 * c2 + 2 * c3) / (6 * third[0])
