@@ -41,7 +41,7 @@ class Holes:
     """
 
     def __init__(self, body: Body, in_file: np.ndarray, interpolated: Motion | None = None):
-        self.body, self.in_file = body, in_file
+        self.motion, self.mean_lengths, self.in_file = body.motion, body.mean_lengths, in_file
         self.mask = at_thirty(body.motion, in_file)
         start = replace(body, motion=interpolated or on_curves(body.motion, in_file))
         self.start = start.motion.at(np.asarray(in_file.any(axis=1)))
@@ -53,7 +53,7 @@ class Holes:
     def positions_of(self, features: np.ndarray) -> np.ndarray:
         """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres."""
         on_mean_bones = features_to_positions(features, self.root)
-        return change_lengths(on_mean_bones, self.body.mean_lengths, self.lengths)
+        return change_lengths(on_mean_bones, self.mean_lengths, self.lengths)
 
     def typical_residual(self, manifold: MotionManifold) -> float:
         """The median distance of a joint outside the holes from its projection, metres."""
@@ -65,21 +65,21 @@ class Holes:
     def filled(self, features: np.ndarray) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
         (F, 63) on the mean skeleton."""
-        body, holes = self.body, self.in_file
+        motion, holes = self.motion, self.in_file
         if not holes.any():
-            return body.motion
-        after, before = map(self.positions_of, (features, self.features))
-        correction = np.where(self.mask[..., None], after - before, 0.0)
-        weight = _ramps(holes, body.motion.rate)
-        joints = find_joints(body.motion.skeleton)
+            return motion
+        correction = self.positions_of(features) - self.positions_of(self.features)
+        correction[~self.mask] = 0.0
+        weight = _ramps(holes, motion.rate)
+        joints = find_joints(motion.skeleton)
         row = np.cumsum(holes.any(axis=1)) - 1  # of a frame in `start`
 
         def targets(frames: np.ndarray) -> np.ndarray:
             after = self.start.at(row[frames]).positions(joints)
-            moved = at_rate_of(body.motion, correction, frames)
+            moved = at_rate_of(motion, correction, frames)
             return after + moved * weight[frames, :, None]
 
-        return retarget(body.motion, targets, holes, self.start)
+        return retarget(motion, targets, holes, self.start)
 
 
 def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:

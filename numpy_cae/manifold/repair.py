@@ -113,7 +113,9 @@ def repair(
     distance, unlikely = 0.0, list[Finding]()
     if manifold is not None:
         look = preset if rest is None else None
-        mended, distance, unlikely = _filled(mended, manifold, found, look)
+        # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
+        filling, features, distance, unlikely = _filling(mended, manifold, found, look)
+        mended = filling.filled(features)
     if strength < 1:
         mended = _between(moving, mended, strength)
     kept = whole.at(slice(0 if preset.cut else first))
@@ -183,11 +185,11 @@ def marked(damaged: np.ndarray) -> list[Finding]:
     ]
 
 
-def _filled(
+def _filling(
     motion: Motion, manifold: MotionManifold, found: list[Finding], preset: Preset | None
-) -> tuple[Motion, float, list[Finding]]:
-    """The motion with the holes of findings filled in by the manifold, the typical distance of the
-    motion from it, and, with a preset, what is unlikely; what is sure enough of it is filled too.
+) -> tuple[Holes, np.ndarray, float, list[Finding]]:
+    """The holes of findings, the features with which the manifold fills them, the typical distance
+    of the motion from it, and, with a preset, what is unlikely; what is sure enough is a hole too.
 
     A motion that is unlike what the manifold knows gets only what the user marked.
     """
@@ -212,8 +214,8 @@ def _filled(
         found += [finding for finding in unlikely if preset.is_sure(finding)]
     curve_at, strength = chosen(manifold, body, missing_joints(motion, found))
     filling = holes(found, curve_at)
-    filled = corrected(manifold, filling.features, filling.mask, strength)
-    return filling.filled(filled), distance, unlikely
+    features = corrected(manifold, filling.features, filling.mask, strength)
+    return filling, features, distance, unlikely
 
 
 def _require_usable(motion: Motion, findings: Sequence[Finding]) -> None:
