@@ -9,8 +9,6 @@ import pytest
 
 from numpy_cae import course, ops
 from numpy_cae.course.exercises import EASY, EXERCISES, HARD, LESSONS
-from numpy_cae.course.exercises.checks import PULLBACK, drawn, require_same
-from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
 from numpy_cae.course.exercises.hints import read_hints, with_hint
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.trial import try_property
@@ -96,77 +94,6 @@ def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
     printed = capsys.readouterr()
     assert f"{points} of 20 points" in printed.out and not printed.err
     assert course.report("unpool_even", ops.unpool_even) == 20
-
-
-def test_purity_finds_a_changed_argument():
-    def doubled(x):
-        return 2 * x
-
-    def doubled_in_place(x):
-        x *= 2
-        return x
-
-    value, purity = exercise(doubled, drawn(x="rows 3"), SIZES, value="it is doubled").properties
-    assert try_property(value, doubled_in_place).held and try_property(purity, doubled).held
-    assert try_property(purity, doubled_in_place).problem == "the call changes x"
-
-
-def linear(weights, x):
-    y, back = ops.linear(x, weights["w"], weights["b"])
-    return y, lambda dy: dict(zip("wb", back(dy)[1:], strict=True))
-
-
-def half_of_gradients(weights, x):
-    y, back = linear(weights, x)
-    return y, lambda dy: back(dy) | {"w": 0.5 * back(dy)["w"]}
-
-
-def without_bias(weights, x):
-    y, back = linear(weights, x)
-    return y, lambda dy: {"w": back(dy)["w"]}
-
-
-@pytest.mark.parametrize(
-    ("function", "failing", "problem"),
-    [
-        (linear, set(), ""),
-        (half_of_gradients, {"of w", "of both"}, "w"),
-        (without_bias, {"of w", "of both", "dtype"}, "expected the structure of weights"),
-        (lambda weights, x: x, {"value", "of w", "of both", "dtype"}, "does not return 2 things"),
-    ],
-)
-def test_gradients_by_name_are_compared_with_differences(function, failing, problem):
-    def weights(case, rng):
-        return {"w": rng.uniform(-1, 1, (3, 2)), "b": rng.uniform(-1, 1, 2)}
-
-    tried = differentiated_exercise(
-        linear,
-        drawn(weights=weights, x="rows 3"),
-        ("weights",),
-        ("y", PULLBACK),
-        SIZES,
-        value="",
-        gradients={"of w": ("w",), "of both": ()},
-        float32=True,
-    )
-    outcomes = {p.name: try_property(p, function) for p in tried.properties}
-    assert {name for name, outcome in outcomes.items() if not outcome.held} == failing
-    assert any(problem in outcome.problem for outcome in outcomes.values())
-
-
-@pytest.mark.parametrize(
-    ("found", "expected", "message"),
-    [
-        (None, np.ones(2), "is None: is a return missing"),
-        ("two", np.ones(2), "is str, expected numbers"),
-        (np.ones(3), np.ones(2), r"shape \(3,\), expected \(2,\)"),
-        (np.ones(2), (1.0, 2.0), "it returns ndarray, expected a, b"),
-        ((1.0, 3.0), (1.0, 2.0), "b is 3, expected 2"),
-    ],
-)
-def test_a_difference_is_described(found, expected, message):
-    with pytest.raises((AssertionError, TypeError), match=message):
-        require_same(found, expected, ("a", "b"))
 
 
 def test_a_counterexample_too_long_to_print_is_returned_by_example():

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.course.exercises.checks import drawn, require_parts, size, states
-from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
-from numpy_cae.course.exercises.lesson_05 import BOUND, uniform
+from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise, right_function
+from numpy_cae.course.exercises.lesson_05 import BOUND, encode_layer, uniform
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.property import require_equal
@@ -26,12 +26,8 @@ def frames_seen(taps, layers):
     return 1 + taps * (2**layers - 1)
 
 
-def stage_inputs(x, layers):
-    """The clean input that each layer learns to reproduce, lowest first."""
-    inputs = [x]
-    for w, b in layers[:-1]:
-        inputs.append(ConvLayer(w, b, BOUND).encode_with_pullback(inputs[-1])[0])
-    return inputs
+stage_inputs = right_function("stage_inputs", encode_layer=encode_layer)
+"""The clean input that each layer learns to reproduce, lowest first."""
 
 
 def stack_loss(x, corrupted, layers, bound):

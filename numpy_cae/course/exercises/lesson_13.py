@@ -4,29 +4,23 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Recorded, drawn, require_parts, size, states
-from numpy_cae.course.exercises.exercise import composed_exercise, exercise
+from numpy_cae.course.exercises.exercise import composed_exercise, exercise, right_function
 from numpy_cae.course.exercises.lesson_03 import CONV1D, convolution_exercise, unfold
 from numpy_cae.fast.blocks import blocks
 from numpy_cae.fast.convolution import conv1d as fast_conv1d
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
+conv1d_unfolded = right_function("conv1d_unfolded", unfold=unfold)
+"""The rows of lesson 03 times the filters as one matrix."""
 
-def conv1d_unfolded(x, w, b):
-    """The rows of lesson 03 times the filters as one matrix."""
-    taps, channels, filters = w.shape
-    return unfold(x, taps) @ w.reshape(taps * channels, filters) + b
+three_products = right_function("three_products")
+"""(a + i b)(p + i q), after Gauss."""
 
 
 def conv1d_shifted(x, w, b):
     """One product for every tap, as in `ops.conv1d`."""
     return ops.conv1d(x, w, b)[0]
-
-
-def three_products(a, b, p, q, multiply):
-    """(a + i b)(p + i q), after Gauss."""
-    k1, k2, k3 = multiply(a + b, p), multiply(a, q - p), multiply(b, p + q)
-    return k1 - k3, k1 + k2
 
 
 def block_matrices(taps, frames):

@@ -1,0 +1,68 @@
+"""Right answers get full marks in any style, lessons need earlier ones only, ours is never graded.
+
+`right_styles.txt` has two further right functions for each exercise; the first one is the key.
+"""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_grading_and_marks import hand_in
+
+from numpy_cae.course import catalogue
+from numpy_cae.course.copies import student_copy
+from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.mine import mine_before, run
+from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.verify.grading.report import holds
+from numpy_cae.verify.grading.student_file import grade
+from numpy_cae.verify.grading.submission import is_exercise
+
+NOTEBOOKS = find_lessons(Path(__file__).parents[2] / "lessons")
+STYLES = re.split(r"\n(?=def )", Path(__file__).with_name("right_styles.txt").read_text("utf-8"))
+SPACE = {"np": np, **{name: each.solution for name, each in CATALOGUE.items()}}
+
+
+def few(name: str, share: int):
+    tried = EXERCISES[name]
+    some = (replace(p, examples=max(1, p.examples // share)) for p in tried.properties)
+    return replace(tried, properties=tuple(some))
+
+
+@pytest.mark.parametrize("share", [8, pytest.param(1, marks=pytest.mark.lessons)])
+@pytest.mark.parametrize("name", EXERCISES)
+def test_every_exercise_is_solved_in_three_styles(name, share):
+    styles = [source for source in STYLES if source.startswith(f"def {name}(")]
+    assert len(styles) == 2  # the key, the third, is graded in test_lessons
+    for source in styles:
+        space = dict(SPACE)
+        exec(source, space)
+        assert holds(few(name, share), space[name]), source
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
+    space = {"np": np, **{n: o.solution for n, o in CATALOGUE.items() if n not in EXERCISES}}
+    space |= run(mine_before(path))
+    for cell in filter(is_exercise, read_notebook(path)["cells"]):
+        exec(cell["source"], space)
+    for each in LESSONS[path.name[:2]]:
+        assert holds(few(each.name, 24), space[each.name]), each.name
+    stubs = filter(is_exercise, student_copy(read_notebook(path))["cells"])
+    assert all(stub["source"].count("raise NotImplementedError") == 1 for stub in stubs)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        "from mine import tanh",
+        "from mine import tanh as t\ndef tanh(x):\n    return t(x)",
+        "tanh = 1",
+    ],
+)
+def test_the_students_function_is_graded_and_never_ours(own, tmp_path, forked_grading):
+    (tmp_path / "mine.py").write_text("from numpy_cae.ops import tanh\n")
+    graded = grade(hand_in(tmp_path / "05_one_layer.ipynb", own), catalogue, lesson="05")
+    assert graded.points == 0, str(graded)
