@@ -8,10 +8,12 @@ export const CURVES = {
   speed: { unit: "m/s", of: speedOf },
 };
 
-// For each frame the share of findings' joints, so that one joint is visible.
+// For each frame the share of findings' joints, so that one joint is visible. A finding about the whole
+// file, such as jitter, would hide the others.
 function damagedShare(findings, frames) {
   const counts = new Float32Array(frames);
   for (const { frames: [first, last] } of findings) {
+    if (first === 0 && last >= frames - 1) continue;
     for (let frame = first; frame <= Math.min(last, frames - 1); frame++) counts[frame] += 1;
   }
   return counts.map((count) => (count ? Math.min(1, 0.35 + 0.05 * count) : 0));
