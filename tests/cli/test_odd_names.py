@@ -51,7 +51,7 @@ def test_a_name_that_is_not_utf_8_is_printed_on_a_strict_output(walks, model, tm
     folder.mkdir()
     shutil.copy(walks / "walk_0.bvh", folder / NOT_UTF8)
     strict = os.environ | {"PYTHONIOENCODING": "utf-8:strict"}
-    words = ("repair", folder, "-m", model, "-o", tmp_path / "out", "--html")
+    words = ("fill", folder, "-m", model, "-o", tmp_path / "out", "--joint", "left_wrist", "--html")
     done = command(*words, env=strict)
     assert done.returncode == 0, done.stderr
     assert r"caf\udce9.bvh: 90 frames" in done.stdout
