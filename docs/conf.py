@@ -6,14 +6,17 @@ The lessons are copied from `lessons/`; the reference of the commands is made fr
 that of the API from the packages' public names; names in the map become links to them.
 """
 
+import doctest
 import inspect
 import pkgutil
 import re
 import sys
 from collections.abc import Iterator
+from contextlib import chdir
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 
 from sphinx.pycode import ModuleAnalyzer
@@ -30,6 +33,7 @@ from lesson_pages import write_lessons  # noqa: E402
 PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
             "evaluation", "viz", "beyond", "course", "experiments", "bench",
             "download")  # fmt: skip
+EXAMPLES = ("ops", "models", "training", "motion", "manifold", "verify")
 
 project = "numpy_cae"
 author = "the numpy_cae authors"
@@ -192,8 +196,21 @@ def escaped(line: str) -> str:
     return re.sub(r"(?<![`\\])([|*])(?!`)", r"\\\1", line)
 
 
+def run_examples() -> None:
+    """Run the examples that the reference shows; ValueError if one prints something else."""
+    options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+    for package in EXAMPLES:
+        top = import_module(f"numpy_cae.{package}")
+        inside = pkgutil.walk_packages(top.__path__, f"{top.__name__}.")
+        for name in (top.__name__, *(module.name for module in inside)):
+            with TemporaryDirectory() as folder, chdir(folder):
+                if doctest.testmod(import_module(name), optionflags=options).failed:
+                    raise ValueError(f"an example of {name} does not print what it says")
+
+
 def setup(app) -> None:
-    """Make the generated pages before Sphinx looks for pages."""
+    """Run the examples, and make the generated pages before Sphinx looks for pages."""
+    run_examples()
     write_commands()
     write_api()
     students = HERE.parent / "numpy_cae" / "course" / "notebooks"
