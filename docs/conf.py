@@ -6,7 +6,6 @@ The lessons are copied from `lessons/`; the reference of the commands is made fr
 that of the API from the packages' public names; names in the map become links to them.
 """
 
-import doctest
 import inspect
 import pkgutil
 import re
@@ -26,6 +25,7 @@ from numpy_cae import cli
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
+from docstring_examples import example_modules, failures  # noqa: E402
 from equations import as_tex, is_equation  # noqa: E402
 from example_repair import write_example  # noqa: E402
 from lesson_pages import write_lessons  # noqa: E402
@@ -33,7 +33,6 @@ from lesson_pages import write_lessons  # noqa: E402
 PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
             "evaluation", "viz", "beyond", "course", "experiments", "bench",
             "download")  # fmt: skip
-EXAMPLES = ("ops", "models", "training", "motion", "manifold", "verify")
 
 project = "numpy_cae"
 author = "the numpy_cae authors"
@@ -198,14 +197,10 @@ def escaped(line: str) -> str:
 
 def run_examples() -> None:
     """Run the examples that the reference shows; ValueError if one prints something else."""
-    options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
-    for package in EXAMPLES:
-        top = import_module(f"numpy_cae.{package}")
-        inside = pkgutil.walk_packages(top.__path__, f"{top.__name__}.")
-        for name in (top.__name__, *(module.name for module in inside)):
-            with TemporaryDirectory() as folder, chdir(folder):
-                if doctest.testmod(import_module(name), optionflags=options).failed:
-                    raise ValueError(f"an example of {name} does not print what it says")
+    for name in example_modules():
+        with TemporaryDirectory() as folder, chdir(folder):
+            if failures(name):
+                raise ValueError(f"an example of {name} does not print what it says")
 
 
 def setup(app) -> None:

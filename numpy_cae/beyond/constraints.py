@@ -8,9 +8,9 @@ in squared metres, and its pullback to the features (F, 63).
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, local_positions
 from numpy_cae.motion.heading import rotate_on_floor
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.joints import PARENTS
 from numpy_cae.ops.shapes import Pullback
 
 CENTIMETRES = 1e4
@@ -32,7 +32,7 @@ def bone_length_error(features: np.ndarray, lengths: np.ndarray) -> tuple[float,
     lengths : (20,) array of float
         l of the bone that ends at each joint, metres.
     """
-    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    q = local_positions(features)
     bones = q[:, _ENDS] - q[:, _STARTS]
     measured = np.linalg.norm(bones, axis=-1, keepdims=True)
     gap = measured - np.asarray(lengths)[_ENDS][:, None]
@@ -63,7 +63,7 @@ def foot_sliding_error(features: np.ndarray, contacts: np.ndarray) -> tuple[floa
     contacts : (F, 2) array of bool
         Left and right; a foot must stay where both t and t + 1 are in contact.
     """
-    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    q = local_positions(features)
     feet = q[:, FEET][..., [_X, _Z]]
     velocity, turn = features[:-1, None, VELOCITY], features[:-1, TURN]
     carried = rotate_on_floor(feet[1:], turn)
@@ -94,7 +94,7 @@ def ground_penetration(features: np.ndarray, ground: float) -> tuple[float, Pull
     ground : float
         Height of the ground, metres.
     """
-    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    q = local_positions(features)
     depth = np.maximum(0.0, ground - q[..., 1])
 
     def pullback(dloss: float = 1.0) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from numpy_cae.motion.features import POSITIONS
+from numpy_cae.motion.features import POSITIONS, local_positions
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.ops.shapes import Pullback
 
@@ -34,7 +34,7 @@ def exact_lengths(features: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray
     pullback : d_exact -> d_features
     """
     features = np.asarray(features, np.float64)
-    q = features[:, POSITIONS].reshape(-1, len(JOINTS), 3)
+    q = local_positions(features)
     e = q.copy()
     unit, ratio = np.zeros_like(q), np.zeros((*q.shape[:2], 1))
     for joint, parent in enumerate(PARENTS):

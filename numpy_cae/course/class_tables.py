@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
+from shutil import copyfile
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
@@ -72,7 +73,7 @@ def write_tables(
         table.append(row)
     if path.exists():
         numbered = (path.with_suffix(f".{n}{path.suffix}") for n in range(1, 10_000))
-        path.rename(next(free for free in numbered if not free.exists()))
+        copyfile(path, next(free for free in numbered if not free.exists()))
     _write(path, table)
     _write(path.with_stem(f"{path.stem}_statistics"), _statistics(list(reports.values())))
     if roster:

@@ -11,7 +11,7 @@ from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.manifold.evidence.jumps import curves_of, jumps_of
 from numpy_cae.manifold.fill import fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import POSITIONS
+from numpy_cae.motion.features import local_positions
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, in_file, runs, runs_with
 from numpy_cae.motion.motion import Motion
@@ -97,7 +97,7 @@ def residual(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray
     The motion (F, 63) is projected after the joints of the mask `missing` (F, 20) are filled in.
     """
     filled = fill(manifold, features, missing)
-    return _local(features - manifold.project(filled, average_shifts=True))
+    return local_positions(features - manifold.project(filled, average_shifts=True))
 
 
 def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
@@ -105,8 +105,3 @@ def typical(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
     ignored = missing & ~missing.all(axis=0)
     ignored = ignored.reshape(*ignored.shape, *[1] * (values.ndim - 2))
     return np.nanmedian(np.where(ignored, np.nan, values), axis=0)
-
-
-def _local(features: np.ndarray) -> np.ndarray:
-    """The positions in features (F, 63) as (F, 20, 3)."""
-    return features[:, POSITIONS].reshape(-1, len(JOINTS), 3)

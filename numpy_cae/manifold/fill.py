@@ -26,7 +26,7 @@ from functools import partial
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import POSITIONS
+from numpy_cae.motion.features import POSITIONS, local_positions
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import run_lengths, runs_with
 from numpy_cae.motion.motion import RATE
@@ -90,7 +90,7 @@ def fill(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) ->
     masks = [missing, *[again] * (REPEATS - 1 if again.any() else 0)]
     share = np.minimum(1.0, 0.2 + 0.8 * lengths / SHORT)
     started = _with_mean_pose(manifold, features, missing)
-    points = started[:, POSITIONS].reshape(-1, len(JOINTS), 3)  # a view
+    points = local_positions(started)  # a view
     points[...] = spline(points, missing)
     return _projected(manifold, started, masks, spline, share)
 
@@ -145,11 +145,10 @@ def _projected(
     missing.
     """
     filled = start.copy()
-    points, initial = (x[:, POSITIONS].reshape(-1, len(JOINTS), 3) for x in (filled, start))
+    points, initial = map(local_positions, (filled, start))
     missing, always = masks[0], np.asarray(masks[0].all(axis=0))[:, None]
     for unknown in masks if share.any() else []:
-        projected = manifold.project(filled, average_shifts=True)[:, POSITIONS]
-        projected = projected.reshape(points.shape)
+        projected = local_positions(manifold.project(filled, average_shifts=True))
         error = interpolate(np.where(always, 0.0, points - projected), missing)
         points[unknown] = (projected + error)[unknown]
     points[missing] = (initial + share[..., None] * (points - initial))[missing]

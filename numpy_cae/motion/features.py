@@ -151,8 +151,12 @@ def features_to_positions(features: np.ndarray, start: RootTransform | None = No
     """
     features = np.asarray(features, dtype=np.float64)
     floor, theta = trajectory_of(features, start)
-    local = features[:, POSITIONS].reshape(len(features), len(JOINTS), 3)
-    return rotate_about_y(local, theta[:, None]) + floor[:, None]
+    return rotate_about_y(local_positions(features), theta[:, None]) + floor[:, None]
+
+
+def local_positions(features: np.ndarray) -> np.ndarray:
+    """The positions of the joints in features (F, 63), in the body's frame: a view (F, 20, 3)."""
+    return features[:, POSITIONS].reshape(len(features), len(JOINTS), 3)
 
 
 def trajectory_of(

@@ -16,6 +16,7 @@ motion: they are interpolated (`holes`).
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -58,16 +59,16 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
     """The motion with displacements undone, and what is "displaced" interpolated."""
-    for curve in list(curves_of(motion)):
+    changed: dict[str, Any] = {}  # rotations and translations
+    for curve in curves_of(motion):
         kind = "turned" if curve.is_rotation else curve.kind
-        runs = [f.frames for f in findings if (f.joint, f.kind) == (curve.name, kind)]
-        if runs:
-            name = "rotations" if curve.is_rotation else "translations"
-            values = getattr(motion, name).copy()
-            for first, last in runs:
-                values[first : last + 1, curve.joint] = _undone(curve, first, last + 1)
-            motion = replace(motion, **{name: values})
-    return interpolate(motion, [f for f in findings if f.kind == "displaced"])
+        name = "rotations" if curve.is_rotation else "translations"
+        for first, last in (f.frames for f in findings if (f.joint, f.kind) == (curve.name, kind)):
+            if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all joints
+                changed[name] = getattr(motion, name).copy()
+            changed[name][first : last + 1, curve.joint] = _undone(curve, first, last + 1)
+    undone = replace(motion, **changed)
+    return interpolate(undone, [f for f in findings if f.kind == "displaced"])
 
 
 def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:

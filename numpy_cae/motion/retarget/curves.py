@@ -10,13 +10,13 @@ x is one of the curves of `motion.retarget.key_curves`, or a mean of them: `mani
 its weights.
 """
 
-import itertools
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.motion.angles import unwrapped
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
@@ -138,7 +138,8 @@ def rotations_over_holes(
         start = filled[keys[max(before - 1, 0)], columns]
         vectors = to_vector(product(inverse(start), filled[np.ix_(keys, columns)]))
         for side in (vectors[:before][::-1], vectors[max(before - 1, 0) :]):
-            _unwrap(side)
+            if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
+                side[...] = unwrapped(side)
         times = np.arange(first, end) / rate
         turned = curve_at(columns[0], first)(keys / rate, vectors, times)
         filled[first:end, columns] = product(start, from_vector(turned))
@@ -157,15 +158,3 @@ def _holes(missing: np.ndarray, rate: float) -> Iterator[tuple[np.ndarray, int, 
         for first, end in runs(missing[:, alike[0]]):
             after = int(np.searchsorted(known, first))
             yield np.array(alike), first, end, known[max(after - near, 0) : after + near]
-
-
-def _unwrap(vectors: np.ndarray) -> None:
-    """Change rotation vectors (K, N, 3) in place by whole turns, so that none of them is more than
-    half a turn from the one before it."""
-    if np.abs(vectors).max(initial=0.0) < np.pi / 2:
-        return
-    for before, vector in itertools.pairwise(vectors):
-        length = np.maximum(np.linalg.norm(vector, axis=-1, keepdims=True), 1e-12)
-        axis = vector / length
-        along = np.sum(before * axis, axis=-1, keepdims=True)
-        vector += 2 * np.pi * np.round((along - length) / (2 * np.pi)) * axis
