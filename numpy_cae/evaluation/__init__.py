@@ -1,26 +1,18 @@
 """Measures of motions and of methods, and simple methods to compare the networks with."""
 
-from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
-from numpy_cae.evaluation.errors import angle_distance, position_error
-from numpy_cae.evaluation.interpolation import interpolate_linearly
-from numpy_cae.evaluation.linear_denoiser import LinearDenoiser, Moments
-from numpy_cae.evaluation.pca import PCA
-from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
-from numpy_cae.evaluation.validity import Validity, ValidityMeasure
+from numpy_cae.evaluation.body import bone_length_error as bone_length_error
+from numpy_cae.evaluation.body import foot_sliding as foot_sliding
+from numpy_cae.evaluation.body import jitter as jitter
+from numpy_cae.evaluation.errors import angle_distance as angle_distance
+from numpy_cae.evaluation.errors import position_error as position_error
+from numpy_cae.evaluation.interpolation import interpolate_linearly as interpolate_linearly
+from numpy_cae.evaluation.linear_denoiser import LinearDenoiser as LinearDenoiser
+from numpy_cae.evaluation.linear_denoiser import Moments as Moments
+from numpy_cae.evaluation.pca import PCA as PCA
+from numpy_cae.evaluation.samples import diversity as diversity
+from numpy_cae.evaluation.samples import nearest_distance as nearest_distance
+from numpy_cae.evaluation.samples import nearest_neighbour_accuracy as nearest_neighbour_accuracy
+from numpy_cae.evaluation.validity import Validity as Validity
+from numpy_cae.evaluation.validity import ValidityMeasure as ValidityMeasure
 
-__all__ = [
-    "PCA",
-    "LinearDenoiser",
-    "Moments",
-    "Validity",
-    "ValidityMeasure",
-    "angle_distance",
-    "bone_length_error",
-    "diversity",
-    "foot_sliding",
-    "interpolate_linearly",
-    "jitter",
-    "nearest_distance",
-    "nearest_neighbour_accuracy",
-    "position_error",
-]
+__all__ = [name for name in dir() if not name.startswith("_")]

@@ -31,6 +31,8 @@ MAX_WORKSPACES = 4
 class FastConvAutoencoder(ConvAutoencoder):
     """The methods of a `ConvAutoencoder` on its own layers.
 
+    `decode_with_pullback` is that of the definition.
+
     See `accelerate` for the parameters. `layers` is the model's own list.
     """
 
@@ -65,7 +67,9 @@ class FastConvAutoencoder(ConvAutoencoder):
         out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
 
         def work(worker: Worker, part: slice) -> None:
-            _decoding(layers, y[part], out[part])(worker)
+            _place_windows(y[part][worker.windows], worker.top)
+            decoded = _decode(layers, worker, [None] * len(layers))
+            _copy_windows(decoded, out[part][worker.windows])
 
         self._in_parts(batch, frames, out.dtype, work)
         return out
@@ -83,45 +87,6 @@ class FastConvAutoencoder(ConvAutoencoder):
 
         self._in_parts(len(x), x.shape[1], out.dtype, work)
         return out
-
-    def decode_with_pullback(
-        self, y: np.ndarray
-    ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-        """X̂ = Φ†(Y) and its pullback, as `ConvAutoencoder.decode_with_pullback`.
-
-        The pullback uses what decoding has left in the buffers. If another call has used them
-        since, it decodes once more. The weights must not change between the two.
-        """
-        layers = self.layers
-        require_shape("y", y, ("batch", "frames", layers[-1].b.size))
-        batch, frames = len(y), y.shape[1] << len(layers)
-        x_hat = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
-        if x_hat.size == 0:
-            return x_hat, lambda dx_hat: np.zeros_like(y)
-        y = y.copy()
-        decode = _decoding(layers, y, x_hat)
-        with self._lock:
-            workspace = self._workspace(layers, batch, frames, x_hat.dtype, None, False)
-            workspace.run(layers, decode)
-            content = workspace.content
-
-        def pullback(dx_hat: np.ndarray) -> np.ndarray:
-            require_shape("dx_hat", dx_hat, (batch, frames, layers[0].w.shape[1]))
-            dy = np.empty_like(y, x_hat.dtype)
-
-            def work(worker: Worker) -> None:
-                _place_windows(dx_hat[worker.windows], worker.layers[0].convolution.error)
-                _decode_pullback(worker)
-                _copy_windows(worker.d_top, dy[worker.windows])
-
-            with self._lock:
-                if workspace.content is not content:
-                    workspace.run(layers, _decoding(layers, y, np.empty_like(x_hat)))
-                workspace.run(layers, work, same_weights=True)
-                workspace.content = content  # the pullback leaves what it needs as it was
-            return dy
-
-        return x_hat, pullback
 
     def loss_and_gradients(
         self,
@@ -204,19 +169,6 @@ def _decode(
     for fast, layer, mask in reversed(list(zip(worker.layers, layers, masks, strict=True))):
         decoded = fast.decode(decoded, layer.b, mask)
     return decoded
-
-
-def _decoding(
-    layers: Sequence[ConvLayer], y: np.ndarray, out: np.ndarray
-) -> Callable[[Worker], None]:
-    """The work of decoding y into out, unpooling evenly."""
-
-    def work(worker: Worker) -> None:
-        _place_windows(y[worker.windows], worker.top)
-        decoded = _decode(layers, worker, [None] * len(layers))
-        _copy_windows(decoded, out[worker.windows])
-
-    return work
 
 
 def _decode_pullback(worker: Worker) -> None:

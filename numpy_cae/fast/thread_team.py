@@ -6,18 +6,14 @@ results of another, all workers `wait`. The same worker computes each number in 
 a result depends on the number of threads and on nothing else.
 """
 
-import contextvars
 import os
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from functools import lru_cache
-from queue import SimpleQueue
 
 from numpy_cae.fast.blas import blas_threads, one_blas_thread
-
-
-class OtherWorkerFailed(RuntimeError):
-    """Another worker has failed, so there is nothing to wait for."""
 
 
 class ThreadTeam:
@@ -26,13 +22,8 @@ class ThreadTeam:
     def __init__(self, size: int):
         self.size = size
         self._lock = threading.RLock()
-        self._jobs: list[SimpleQueue] = [SimpleQueue() for _ in range(size)]
-        self._done: SimpleQueue = SimpleQueue()
-        self._reset_arrivals()
-        for worker in range(1, size):
-            threading.Thread(
-                target=self._serve, args=(worker,), name=f"numpy_cae {worker}", daemon=True
-            ).start()
+        self._barrier = threading.Barrier(size)
+        self._others = ThreadPoolExecutor(max(size - 1, 1), "numpy_cae")
 
     def run(self, work: Callable[[int], None]) -> None:
         """Call work(0), work(1), … in parallel, each with one BLAS thread, and wait for all.
@@ -40,54 +31,28 @@ class ThreadTeam:
         If a worker fails, the others are released and its error is raised.
         """
         with self._lock, one_blas_thread():
-            if self.size == 1:
-                work(0)
-                return
-            for worker in range(1, self.size):
-                # In the caller's context, which holds its settings of NumPy's warnings.
-                context = contextvars.copy_context()
-                self._jobs[worker].put((context, work))
-            results = [self._guarded(work, 0)]
-            results += [self._done.get() for _ in range(1, self.size)]
-            failures = [failure for failure in results if failure is not None]
-            if failures:
-                self._reset_arrivals()
-                raise next(each for each in failures if not isinstance(each, OtherWorkerFailed))
+            jobs = [  # in the caller's context, which holds its settings of NumPy's warnings
+                self._others.submit(copy_context().run, self._guarded, work, worker)
+                for worker in range(1, self.size)
+            ]
+            failures = [self._guarded(work, 0), *(job.result() for job in jobs)]
+            self._barrier.reset()
+            for failure in failures:
+                if failure is not None and not isinstance(failure, threading.BrokenBarrierError):
+                    raise failure
 
-    def wait(self, worker: int) -> None:
-        """Wait until every worker has called this method.
-
-        Each worker sends a message to every other. (`threading.Barrier` takes three times as long,
-        which is noticeable for a single window.)
-        """
-        others = [other for other in range(self.size) if other != worker]
-        for other in others:
-            self._arrivals[worker][other].put(True)
-        for other in others:
-            if not self._arrivals[other][worker].get():
-                raise OtherWorkerFailed
-
-    def _serve(self, worker: int) -> None:
-        """The loop of a thread: one job after the other."""
-        while True:
-            context, work = self._jobs[worker].get()
-            self._done.put(context.run(self._guarded, work, worker))
-            del context, work
+    def wait(self) -> None:
+        """Wait until every worker has called this method."""
+        self._barrier.wait()
 
     def _guarded(self, work: Callable[[int], None], worker: int) -> BaseException | None:
         """Run; on failure release the others, which would wait forever."""
         try:
             work(worker)
         except BaseException as failure:
-            for arrivals in self._arrivals[worker]:
-                arrivals.put(False)
+            self._barrier.abort()
             return failure
         return None
-
-    def _reset_arrivals(self) -> None:
-        self._arrivals: list[list[SimpleQueue]] = [
-            [SimpleQueue() for _ in range(self.size)] for _ in range(self.size)
-        ]
 
 
 @lru_cache

@@ -61,11 +61,6 @@ class Workspace:
     training : bool
         Whether gradients for the weights will be computed. Every step of training changes the
         weights, so ŵ is then computed in every run, and the block length is chosen for that.
-
-    Attributes
-    ----------
-    content : object
-        A new object for each run; as long as it is the same, the buffers hold that run's values.
     """
 
     def __init__(
@@ -78,7 +73,7 @@ class Workspace:
         team: ThreadTeam,
         training: bool,
     ):
-        self.team, self.training, self.content = team, training, object()
+        self.team, self.training = team, training
         shapes = [_whole_lines(*shapes[0]), *shapes[1:]]
         self._copies: list[np.ndarray] = []
         sharing = max(1, min(team.size, batch // MIN_WINDOWS_PER_THREAD))
@@ -118,7 +113,6 @@ class Workspace:
         a copy, bit by bit. That takes as long as encoding a window, so the threads work with the ŵ
         that there is and compare meanwhile; if W has changed, they work again with the new ŵ.
         """
-        self.content = object()
         filters = [np.ascontiguousarray(layer.w) for layer in layers]
         copies, self._copies = self._copies, []  # none in case of a failure
         equal = [False] * self.team.size
@@ -145,11 +139,11 @@ class Workspace:
         """ŵ = G w: each thread computes some rows."""
         for w, spectra in zip(filters, self.spectra, strict=True):
             spectra.transform(w, share(len(spectra.w_hat), number, self.team.size))
-        self.team.wait(number)
+        self.team.wait()
 
     def _filters_gradient(self, number: int, dws: Sequence[np.ndarray]) -> None:
         """dw, when the spectra of all windows are known: each thread computes some channels."""
-        self.team.wait(number)
+        self.team.wait()
         for dw, spectra in zip(dws, self.spectra, strict=True):
             spectra.gradient(share(spectra.channels, number, self.team.size), dw)
 

@@ -98,7 +98,6 @@ class SequenceSchedule:
     directions: int = 64  # on which the distance projects
     norm: float = 1.0  # bound on the gradient's norm
     momentum: float = 0.9
-    posture: float = 0.0  # standard deviation of offsets, constant in a clip, one for each of 54
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
 

@@ -51,9 +51,6 @@ def sequence_step(
     x : (B, T, features) are normalised clips. Returns the losses before the step; if the total
     is not finite, no weight is changed.
     """
-    if schedule.posture:
-        shape = (len(x), 1, x.shape[2])
-        x = x + schedule.posture * rng.standard_normal(shape, dtype=x.dtype)
     prior = rng.standard_normal((len(x), model.latent)).astype(x.dtype)
     directions = unit_directions(schedule.directions, model.latent, rng, x.dtype)
     losses, gradients = model.loss_and_gradients(x, prior, directions, schedule.weight)

@@ -77,11 +77,9 @@ def results(model, arguments):
     """Everything that the methods of a network return, as a list of arrays."""
     if isinstance(model, ConvAutoencoder):
         x, y, corrupted, alpha, first = arguments
-        x_hat, pullback = model.decode_with_pullback(y)
         loss, gradients = model.loss_and_gradients(x, corrupted, alpha, first)
         flat = [array for pair in gradients for array in pair]
-        decoded = [model.encode(x), model.decode(y), x_hat, pullback(x), pullback(x_hat)]
-        return [*decoded, model.project(x), loss, *flat]
+        return [model.encode(x), model.decode(y), model.project(x), loss, *flat]
     x, prior, directions, written, weight = arguments
     losses, gradients = model.loss_and_gradients(x, prior, directions, weight)
     assert list(gradients) == list(model.weights)
@@ -231,24 +229,9 @@ def test_no_windows_and_no_frames():
     model, _ = drawn_conv()
     for each in (model, accelerate(model)):
         assert each.encode(np.zeros((2, 0, 3))).shape == (2, 0, 3)
-        x_hat, pullback = each.decode_with_pullback(np.zeros((0, 2, 3)))
-        assert pullback(x_hat).shape == (0, 2, 3)
+        assert each.decode(np.zeros((0, 2, 3))).shape == (0, 8, 3)
         with pytest.raises(ValueError, match="nothing to compare"):
             each.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
-
-
-@pytest.mark.parametrize("batch", [1, 4])
-def test_a_pullback_is_valid_after_other_calls(batch):
-    model, (x, y, *_) = drawn_conv(1, batch)
-    fast = accelerate(model, 2)
-    ys = [scale * y for scale in (1.0, 0.5, -1.2)]
-    pullbacks = [fast.decode_with_pullback(each)[1] for each in ys]
-    fast.encode(x)
-    for k in (2, 0, 1, 1, 2):
-        assert_same([model.decode_with_pullback(ys[k])[1](x)], [pullbacks[k](x)])
-        fast.encode(2 * x)
-    ys[0][...] = 0  # the caller may use its array again
-    assert_same([model.decode_with_pullback(y)[1](x)], [pullbacks[0](x)])
 
 
 def change_one_weight(layer):
@@ -318,11 +301,6 @@ def test_weights_that_were_infinite_cause_no_later_warning(batch):
     [
         (lambda fast: fast.encode(np.zeros((1, 6, 3))), "expected a multiple of 4 frames"),
         (lambda fast: fast.decode(np.zeros((1, 6, 4))), "y has shape"),
-        (lambda fast: fast.decode_with_pullback(np.zeros((1, 6, 4))), "y has shape"),
-        (
-            lambda fast: fast.decode_with_pullback(np.zeros((1, 6, 3)))[1](np.zeros((1, 6, 3))),
-            "dx_hat has shape",
-        ),
         (
             lambda fast: fast.loss_and_gradients(np.zeros((1, 8, 3)), np.zeros((2, 8, 3))),
             "corrupted has shape",

@@ -10,7 +10,7 @@ def test_a_worker_that_fails_releases_the_others_and_raises_its_error():
     def work(worker):
         if worker == 1:
             raise KeyError("what went wrong")
-        thread_team(2).wait(worker)
+        thread_team(2).wait()
 
     for _ in range(2):
         with pytest.raises(KeyError, match="what went wrong"):

@@ -26,7 +26,8 @@ def by_loops(operation):
 
 
 def test_no_operation_is_left_out():
-    assert set(CATALOGUE) == set(ops.__all__) | {"tied_layer"}
+    operations = {name for name in ops.__all__ if callable(getattr(ops, name))}
+    assert set(CATALOGUE) == operations | {"tied_layer"}
 
 
 @pytest.mark.parametrize(

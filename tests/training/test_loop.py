@@ -163,16 +163,6 @@ def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
     np.testing.assert_allclose(np.cov(points.T), np.eye(2), atol=0.2)
 
 
-def test_postures_are_added_to_whole_clips(seen):
-    """The same number in all frames of a clip, another in every clip, with this deviation."""
-    trained(sequence(epochs=1, posture=2.0), lambda rng, n: np.ones((n, 8, 5), np.float32))
-    added = np.concatenate([clips for clips, *_ in seen]) - 1
-    assert added.dtype == np.float32
-    np.testing.assert_array_equal(added, np.broadcast_to(added[:, :1], added.shape))
-    assert len(np.unique(added[:, 0, 0])) == len(added)
-    np.testing.assert_allclose(added.std(), 2.0, rtol=0.1)
-
-
 def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
     """The gradients of the last update, all of them together, are clipped before they descend."""
     clipped, used, clip_norm = [], [], step.clip_norm
