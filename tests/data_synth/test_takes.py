@@ -21,12 +21,6 @@ seeds = st.integers(0, 2**32 - 1)
 every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
-def drawn(test):
-    """The same few seeds every time; `-m thorough` runs fifty that differ from run to run."""
-    few = settings(max_examples=2, deadline=None, derandomize=True)
-    return few(given(seed=seeds, seconds=st.floats(1.5, 6.0))(test))
-
-
 def joint(take: Take, name: str) -> np.ndarray:
     return take.motion.positions()[:, take.motion.skeleton.index(name)]
 
@@ -47,8 +41,10 @@ def test_everything_thoroughly(kind, seed, seconds):
 
 
 @every_kind
-@drawn
+@settings(max_examples=2, deadline=None, derandomize=True)
+@given(seed=seeds, seconds=st.floats(1.5, 6.0))
 def test_everything_holds(kind, seed, seconds):
+    """The same few seeds every time."""
     check_all(kind, seed, seconds)
 
 
