@@ -5,6 +5,7 @@ PyTorch is optional: without it `torch` is None and the table has no column for 
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,10 @@ class Case:
 
     def function(self, model: ConvAutoencoder) -> Callable[[], Any]:
         """The case as a function without arguments."""
-        return {
-            "step": lambda: model.loss_and_gradients(
-                self.x, self.corrupted, self.alpha, self.first, self.layer
-            ),
-            "encode": lambda: model.encode(self.x),
-            "project": lambda: model.project(self.x),
-        }[self.kind]
+        if self.kind != "step":
+            return partial(getattr(model, self.kind), self.x)
+        arguments = self.x, self.corrupted, self.alpha, self.first, self.layer
+        return partial(model.loss_and_gradients, *arguments)
 
 
 def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
@@ -114,11 +112,12 @@ class TorchModel:
 
         if case.kind == "step":
             return step
-        if case.kind == "project":
-            return torch.inference_mode()(
-                lambda: self.decode(self.encode(x, layers), layers, masks)
-            )
-        return torch.inference_mode()(lambda: self.encode(x, layers))
+
+        def infer():
+            y = self.encode(x, layers)
+            return y if case.kind == "encode" else self.decode(y, layers, masks)
+
+        return torch.inference_mode()(infer)
 
     def arrays(self, case: Case) -> list[np.ndarray]:
         """The results of the case, in the order of `arrays_of`."""

@@ -6,7 +6,7 @@ runs that on all workers.
 
 import threading
 from collections.abc import Callable, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -49,44 +49,30 @@ class FastConvAutoencoder(ConvAutoencoder):
         """Y = Φ(X), as `ConvAutoencoder.encode`."""
         layers = self.layers
         require_windows("x", x, layers)
-        batch, frames, _ = x.shape
-        out = np.empty((batch, frames >> len(layers), layers[-1].b.size), _dtype(layers, x))
-
-        def work(worker: Worker, part: slice) -> None:
-            _encode(layers, worker, x[part])
-            _copy_windows(worker.top, out[part][worker.windows])
-
-        self._in_parts(batch, frames, out.dtype, work)
-        return out
+        hidden = x.shape[1] >> len(layers), layers[-1].b.size
+        return self._computed(x, x.shape[1], hidden, _encode)
 
     def decode(self, y: np.ndarray) -> np.ndarray:
         """X̂ = Φ†(Y), unpooling evenly, as `ConvAutoencoder.decode`."""
         layers = self.layers
         require_shape("y", y, ("batch", "frames", layers[-1].b.size))
-        batch, frames = len(y), y.shape[1] << len(layers)
-        out = np.empty((batch, frames, layers[0].w.shape[1]), _dtype(layers, y))
+        frames = y.shape[1] << len(layers)
 
-        def work(worker: Worker, part: slice) -> None:
-            _place_windows(y[part][worker.windows], worker.top)
-            decoded = _decode(layers, worker, [None] * len(layers))
-            _copy_windows(decoded, out[part][worker.windows])
+        def decoded(layers: Sequence[ConvLayer], worker: Worker, y: np.ndarray) -> np.ndarray:
+            _place_windows(y[worker.windows], worker.top)
+            return _decode(layers, worker)
 
-        self._in_parts(batch, frames, out.dtype, work)
-        return out
+        return self._computed(y, frames, (frames, layers[0].w.shape[1]), decoded)
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)), as `ConvAutoencoder.project`; the hidden units stay in the buffers."""
-        layers = self.layers
-        require_windows("x", x, layers)
-        out = np.empty(x.shape, _dtype(layers, x))
+        require_windows("x", x, self.layers)
 
-        def work(worker: Worker, part: slice) -> None:
-            _encode(layers, worker, x[part])
-            decoded = _decode(layers, worker, [None] * len(layers))
-            _copy_windows(decoded, out[part][worker.windows])
+        def projected(layers: Sequence[ConvLayer], worker: Worker, x: np.ndarray) -> np.ndarray:
+            _encode(layers, worker, x)
+            return _decode(layers, worker)
 
-        self._in_parts(len(x), x.shape[1], out.dtype, work)
-        return out
+        return self._computed(x, x.shape[1], x.shape[1:], projected)
 
     def loss_and_gradients(
         self,
@@ -119,19 +105,28 @@ class FastConvAutoencoder(ConvAutoencoder):
             loss = sum(worker.loss for worker in workers)
         return loss, list(zip(dws, dbs, strict=True))
 
-    def _in_parts(
-        self, batch: int, frames: int, dtype: np.dtype, work: Callable[[Worker, slice], None]
-    ) -> None:
-        """Call work(worker, part) for parts of the windows that bound the memory, if any."""
+    def _computed(
+        self, x: np.ndarray, frames: int, shape: tuple[int, ...], compute: Callable
+    ) -> np.ndarray:
+        """compute(layers, worker, part) of x, (B, *shape), in parts that bound the memory.
+
+        It returns rows of frames, (T, B·C); `frames` are those of motion.
+        """
+        layers = self.layers
+        out = np.empty((len(x), *shape), _dtype(layers, x))
         windows = max(1, MAX_FRAMES // max(frames, 1))
         last = None
         with self._lock:
-            for start in range(0, batch if frames else 0, windows):
-                part = slice(start, min(start + windows, batch))
-                size = part.stop - part.start
-                workspace = self._workspace(self.layers, size, frames, dtype, None, False)
-                workspace.run(self.layers, partial(work, part=part), workspace is last)
+            for start in range(0, len(x) if frames else 0, windows):
+                given, taken = x[start : start + windows], out[start : start + windows]
+
+                def work(worker: Worker, given=given, taken=taken) -> None:
+                    _copy_windows(compute(layers, worker, given), taken[worker.windows])
+
+                workspace = self._workspace(layers, len(given), frames, out.dtype, None, False)
+                workspace.run(layers, work, workspace is last)
                 last = workspace
+        return out
 
     def _workspace(
         self,
@@ -154,18 +149,19 @@ def _dtype(layers: Sequence[ConvLayer], *arrays: np.ndarray) -> np.dtype:
     return np.result_type(*arrays, *(layer.w for layer in layers))
 
 
-def _encode(layers: Sequence[ConvLayer], worker: Worker, x: np.ndarray) -> None:
-    """Φ of the worker's windows, into `worker.top`."""
+def _encode(layers: Sequence[ConvLayer], worker: Worker, x: np.ndarray) -> np.ndarray:
+    """Φ of the worker's windows, `worker.top`."""
     _place_windows(x[worker.windows], worker.layers[0].convolution.x)
     for fast, layer in zip(worker.layers, layers, strict=True):
         fast.encode(layer.b)
+    return worker.top
 
 
 def _decode(
-    layers: Sequence[ConvLayer], worker: Worker, masks: Sequence[np.ndarray | None]
+    layers: Sequence[ConvLayer], worker: Worker, masks: Sequence[np.ndarray | None] | None = None
 ) -> np.ndarray:
-    """Φ† of `worker.top`, (T, B·C)."""
-    decoded = worker.top
+    """Φ† of `worker.top`, (T, B·C); without masks it unpools evenly."""
+    decoded, masks = worker.top, masks or [None] * len(layers)
     for fast, layer, mask in reversed(list(zip(worker.layers, layers, masks, strict=True))):
         decoded = fast.decode(decoded, layer.b, mask)
     return decoded

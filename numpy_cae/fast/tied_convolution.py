@@ -107,17 +107,12 @@ class TiedConvolution:
         self.z, self.d_convolved = all_z[: frames // rate], all_dy[:frames]
         self._z_blocks, self._dy_blocks = _cut(all_z, count), _cut(all_dy, count)
 
-        self._outputs = {
-            "convolve": buffer(rows, batch * filters, dtype),
-            "transposed": padded(batch * channels),
-            "transposed pullback": buffer(rows // rate, batch * filters, dtype),
-            "convolve pullback": padded(batch * channels),
-        }
-        self._valid = {
-            "convolve": slice(0, frames),
-            "transposed": inside,
-            "transposed pullback": slice(0, frames // rate),
-            "convolve pullback": inside,
+        halved_dz = buffer(rows // rate, batch * filters, dtype)
+        self._outputs = {  # each with the frames that count
+            "convolve": (buffer(rows, batch * filters, dtype), slice(frames)),
+            "transposed": (padded(batch * channels), inside),
+            "transposed pullback": (halved_dz, slice(frames // rate)),
+            "convolve pullback": (padded(batch * channels), inside),
         }
         self._parts = np.empty((count, constants.points, batch * channels), dtype)
 
@@ -156,17 +151,17 @@ class TiedConvolution:
         """C ((A blocks) ∘ ŵ); A blocks is kept for the gradient of the filters."""
         multiply_columns(self.a, blocks, _by_block(analysed, self._count))
         multiply_rows(analysed, self._w_hat, self._product_d)
-        multiply_columns(
-            c, _by_block(self._product_d, self._count), _cut(self._outputs[name], self._count)
-        )
-        return self._outputs[name][self._valid[name]]
+        output, valid = self._outputs[name]
+        multiply_columns(c, _by_block(self._product_d, self._count), _cut(output, self._count))
+        return output[valid]
 
     def _backwards(self, spectra: np.ndarray, name: str) -> np.ndarray:
         """Aᵀ (spectra ∘ ŵᵀ), the overlaps added."""
         multiply_rows(spectra, self._w_hat.transpose(0, 2, 1), self._product_c)
         multiply_columns(self.a.T, _by_block(self._product_c, self._count), self._parts)
-        overlap_add(self._parts, self.blocks, self._outputs[name])
-        return self._outputs[name][self._valid[name]]
+        output, valid = self._outputs[name]
+        overlap_add(self._parts, self.blocks, output)
+        return output[valid]
 
 
 def _by_block(rows: np.ndarray, count: int) -> np.ndarray:

@@ -30,10 +30,7 @@ class Worker:
     """
 
     def __init__(
-        self,
-        windows: slice,
-        convolutions: list[TiedConvolution],
-        shapes: Sequence[LayerShape],
+        self, windows: slice, convolutions: list[TiedConvolution], shapes: Sequence[LayerShape]
     ):
         self.windows = windows
         batch = windows.stop - windows.start
@@ -80,24 +77,14 @@ class Workspace:
         windows = [share(batch, number, sharing) for number in range(sharing)]
         # Without gradients the time depends on the windows of one thread, each reading all of ŵ.
         together = batch if training else -(-batch // sharing)
-        self.spectra = [
-            FilterSpectra(
-                shape,
-                batch,
-                frames >> k,
-                cheapest_length(*shape, together, frames >> k, training),
-                dtype,
-            )
-            for k, (shape, _) in enumerate(shapes)
-        ]
+        self.spectra = []
+        for k, (shape, _) in enumerate(shapes):
+            longest = cheapest_length(*shape, together, frames >> k, training)
+            self.spectra.append(FilterSpectra(shape, batch, frames >> k, longest, dtype))
         self.workers = []
         for part in windows:
-            convolutions = [
-                TiedConvolution(spectra, part, frames >> k, evenly)
-                for k, (spectra, evenly) in enumerate(
-                    zip(self.spectra, unpooled_evenly, strict=True)
-                )
-            ]
+            layers = enumerate(zip(self.spectra, unpooled_evenly, strict=True))
+            convolutions = [TiedConvolution(s, part, frames >> k, even) for k, (s, even) in layers]
             self.workers.append(Worker(part, convolutions, shapes))
 
     def run(

@@ -168,11 +168,21 @@ class ConvAutoencoder:
     ) -> tuple[float, Gradients]:
         """Equation 3 and its derivatives, for the whole stack or for one layer by itself.
 
-            Loss = mean((X - Φ†(Φ(X_c)))²) + α · mean(|Φ(X_c)|)
+        With Y = Φ(X_c) and X̂ = Φ†(Y), the loss is a sum of two terms,
 
-        The paper has sums over elements; we take means, see ops/losses.py. W and b are used twice,
-        in the encoder and in the decoder, so the gradient for each is the sum of two shares, which
-        `loss_and_shares` computes: dL/dW = (dL/dW through Φ) + (dL/dW through Φ†).
+            Loss = mean((X̂ - X)²) + α · mean(|Y|)
+
+        and Y acts on both: on the first through X̂, on the second directly. The paper has sums over
+        elements; we take means, see ops/losses.py. From the end to the start,
+
+            dX̂ = 2 (X̂ - X) / N                         pullback of the mean squared error
+            dY, decoder's shares   from dX̂              pullbacks of Φ_1†, Φ_2†, …, Φ_n†
+            dY += α · sign(Y) / N_Y                     pullback of the sparsity term
+            encoder's shares       from dY              pullbacks of Φ_n, …, Φ_2, Φ_1
+
+        N is the number of elements of X, N_Y that of Y. W and b are used twice, in the encoder and
+        in the decoder, so the gradient for each is the sum of two shares: dL/dW = (dL/dW through
+        Φ) + (dL/dW through Φ†). X_c is data, so the gradient that Φ_1 returns for it is not used.
 
         Parameters
         ----------
@@ -195,67 +205,30 @@ class ConvAutoencoder:
         """
         layers = self.layers if layer is None else [self.layers[layer]]
         require_denoising_arguments(layers, x, corrupted, first)
-        loss, encoder_shares, decoder_shares = loss_and_shares(layers, x, corrupted, alpha, first)
-        gradients = [
-            (dw_encoder + dw_decoder, db_encoder + db_decoder)
-            for (dw_encoder, db_encoder), (dw_decoder, db_decoder) in zip(
-                encoder_shares, decoder_shares, strict=True
-            )
-        ]
-        return loss, gradients
+        masks = [None] * len(layers) if first is None else list(first)
 
+        y = corrupted  # (B, T, C)
+        encode_pullbacks = []
+        for each in layers:
+            y, encode_pullback = each.encode_with_pullback(y)  # (B, T/2, 64), (B, T/4, 128), …
+            encode_pullbacks.append(encode_pullback)
+        x_hat, decode_pullbacks = _decode_layers(layers, y, masks)  # (B, T, C)
+        error, error_pullback = ops.mean_squared_error(x_hat, x)
+        sparsity, sparsity_pullback = ops.mean_absolute(y)
+        loss = error + alpha * sparsity
 
-def loss_and_shares(
-    layers: Sequence[ConvLayer],
-    x: np.ndarray,
-    corrupted: np.ndarray,
-    alpha: float,
-    first: Sequence[np.ndarray | None] | None,
-) -> tuple[float, Gradients, Gradients]:
-    """Equation 3, and the encoder's and the decoder's share of each layer's gradient.
-
-    With Y = Φ(X_c) and X̂ = Φ†(Y), the loss is a sum of two terms,
-
-        Loss = mean((X̂ - X)²) + α · mean(|Y|)
-
-    and Y acts on both: on the first through X̂, on the second directly. From the end to the start,
-
-        dX̂ = 2 (X̂ - X) / N                         pullback of the mean squared error
-        dY, decoder's shares   from dX̂              pullbacks of Φ_1†, Φ_2†, …, Φ_n†
-        dY += α · sign(Y) / N_Y                     pullback of the sparsity term
-        encoder's shares       from dY              pullbacks of Φ_n, …, Φ_2, Φ_1
-
-    N is the number of elements of X, N_Y that of Y. X_c is data, so the gradient that Φ_1 returns
-    for it is not used.
-
-    Returns
-    -------
-    loss : float
-    encoder_shares, decoder_shares : lists of (dw, db), lowest layer first
-    """
-    masks = [None] * len(layers) if first is None else list(first)
-
-    y = corrupted  # (B, T, C)
-    encode_pullbacks = []
-    for layer in layers:
-        y, encode_pullback = layer.encode_with_pullback(y)  # (B, T/2, 64), (B, T/4, 128), …
-        encode_pullbacks.append(encode_pullback)
-    x_hat, decode_pullbacks = _decode_layers(layers, y, masks)  # (B, T, C)
-    error, error_pullback = ops.mean_squared_error(x_hat, x)
-    sparsity, sparsity_pullback = ops.mean_absolute(y)
-    loss = error + alpha * sparsity
-
-    decoder_shares = []  # the lowest layer decodes last, so its pullback is the first
-    d = error_pullback()  # (B, T, C)
-    for decode_pullback in reversed(decode_pullbacks):
-        d, dw, db = decode_pullback(d)  # (B, T/2, 64), (B, T/4, 128), …; dw (K, C, D), db (D,)
-        decoder_shares.append((dw, db))
-    encoder_shares = []
-    d = d + sparsity_pullback(alpha)  # (B, T/8, 256): both terms of the loss
-    for encode_pullback in reversed(encode_pullbacks):
-        d, dw, db = encode_pullback(d)  # …, (B, T/2, 64), (B, T, C)
-        encoder_shares.append((dw, db))
-    return float(loss), encoder_shares[::-1], decoder_shares
+        decoder_shares = []  # the lowest layer decodes last, so its pullback is the first
+        d = error_pullback()  # (B, T, C)
+        for decode_pullback in reversed(decode_pullbacks):
+            d, dw, db = decode_pullback(d)  # (B, T/2, 64), (B, T/4, 128), …; dw (K, C, D), db (D,)
+            decoder_shares.append((dw, db))
+        gradients = []
+        d = d + sparsity_pullback(alpha)  # (B, T/8, 256): both terms of the loss
+        for encode_pullback in reversed(encode_pullbacks):
+            d, dw, db = encode_pullback(d)  # …, (B, T/2, 64), (B, T, C)
+            dw_decoder, db_decoder = decoder_shares.pop()
+            gradients.append((dw + dw_decoder, db + db_decoder))
+        return float(loss), gradients[::-1]
 
 
 def _decode_layers(

@@ -62,10 +62,7 @@ def minutes_of(takes: Sequence[np.ndarray], rate: float) -> str:
 
 
 def usable_bodies(
-    paths: Sequence[Path],
-    mapping: Mappings,
-    coordinates: Coordinates | None,
-    strict: bool = False,
+    paths: Sequence[Path], mapping: Mappings, coordinates: Coordinates | None, strict: bool = False
 ) -> Iterator[ReadResult]:
     """The bodies that `read_bodies` can read. A file that cannot be used is an error if `strict` or
     if it is the only one, otherwise it is reported and skipped; ValueError if all are.
