@@ -25,8 +25,13 @@ if __name__ == "__main__":
     began, epochs = time.process_time(), SCHEDULE.epochs
     takes = make_takes(MINUTES, seed=110, rate=25, kinds=["walking"])
     manifold = learn_sequences(
-        [angles_of(take.motion) for take in takes], SCHEDULE, 0, HIDDEN, LATENT, 0, FRAMES,
+        [angles_of(take.motion) for take in takes],
+        SCHEDULE,
         report=lambda state: None,
-    )  # fmt: skip
+        hidden=HIDDEN,
+        latent=LATENT,
+        burn_in=0,
+        frames=FRAMES,
+    )
     save_manifold(manifold, FILE, half=True)
     print(f"{FILE}: {time.process_time() - began:.0f} s of processor time")

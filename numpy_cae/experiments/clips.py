@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.evaluation import position_error
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE, project_shifted
-from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.windows import cut_windows
 
 NETWORK, REPEATED = "the network", "the network, ends repeated"
@@ -49,35 +48,10 @@ class Clips:
                 squares.append(error**2 * frames[-1])
         return float(np.sqrt(sum(squares) / sum(frames)))
 
-    def jitter(self, x: np.ndarray) -> float:
-        """The `jitter` of windows in the world, m/s², weighted by their number of accelerations."""
-        rate, features = self.manifold.rate, self.manifold.denormalise(x)
-        clips = [window[real] for window, real in zip(features, self.real, strict=True)]
-        clips = [clip for clip in clips if len(clip) >= 3]
-        each = [jitter(features_to_positions(clip), rate) for clip in clips]
-        return float(np.average(each, weights=[len(clip) - 2 for clip in clips]))
-
-    def features(self, x: np.ndarray, window: int) -> np.ndarray:
-        """The real frames of one of the windows x, as features (F, 63) in metres."""
-        return self.manifold.denormalise(x[window][self.real[window]])
-
-    def later(self, frames: int) -> Clips:
-        """The same windows, delayed by a number of frames; the frames before the delayed windows do
-        not count."""
-        real = np.roll(self.real, frames, axis=1) & self.real
-        real[:, :frames] = False
-        return replace(self, x=np.roll(self.x, frames, axis=1), real=real)
-
     def evenly(self, count: int) -> Clips:
         """At most `count` of the windows, evenly spaced."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
-        return self.where(chosen, np.ones_like(self.real))
-
-    def where(self, windows: np.ndarray, frames: np.ndarray) -> Clips:
-        """The windows chosen by (N,) bool or by their numbers, in which the frames chosen by (N, T)
-        bool count."""
-        real = (self.real & frames)[windows]
-        return replace(self, x=self.x[windows], real=real, take=self.take[windows])
+        return replace(self, x=self.x[chosen], real=self.real[chosen], take=self.take[chosen])
 
 
 def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:

@@ -136,13 +136,9 @@ def learn_sequences(
     sequences: Sequence[AngleSequence],
     schedule: SequenceSchedule | None = None,
     seed: int = 0,
-    hidden: int = HIDDEN,
-    latent: int = LATENT,
-    burn_in: int = BURN_IN,
-    frames: int = CLIP,
     report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
-    engine: str = "fast",
+    **network,
 ) -> SequenceManifold:
     """Train a sequential manifold on motions of one action.
 
@@ -150,10 +146,11 @@ def learn_sequences(
     ----------
     sequences : sequence of AngleSequence
         Motions shorter than a clip are skipped.
-    schedule, seed, report, checkpoint, engine
+    schedule, seed, report, checkpoint
         As in `learn_manifold`.
-    hidden, latent, burn_in, frames : int
-        As in `SequentialAutoencoder`; `frames` is the length of a clip.
+    network
+        The arguments of `untrained_sequences` that describe the network: hidden, latent, burn_in,
+        frames (the length of a clip) and engine.
 
     Returns
     -------
@@ -177,7 +174,7 @@ def learn_sequences(
     (1, 3)
     """
     rng = np.random.default_rng(seed)
-    manifold = untrained_sequences(sequences, rng, hidden, latent, burn_in, frames, engine)
+    manifold = untrained_sequences(sequences, rng, **network)
     train_on_sequences(manifold, sequences, schedule, rng, report, checkpoint)
     manifold.settings = {"seed": seed} | manifold.settings
     return manifold

@@ -97,7 +97,9 @@ def test_the_regulariser_with_and_without(studies, monkeypatch):
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder):
-    made = study.synthetic_action("walking", 0.2)
+    counted = []
+    made = study.synthetic_action("walking", 0.2, report=lambda *counts: counted.append(counts))
     assert made.periodic and len(made.training) and len(made.testing)
+    assert counted == [(1, 2), (2, 2)]
     read = study.read_action("walking", [data_folder / "cmu/expmap/walking"], ["walking_5.txt"])
     assert (len(read.training), len(read.testing)) == (4, 1)

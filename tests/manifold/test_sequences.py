@@ -40,8 +40,8 @@ def test_a_seed_determines_the_weights_and_a_report_changes_nothing(manifold, se
         steps.append((state.epoch, state.step))
         manifold.network.denoise(manifold.normalise(cut_clips(sequences)))
 
-    again = learn_sequences(sequences, SHORT, 0, 6, 3, report=report).network.weights
-    other = learn_sequences(sequences, SHORT, 1, 6, 3).network.weights
+    again = learn_sequences(sequences, SHORT, 0, report, hidden=6, latent=3).network.weights
+    other = learn_sequences(sequences, SHORT, 1, hidden=6, latent=3).network.weights
     assert steps == [(0, 1), (0, 2), (1, 0)]
     for name, weight in manifold.network.weights.items():
         np.testing.assert_array_equal(weight, again[name])

@@ -10,6 +10,7 @@ examples:
 
 import argparse
 import sys
+import time
 
 from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import write_texts
@@ -27,6 +28,7 @@ SUMMARY = (
     "first pose, and the same network without its regulariser. The best value of a column is bold."
 )
 ACTIONS = ("walking", "waiting", "walking_dog")
+INTERVAL = 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -90,7 +92,13 @@ def _actions(args: argparse.Namespace) -> list[Action]:
 
 
 def _synthesised(name: str, args: argparse.Namespace) -> Action:
-    if not args.quiet:
-        minutes = f"{args.minutes:g} minutes to train on and {args.minutes:g} to test on"
-        print(f"{name}: making {minutes}", file=sys.stderr, flush=True)
-    return synthetic_action(name, args.minutes, args.seed)
+    """An action; a line to standard error counts its takes every `INTERVAL` seconds."""
+    printed = -INTERVAL
+
+    def report(made: int, count: int) -> None:
+        nonlocal printed
+        if not args.quiet and (made == count or time.monotonic() - printed > INTERVAL):
+            print(f"{name}: {made} of {count} takes made", file=sys.stderr, flush=True)
+            printed = time.monotonic()
+
+    return synthetic_action(name, args.minutes, args.seed, report)

@@ -59,20 +59,26 @@ class Action:
     periodic: bool = False
 
 
-def synthetic_action(kind: str, minutes: float, seed: int = 0) -> Action:
+def synthetic_action(
+    kind: str,
+    minutes: float,
+    seed: int = 0,
+    report: Callable[[int, int], None] | None = None,
+) -> Action:
     """Synthesise an action of `data_synth.JANG2018_KINDS`, so many minutes to train on and to test
     on; every take is of another person.
 
     With few people, the discrepancy of the held-out clips would measure who these people are
-    rather than how the network encodes them.
+    rather than how the network encodes them. `report` is called after each take with the number of
+    takes that are made and that of all.
     """
-    halves = [
-        [
-            angles_of(replace(plan, person=plan.number).make(ANGLE_RATE).motion)
-            for plan in plan_takes(minutes, number, [kind])
-        ]
-        for number in (2 * seed + 1, 2 * seed + 2)
-    ]
+    plans = [plan_takes(minutes, number, [kind]) for number in (2 * seed + 1, 2 * seed + 2)]
+    halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
+    for made, plan in enumerate([*plans[0], *plans[1]], start=1):
+        take = replace(plan, person=plan.number).make(ANGLE_RATE)
+        halves[made > len(plans[0])].append(angles_of(take.motion))
+        if report is not None:
+            report(made, len(plans[0]) + len(plans[1]))
     return Action(kind, *halves, periodic=kind in PERIODIC)
 
 
