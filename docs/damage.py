@@ -1,4 +1,4 @@
-"""Damage of seven kinds in the rig of the file, repaired with the mask unknown, with the mask
+"""Damage of eleven kinds in the rig of the file, repaired with the mask unknown, with the mask
 given, and by simple methods; holes of several lengths; and what repair does to motions without
 damage.
 
@@ -25,65 +25,78 @@ from numpy_cae.experiments.material import LabelledTake, Material, evenly, featu
 from numpy_cae.experiments.repair.damaged_motion import stretch
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold, Preset, project_motion, repair
+from numpy_cae.manifold.evidence.holes import missing_joints
 from numpy_cae.manifold.evidence.jitter import filter_motion, strongly_filtered
 from numpy_cae.manifold.holes import Holes
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.retarget.body import Body
 from numpy_cae.motion.retarget.curves import on_curves
 from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.retarget.to_rig import retarget
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
-TAKES = 10
-"""Of each source at most this many takes are damaged."""
-HOLE_TAKES = 16
-"""Of each source at most this many takes get holes."""
+TAKES, HOLE_TAKES = 10, 16
+"""Of each source at most so many takes are damaged, and get holes."""
 HOLES = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second."""
-HOLE_JOINTS = {
-    "wrist": ("left_wrist",),
-    "arm": LIMBS["left_arm"],
-    "leg": LIMBS["left_leg"],
-    "whole body": JOINTS,
+PARTS: dict[str, tuple[Sequence[str], float]] = {
+    "wrist": (("left_wrist",), 1.0),
+    "arm": (LIMBS["left_arm"], 0.95),
+    "leg": (LIMBS["left_leg"], 0.8),
+    "whole body": (JOINTS, 1.0),
 }
-MOST = {"wrist": 1.0, "arm": 0.95, "leg": 0.8, "whole body": 1.0}
-"""Repair with the mask given may have at most this share of the error of the best rotation curve,
-the geometric mean over the holes of one length."""
+"""Name of a part to its joints, which are missing in the holes, and the share of the error of the
+best rotation curve that repair with the mask given may have."""
 DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
-LINEAR, PROJECTION = "PCA, mask given", "plain projection"
+LINEAR, PROJECTION, JITTER, BEST = "PCA, mask given", "plain projection", "jitter", "best curve"
 CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
-JITTER, BEST = "jitter", "best curve"
 LEAST_ERROR = 0.02
 """LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
-REMAINS = {
-    "frozen in channels": 13 / 19,
-    "frozen in the world": 13 / 19,
-    "spikes": 1 / 20,
-    "twisted leg": 12 / 56,
-}
+REMAINS = dict.fromkeys(("frozen in channels", "frozen in the world"), 13 / 19)
+REMAINS |= {"spikes": 1 / 20, "twisted leg": 12 / 56}
 """Repair with the mask unknown may leave at most this share of the damage."""
-CHANGE, TOUCHED = "change, cm", "touched, %"
-BEFORE, AFTER = "sliding before, cm/s", "sliding after, cm/s"
-CLEAN = (CHANGE, TOUCHED, BEFORE, AFTER, "known, %")
+RECALL, PRECISION, PROPOSED = (
+    "of the damage, found",
+    "of what is found, damaged",
+    ", with proposals",
+)
+FOUND = 50.0
+"""FOUND: at least this percentage of the damage, and of what is found, is to be right."""
+CLEAN = ("change, cm", "touched, %", "sliding before, cm/s", "sliding after, cm/s", "known, %")
 """What repair does to takes without damage: mean change, share of joints and frames that it
 touched, sliding of the standing foot, share of takes that are like what the model learned from."""
 PCA_TAKES, EXPLAINED = 60, 0.95
 """PCA is fitted to every third frame of at most PCA_TAKES takes, with as many axes as explain the
 share EXPLAINED of the variance."""
+KINDS = tuple(DAMAGES)
+ERROR = (
+    "error, cm. Methods with the mask given know the damaged joints and frames; `repair` smooths "
+    "where the damage is jitter"
+)
+ELSEWHERE, INTACT = "change of everything else, cm", "without damage"
+FINDINGS = "what repair finds, mask unknown, % of joints and frames"
+HOLE_ERROR = "holes in takes without damage, cm"
+RATIO = "the same holes, error of repair by that of each curve, geometric mean over the holes"
+TABLES: dict[str, tuple[Sequence[str], str]] = {
+    ERROR: (KINDS, "low"),
+    ELSEWHERE: (KINDS, ""),
+    FINDINGS: (KINDS, ""),
+    INTACT: (CLEAN, ""),
+    HOLE_ERROR: ((*CURVES, GIVEN), "low across"),
+    RATIO: ((*CURVES, BEST), ""),
+}
+"""Caption to the columns and to what is marked as the best."""
 Values = dict[str, dict[str, list[float]]]
 """Row to column to one number for each take; where a method does not apply there is no column."""
-Filling = Callable[[Body, np.ndarray], Motion]
-"""The motion of a body with the joints of a mask (frames, 20) filled in."""
+Filling = Callable[[Motion, np.ndarray], Motion]
+"""A motion with the joints of a mask (frames, 20) filled in."""
 FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _window(0.3, rate), 2, axis=0),
     "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _window(0.7, rate), 2, axis=0),
     # Of second order, applied forwards and backwards, so that it does not delay.
-    "Butterworth, 3 Hz": lambda x, rate: sosfiltfilt(
-        butter(2, 3.0, fs=rate, output="sos"), x, axis=0
-    ),
+    "Butterworth, 3 Hz": lambda x, rate: sosfiltfilt(butter(2, 3, fs=rate, output="sos"), x, 0),
     "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
     "median, 0.17 s, then Butterworth, 5 Hz": strongly_filtered,
 }
@@ -93,31 +106,30 @@ FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Damage test takes of each source and repair them; `seed` draws the damage."""
     fillings: dict[str, Filling] = {
-        name: partial(curve_filling, curve) for name, curve in CURVES.items()
+        GIVEN: lambda motion, mask: repair(motion, manifold, mask).motion,
+        **{name: partial(curve_filling, curve) for name, curve in CURVES.items()},
+        LINEAR: pca_filling(manifold, material.training),
     }
-    fillings[LINEAR] = pca_filling(manifold, material.training)
     tables, claims, trials = [], [], {}
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
         trial = trials[source] = _Trial(manifold, fillings, seed)
         takes = evenly(testing, TAKES)
         for number, take in enumerate(takes):
-            truth = material.motion(take)
-            trial.add_clean(truth)
-            for kind in DAMAGES:
-                trial.add(truth, kind, number)
+            trial.add(material.motion(take), number)
         for number, take in enumerate(evenly(testing, HOLE_TAKES)):
             trial.add_holes(material.motion(take), number)
+        trial.add_ratios()
         tables += trial.tables(f"{source}, {len(takes)} takes")
         claims += trial.claims(source)
     source, first = next(iter(trials.items()))
+    learned = manifold.settings.get("takes")
     return Result(
         "Repair: damage in the file's own rig",
         tables,
         claims,
-        lambda: _figure(source, first.errors),
-        note=f"The network learned from {manifold.settings.get('takes')} takes, PCA from "
-        f"{len(material.training)}.",
+        lambda: _figure(source, first.values[ERROR]),
+        note=f"The network learned from {learned} takes, PCA from {len(material.training)}.",
     )
 
 
@@ -126,166 +138,136 @@ class _Trial:
 
     def __init__(self, manifold: MotionManifold, fillings: dict[str, Filling], seed: int):
         self.manifold, self.fillings, self.seed = manifold, fillings, seed
-        self.errors, self.elsewhere, self.touched, self.clean, self.holes = (
-            defaultdict(lambda: defaultdict(list)) for _ in range(5)
-        )
+        self.values: dict[str, Values] = {c: defaultdict(lambda: defaultdict(list)) for c in TABLES}
 
-    def add(self, truth: Motion, kind: str, number: int) -> None:
-        """Damage a take and repair it by every method."""
-        rng = np.random.default_rng([self.seed, number])
-        damaged, mask = DAMAGES[kind](truth, rng)
-        repaired = repair(damaged, self.manifold, preset=Preset(smooth=kind == JITTER))
-        made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
-        self.touched["of the damage"][kind].append(100 * repaired.touched[mask].mean())
-        if not mask.all():
-            self.touched["of the rest"][kind].append(100 * repaired.touched[~mask].mean())
-            body = self.manifold.body(damaged)
-            made[GIVEN] = repair(damaged, self.manifold, mask).motion
-            made |= {name: filling(body, mask) for name, filling in self.fillings.items()}
-        made |= {name: filtered(damaged, name) for name in FILTERS}
-        made[PROJECTION] = project_motion(damaged, self.manifold)
-        true, before = body_positions(truth), body_positions(damaged)
-        for name, motion in made.items():
-            after = body_positions(motion)
-            self.errors[name][kind].append(_distance(after, true)[mask].mean())
-            if not mask.all():
-                self.elsewhere[name][kind].append(_distance(after, before)[~mask].mean())
-
-    def add_clean(self, truth: Motion) -> None:
-        """Repair a take without damage."""
-        repaired = repair(truth, self.manifold)
-        before, after = body_positions(truth), body_positions(repaired.motion)
-        slides = [foot_sliding(positions, truth.rate) for positions in (before, after)]
-        change, touched = _distance(after, before).mean(), 100 * repaired.touched.mean()
-        values = (change, touched, *slides, 100.0 * repaired.known)
-        for column, value in zip(CLEAN, values, strict=True):
-            self.clean[UNKNOWN][column].append(value)
+    def add(self, truth: Motion, number: int) -> None:
+        """Repair a take without damage, and by every method with damage of each kind."""
+        true, repaired = body_positions(truth), repair(truth, self.manifold)
+        after = body_positions(repaired.motion)
+        slides = [foot_sliding(positions, truth.rate) for positions in (true, after)]
+        change, touched = _distance(after, true).mean(), 100 * repaired.touched.mean()
+        measures = (change, touched, *slides, 100.0 * repaired.known)
+        for column, value in zip(CLEAN, measures, strict=True):
+            self.values[INTACT][UNKNOWN][column].append(value)
         projected = body_positions(project_motion(truth, self.manifold))
-        self.clean[PROJECTION][CHANGE].append(_distance(projected, before).mean())
+        self.values[INTACT][PROJECTION][CLEAN[0]].append(_distance(projected, true).mean())
+        for kind, damage in DAMAGES.items():
+            damaged, mask = damage(truth, np.random.default_rng([self.seed, number]))
+            before = body_positions(damaged)
+            for name, motion in self._made(damaged, mask, kind).items():
+                after = body_positions(motion)
+                self.values[ERROR][name][kind].append(_distance(after, true)[mask].mean())
+                if not mask.all():
+                    moved = _distance(after, before)[~mask].mean()
+                    self.values[ELSEWHERE][name][kind].append(moved)
+
+    def _made(self, damaged: Motion, mask: np.ndarray, kind: str) -> dict[str, Motion]:
+        """The damaged take by every method; what repair finds is compared with the mask."""
+        repaired = repair(damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER)))
+        findings = [finding for finding in repaired.findings if finding.kind != JITTER]
+        for more, each in (("", findings), (PROPOSED, [*findings, *repaired.proposed])):
+            found = missing_joints(damaged, each)
+            self.values[FINDINGS][RECALL + more][kind].append(100 * found[mask].mean())
+            if found.any():
+                self.values[FINDINGS][PRECISION + more][kind].append(100 * mask[found].mean())
+        made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
+        if not mask.all():
+            made |= {name: filling(damaged, mask) for name, filling in self.fillings.items()}
+        made |= {name: filtered(damaged, name) for name in FILTERS}
+        return made | {PROJECTION: project_motion(damaged, self.manifold)}
 
     def add_holes(self, motion: Motion, number: int) -> None:
         """Fill holes in a take without damage, mask given; where the take is too short, none."""
-        true, body = body_positions(motion), self.manifold.body(motion)
-        for frames in HOLES:
-            if motion.seconds < frames / RATE + 1:
-                continue
+        true = body_positions(motion)
+        for frames in (each for each in HOLES if motion.seconds >= each / RATE + 1):
             rng = np.random.default_rng([self.seed, number, frames])
             hole = stretch(motion, frames / RATE, rng)
-            for name, joints in HOLE_JOINTS.items():
+            for part, (joints, _) in PARTS.items():
                 mask = joint_mask(len(motion), joints, hole)
-                repaired = {name: self.fillings[name](body, mask) for name in CURVES}
-                repaired[GIVEN] = repair(motion, self.manifold, mask).motion
-                for method, made in repaired.items():
-                    error = _distance(body_positions(made), true)[mask].mean()
-                    self.holes[f"{name}, {frames} frames"][method].append(error)
+                for name in (*CURVES, GIVEN):
+                    made = body_positions(self.fillings[name](motion, mask))
+                    error = _distance(made, true)[mask].mean()
+                    self.values[HOLE_ERROR][f"{part}, {frames} frames"][name].append(error)
 
-    def ratios(self) -> dict[str, dict[str, float]]:
-        """Error of repair by that of each rotation curve, mask given, for each kind of hole: the
-        geometric mean over the holes; and the largest of the three, that of the best curve."""
-        ratios = {}
-        for hole, errors in self.holes.items():
-            logs = {
-                name: np.log(np.maximum(errors[name], LEAST_ERROR)) for name in (*CURVES, GIVEN)
-            }
+    def add_ratios(self) -> None:
+        """For each kind of hole the geometric mean over the holes of the error of repair by that of
+        each rotation curve; and the largest of the three, that of the best curve."""
+        for hole, errors in self.values[HOLE_ERROR].items():
+            logs = {name: np.log(np.maximum(each, LEAST_ERROR)) for name, each in errors.items()}
             means = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
-            ratios[hole] = means | {BEST: max(means.values())}
-        return ratios
+            for name, ratio in (means | {BEST: max(means.values())}).items():
+                self.values[RATIO][hole][name].append(ratio)
 
-    def tables(self, name: str) -> list[Table]:
+    def tables(self, source: str) -> list[Table]:
         """All of them."""
-        errors = (
-            f"{name}: error, cm. Methods with the mask given know the damaged joints and frames; "
-            "`repair` smooths where the damage is jitter"
-        )
-        by_curve = {
-            hole: {name: [ratio] for name, ratio in ratios.items()}
-            for hole, ratios in self.ratios().items()
-        }
         return [
-            _table(errors, self.errors, DAMAGES, "low"),
-            _table(f"{name}: change of everything else, cm", self.elsewhere, DAMAGES),
-            _table(f"{name}: joints and frames that repair touches, %", self.touched, DAMAGES),
-            _table(f"{name}: without damage", self.clean, CLEAN),
-            _table(
-                f"{name}: holes in takes without damage, cm",
-                self.holes,
-                (*CURVES, GIVEN),
-                "low across",
-            ),
-            _table(
-                f"{name}: the same holes, error of repair divided by that of each curve, geometric "
-                "mean over the holes",
-                by_curve,
-                (*CURVES, BEST),
-            ),
+            Table(f"{source}: {caption}.", ["", *columns], self._rows(caption, columns), best=best)
+            for caption, (columns, best) in TABLES.items()
+        ]
+
+    def _rows(self, caption: str, columns: Sequence[str]) -> list[list[object]]:
+        return [
+            [name, *(np.mean(numbers[column]) if column in numbers else None for column in columns)]
+            for name, numbers in self.values[caption].items()
         ]
 
     def claims(self, source: str) -> list[Claim]:
         """The claims of the lab book on careful repair."""
-
-        def error(method: str, kind: str) -> float:
-            return float(np.mean(self.errors[method][kind]))
-
-        change, touched, before, after = (np.mean(self.clean[UNKNOWN][c]) for c in CLEAN[:4])
-        moved = max(np.mean(values) for values in self.elsewhere[UNKNOWN].values())
-        damaged, smoothed = error(DAMAGED, JITTER), error(UNKNOWN, JITTER)
-        best_filter = min(FILTERS, key=lambda name: error(name, JITTER))
-        filtered = error(best_filter, JITTER)
-        ratios = {hole: values[BEST] for hole, values in self.ratios().items()}
+        means = {
+            caption: {row: {c: np.mean(n) for c, n in each.items()} for row, each in rows.items()}
+            for caption, rows in self.values.items()
+        }
+        error, ratios = means[ERROR], means[RATIO]
+        before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
+        change, touched, slides, slides_after, _ = means[INTACT][UNKNOWN].values()
+        moved = max(means[ELSEWHERE][UNKNOWN].values())
+        best = min(FILTERS, key=lambda name: error[name][JITTER])
+        best_curve = {kind: min(error[name][kind] for name in CURVES) for kind in given}
+        worse = [kind for kind in given if given[kind] > best_curve[kind]]
+        of_damage, of_found = (means[FINDINGS].get(row, {}) for row in (RECALL, PRECISION))
+        missed = [k for k in KINDS if min(of_damage[k], of_found.get(k, 0.0)) < FOUND]
         measured = [
             (
-                "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it",
-                change <= 0.2 and touched <= 1.0,
-                f"{change:.3f} cm, {touched:.2f}%.",
-            ),
-            (
-                "The standing foot of a clean file slides no more after repair, to 0.01 cm/s",
-                after <= before + 0.01,
-                f"{before:.3f} cm/s before, {after:.3f} after.",
-            ),
-            *(
-                (
-                    f"Without a mark of the damage, repair leaves at most {share:.0%} of its "
-                    f"error: {kind}",
-                    error(UNKNOWN, kind) <= share * error(DAMAGED, kind),
-                    f"{error(DAMAGED, kind):.2f} cm before, {error(UNKNOWN, kind):.2f} after, "
-                    f"{error(UNKNOWN, kind) / error(DAMAGED, kind):.0%}.",
-                )
-                for kind, share in REMAINS.items()
+                "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it; its "
+                "standing foot slides no more, to 0.01 cm/s",
+                change <= 0.2 and touched <= 1.0 and slides_after <= slides + 0.01,
+                f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {slides_after:.3f} after",
             ),
             (
                 "Smoothing leaves no more jitter than the best filter",
-                smoothed <= filtered,
-                f"{damaged:.2f} cm before, {smoothed:.2f} after, {filtered:.2f} by {best_filter}.",
+                unknown[JITTER] <= error[best][JITTER],
+                f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, "
+                f"{error[best][JITTER]:.2f} by {best}",
             ),
-            *(
-                (
-                    f"Where a hole is marked, {part}, fill has at most {most:.0%} of the error of "
-                    "the best curve of animation programs at every length of hole",
-                    bool(of_part) and max(of_part.values()) <= most,
-                    ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items()) + ".",
-                )
-                for part, most in MOST.items()
-                for of_part in [{h: r for h, r in ratios.items() if h.startswith(part)}]
+            (
+                "Where the damage is marked, repair has at most the error of the best curve of "
+                "animation programs, for each kind of damage",
+                not worse,
+                f"not for {', '.join(worse) or 'none'}",
             ),
-            *(
-                (
-                    "Where the damage is marked, repair has at most the error of the best curve of "
-                    f"animation programs: {kind}",
-                    error(GIVEN, kind) <= min(error(name, kind) for name in CURVES),
-                    f"{error(GIVEN, kind):.2f} cm, the curves "
-                    f"{', '.join(f'{error(name, kind):.2f}' for name in CURVES)}.",
-                )
-                for kind in self.errors[GIVEN]
+            (
+                "Of each kind of damage at least half is found, and of what is found at least half "
+                "is damaged",
+                not missed,
+                f"not of {', '.join(missed) or 'none'}",
             ),
             (
                 "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
                 moved <= 0.2,
-                f"at most {moved:.2f} cm in the mean of a kind of damage.",
+                f"at most {moved:.2f} cm in the mean of a kind of damage",
             ),
         ]
+        for kind, share in REMAINS.items():
+            left, figures = unknown[kind] / before[kind], f"{before[kind]:.2f} cm before"
+            what = f"Without a mark of the damage, repair leaves at most {share:.0%} of its error"
+            measured.append((f"{what}: {kind}", left <= share, f"{figures}, {left:.0%} left"))
+        for part, (_, most) in PARTS.items():
+            of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
+            what = f"In marked holes, {part}, fill has at most {most:.0%} of the best curve's error"
+            figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
+            measured.append((what, max(of_part.values(), default=np.inf) <= most, figures))
         return [
-            Claim(f"{sentence} ({source} takes; not in the paper).", bool(confirmed), figures)
+            Claim(f"{sentence} ({source} takes; not in the paper).", bool(confirmed), f"{figures}.")
             for sentence, confirmed, figures in measured
         ]
 
@@ -295,22 +277,14 @@ def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return 100 * np.linalg.norm(one - other, axis=-1)
 
 
-def _table(caption: str, values: Values, columns: Sequence[str], best: str = "") -> Table:
-    rows = [
-        [name, *(np.mean(numbers[column]) if column in numbers else None for column in columns)]
-        for name, numbers in values.items()
-    ]
-    return Table(f"{caption}.", ["", *columns], rows, best=best)
-
-
 def _figure(source: str, errors: Values):
     colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", next(iter(CURVES)): PLAIN}
     colours[next(iter(FILTERS))] = "#4aa6a6"
     groups = [
-        (name, [np.mean(errors[name].get(kind, 0.0)) for kind in DAMAGES], colour)
+        (name, [np.mean(errors[name].get(kind, 0.0)) for kind in KINDS], colour)
         for name, colour in colours.items()
     ]
-    return bars_figure(list(DAMAGES), groups, f"error of {source} takes, cm")
+    return bars_figure(KINDS, groups, f"error of {source} takes, cm")
 
 
 def _window(seconds: float, rate: float) -> int:
@@ -322,11 +296,11 @@ def filtered(motion: Motion, name: str) -> Motion:
     return filter_motion(motion, lambda curve: FILTERS[name](curve, motion.rate))
 
 
-def curve_filling(curve: Curve, body: Body, mask: np.ndarray) -> Motion:
+def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
     """The unknown rotations on a curve, other joints back at their positions."""
-    start = on_curves(body.motion, mask, lambda *_: curve)
-    positions = np.where(mask[..., None], body_positions(start), body_positions(body.motion))
-    return retarget(body.motion, positions, mask, start.at(mask.any(axis=1)))
+    start = on_curves(motion, mask, lambda *_: curve)
+    positions = np.where(mask[..., None], body_positions(start), body_positions(motion))
+    return retarget(motion, positions, mask, start.at(mask.any(axis=1)))
 
 
 def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
@@ -340,8 +314,8 @@ def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
     explained = np.cumsum(fitted.variances) / fitted.variances.sum()
     size = int(np.searchsorted(explained, EXPLAINED)) + 1
 
-    def fill_in(body: Body, mask: np.ndarray) -> Motion:
-        holes = Holes(body, mask)
+    def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
+        holes = Holes(manifold.body(motion), mask)
         features, missing = holes.features, holes.mask
         known = np.ones(features.shape, bool)
         known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)

@@ -19,4 +19,5 @@ def main(run: Callable[[MotionManifold, Material, int], Result], description: st
     add("--seed", type=int, default=0)
     args = parser.parse_args()
     manifold = load_manifold(args.model) if args.model else starter()
-    print(run(manifold, read_material(args.data, args.test), args.seed).text())
+    result = run(manifold, read_material(args.data, args.test), args.seed)
+    print(result.text(), "", *(claim.text() for claim in result.claims), sep="\n")

@@ -1,12 +1,17 @@
-"""Seven kinds of damage to a motion in the rig of its file, for docs/damage.py.
+"""Eleven kinds of damage to a motion in the rig of its file, for docs/damage.py.
 
-Each function returns the damaged motion and the mask of its damaged joints and frames.
+Each function returns the damaged motion and the mask of its damaged joints and frames. The last
+four kinds are those of Mu et al., "StableMotion: Training Motion Cleanup Models with Unpaired
+Corrupted Data" (SIGGRAPH Asia 2025, arXiv:2505.03154), with the numbers of the authors' program
+(github.com/Murrol/StableMotion, `motion_artifacts_smpl`), where motions have 20 frames a second.
+Unlike there, a motion has damage of one kind, and noise is never smoothed.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.experiments.repair.damaged_motion import (
@@ -17,12 +22,23 @@ from numpy_cae.experiments.repair.damaged_motion import (
     stretch,
     twisted_limb,
 )
+from numpy_cae.manifold.evidence.jitter import filter_motion
 from numpy_cae.motion import JOINTS, Motion, body_positions, find_joints, retarget
 from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.retarget.to_rig import bent
 
 JITTER, ROOT_JITTER = np.radians(1.5), 0.004
 """Standard deviations of the rotation about each axis, in radians, and of the root's position, in
 metres."""
+LONG = (1.0, 2.0)
+"""LONG: the range of the length of damage as in StableMotion (s)."""
+NOISE, MOST_NOISE, SMOOTHED, LONGER, FASTEST = 0.1, 0.5, 0.2, 0.1, 0.5
+"""Numbers of StableMotion. NOISE, MOST_NOISE: the standard deviation of noise of quaternions, times
+0.5 to 1, and its bound. SMOOTHED: that of the Gaussian filter that smooths too much (s). LONGER:
+steps of a sliding body are longer by up to this share. FASTEST: a body drifts by up to this speed
+(m/s), divided by the root of the number of frames, as there."""
+WRONG = 0.001
+"""WRONG: a joint that damage moves by more than this (m) is damaged."""
 
 
 def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
@@ -40,12 +56,15 @@ def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
     side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
     positions = body_positions(motion)
-    shoulder, elbow, wrist = (
-        JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")
-    )
-    chain = positions[frames, shoulder], positions[frames, elbow], positions[frames, wrist]
-    bent = _bend(*chain, positions[frames.start, wrist])
-    positions[frames, elbow], positions[frames, wrist] = bent
+    arm = [JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")]
+    chain = positions[frames][:, arm]
+    upper, lower = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
+    way = chain[0, 2] - chain[:, 0]
+    distance = np.linalg.norm(way, axis=-1)
+    reached = distance.clip(np.abs(upper - lower) + WRONG, upper + lower - WRONG)
+    wrist = chain[:, 0] + way * (reached / np.maximum(distance, 1e-9))[:, None]
+    positions[frames, arm[1]] = bent(chain[:, 0], chain, chain[:, 1], wrist)
+    positions[frames, arm[2]] = wrist
     mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
     return retarget(motion, positions, mask), mask
 
@@ -83,25 +102,62 @@ def jitter(motion: Motion, rng: Rng) -> Damaged:
     return replace(motion, rotations=rotations, translations=translations), everything
 
 
-def _bend(
-    shoulder: np.ndarray, elbow: np.ndarray, wrist: np.ndarray, target: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Positions of elbow and wrist, each (F, 3), of arms that reach for a point.
+def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
+    """Noise on the quaternions of random joints, of both legs or of one leg, for 1 to 2 s."""
+    frames, rig = stretch(motion, rng.uniform(*LONG), rng), find_joints(motion.skeleton)
+    left, right = ([JOINTS.index(name) for name in LIMBS[f"{s}_leg"]] for s in ("left", "right"))
+    some = rng.permutation(len(JOINTS))[: rng.integers(1, len(JOINTS) + 1)].tolist()
+    chosen = [some, left + right, left, right][rng.choice(4, p=[0.4, 0.3, 0.15, 0.15])]
+    rotations = motion.rotations.copy()
+    for joint in chosen:
+        q = rotations[frames, rig[joint]]
+        noise = NOISE * rng.uniform(0.5, 1.0) * rng.normal(size=q.shape)
+        q += noise.clip(-MOST_NOISE, MOST_NOISE)
+        rotations[frames, rig[joint]] = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return _rotated(motion, rotations, frames)
 
-    The arm bends in the plane in which it bent before.
-    """
-    upper = np.linalg.norm(elbow - shoulder, axis=-1, keepdims=True)
-    lower = np.linalg.norm(wrist - elbow, axis=-1, keepdims=True)
-    direction = target - shoulder
-    distance = np.linalg.norm(direction, axis=-1, keepdims=True)
-    direction = direction / np.maximum(distance, 1e-9)
-    distance = np.clip(distance, np.abs(upper - lower) + 1e-3, upper + lower - 1e-3)
-    along = (upper**2 - lower**2 + distance**2) / (2 * distance)
-    across = elbow - shoulder
-    across = across - np.sum(across * direction, axis=-1, keepdims=True) * direction
-    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
-    height = np.sqrt(np.maximum(upper**2 - along**2, 0.0))
-    return shoulder + along * direction + height * across, shoulder + distance * direction
+
+def over_smoothed(motion: Motion, rng: Rng) -> Damaged:
+    """All rotations are smoothed too much for 1 to 2 s."""
+    frames, sigma = stretch(motion, rng.uniform(*LONG), rng), SMOOTHED * motion.rate
+    smooth = filter_motion(motion, lambda x: gaussian_filter1d(x, sigma, axis=0, mode="nearest"))
+    rotations = motion.rotations.copy()
+    rotations[frames] = smooth.rotations[frames]
+    return _rotated(motion, rotations, frames)
+
+
+def sliding(motion: Motion, rng: Rng) -> Damaged:
+    """The steps of the body over the floor are longer by up to a tenth for 1 to 2 s."""
+    frames = stretch(motion, rng.uniform(*LONG), rng)
+    hips = body_positions(motion)[:, 0]
+    steps = np.diff(hips, axis=0, prepend=hips[:1])[frames]
+    return _moved(motion, LONGER * rng.random((len(steps), 1)) * steps, frames)
+
+
+def drift(motion: Motion, rng: Rng) -> Damaged:
+    """The body drifts over the floor for 1 to 2 s, about in one direction."""
+    frames = stretch(motion, rng.uniform(*LONG), rng)
+    count = frames.stop - frames.start
+    direction = rng.normal(size=(1, 3)) + 0.1 * rng.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction[:, [0, 2]]) * np.sqrt(20 / motion.rate)
+    return _moved(motion, FASTEST / motion.rate * rng.random((count, 1)) * direction, frames)
+
+
+def _rotated(motion: Motion, rotations: np.ndarray, frames: slice) -> Damaged:
+    """The motion with other rotations in a stretch, where the joints that move are damaged."""
+    damaged = replace(motion, rotations=rotations)
+    off = np.linalg.norm(body_positions(damaged) - body_positions(motion), axis=-1)
+    wrong = [name for name, of in zip(JOINTS, off.T, strict=True) if of[frames].max() > WRONG]
+    return damaged, joint_mask(len(motion), wrong, frames)
+
+
+def _moved(motion: Motion, steps: np.ndarray, frames: slice) -> Damaged:
+    """The motion with additional steps (N, 3) over the floor in a stretch."""
+    translations = motion.translations.copy()
+    shift = np.zeros((len(motion), 2))
+    shift[frames] = steps[:, [0, 2]]
+    translations[:, 0, [0, 2]] += shift.cumsum(axis=0)
+    return replace(motion, translations=translations), joint_mask(len(motion), JOINTS, frames)
 
 
 DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
@@ -112,4 +168,9 @@ DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
     "missing marker": missing_marker,
     "dropped frames": dropped_frames,
     "jitter": jitter,
+    "jitter of some joints": jitter_of_some,
+    "over-smoothed": over_smoothed,
+    "sliding": sliding,
+    "drift": drift,
 }
+"""Kind of damage to the function that makes it."""

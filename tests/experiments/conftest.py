@@ -17,14 +17,13 @@ from numpy_cae.motion import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
-WRIST = {"wrist": ("left_wrist",)}
 SMALL = {
     "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45)},
     "damage": {
         "TAKES": 1,
         "HOLE_TAKES": 1,
         "HOLES": (15, 45),
-        "HOLE_JOINTS": {"wrist": ("left_wrist",)},
+        "PARTS": {"wrist": (("left_wrist",), 1.0)},
     },
     "samples_of_priors": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},

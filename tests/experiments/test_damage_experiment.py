@@ -5,7 +5,7 @@ from functools import partial
 import damage
 import numpy as np
 import pytest
-from kinds_of_damage import DAMAGES
+from kinds_of_damage import DAMAGES, WRONG
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake
@@ -23,28 +23,28 @@ def test_damage_is_where_its_mask_says(take, kind):
     assert mask.shape == (len(take), 20) and mask.any()
     off = np.linalg.norm(body_positions(damaged) - body_positions(take), axis=-1)
     assert off[mask].mean() > 0.01
-    np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
+    if kind in ("sliding", "drift"):  # the body stays where it has moved to
+        mask[mask.any(axis=1).argmax() :] = True
+    np.testing.assert_allclose(off[~mask], 0, atol=WRONG if kind == "over-smoothed" else 1e-6)
 
 
 def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
     damaged, mask = DAMAGES["frozen in the world"](take, np.random.default_rng(2))
     frames, wrist = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))[-1]
-    positions = body_positions(damaged)
-    reached = np.linalg.norm(positions[:, wrist] - positions[:, wrist - 2], axis=-1)
-    arm = np.linalg.norm(np.diff(positions[0, wrist - 2 : wrist + 1], axis=0), axis=-1).sum()
-    within = [frame for frame in frames[5:-5] if reached[frame] < 0.98 * arm]
+    positions = body_positions(damaged)[:, wrist - 2 : wrist + 1]
+    arm = np.linalg.norm(np.diff(positions[0], axis=0), axis=-1).sum()
+    reached = np.linalg.norm(positions[:, 2] - positions[:, 0], axis=-1) < 0.98 * arm
+    within = [frame for frame in frames[5:-5] if reached[frame]]
     assert JOINTS[wrist].endswith("wrist") and within
-    there = positions[frames[0], wrist][None].repeat(len(within), 0)
-    np.testing.assert_allclose(positions[within, wrist], there, atol=0.01)
+    assert np.abs(positions[within, 2] - positions[frames[0], 2]).max() < 0.01
 
 
 def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
     material = [LabelledTake(None, body_of(take))]
     _, mask = DAMAGES["twisted leg"](take, np.random.default_rng(2))
-    body = small_manifold.body(take)
     fillings = [partial(damage.curve_filling, curve) for curve in damage.CURVES.values()]
     for filling in (*fillings, damage.pca_filling(small_manifold, material)):
-        made = filling(body, mask)
+        made = filling(take, mask)
         off = np.linalg.norm(body_positions(made) - body_positions(take), axis=-1)
         np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
         assert 0 < off[mask].mean() < 0.3
@@ -56,8 +56,10 @@ def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
 
 def test_claims_compare_with_the_best_filter_and_the_best_curve(result_of):
     result = result_of("damage")
-    errors, ratios = result.tables[0], result.tables[-1]
-    filtered = [row[-1] for row in errors.rows if row[0] in damage.FILTERS]
+    errors, found, ratios = result.tables[0], result.tables[2], result.tables[-1]
+    filtered = [row[7] for row in errors.rows if row[0] in damage.FILTERS]
+    shares = [value for row in found.rows for value in row[1:] if value is not None]
+    assert found.value(damage.RECALL, "twisted leg") > 0 and 0 <= min(shares) <= max(shares) <= 100
     (claim,) = (claim for claim in result.claims if "the best filter" in claim.sentence)
     assert claim.confirmed == (errors.value(damage.UNKNOWN, "jitter") <= min(filtered))
     assert all(row[-1] == max(row[1:-1]) for row in ratios.rows)
