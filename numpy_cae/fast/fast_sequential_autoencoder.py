@@ -1,7 +1,7 @@
 """`SequentialAutoencoder` at speed: its definition, step for step, over `SequenceWorker`s."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -54,9 +54,9 @@ class SequenceWorkspace:
         ]
 
     def load(self, weights: Weights) -> None:
-        """Copy the weights for a step of training; two threads copy one GRU's each."""
+        """Copy the weights; two threads copy one GRU's each."""
         grus = self.encoder, self.decoder
-        self.team.run(lambda n: [gru.load(weights, True) for gru in grus[n :: self.team.size]])
+        self.team.run(lambda n: [gru.load(weights) for gru in grus[n :: self.team.size]])
 
     def run(self, work: Callable[[SequenceWorker], None]) -> None:
         """Call work(worker) for every worker."""
@@ -84,36 +84,23 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         """z of clips, as `SequentialAutoencoder.encode`."""
         weights = self.weights
         require_clips("x", x, weights)
-        frames, dtype = x.shape[1], _dtype(weights, x)
-        z = np.empty((len(x), self.latent), dtype)
 
-        for workspace, part in self._in_parts(len(x), frames, dtype):
-            workspace.encoder.load(weights, back=False)
+        def read(worker: SequenceWorker, x: np.ndarray) -> np.ndarray:
+            return worker.read(x).T @ weights["latent_w"] + weights["latent_b"]
 
-            def work(worker: SequenceWorker, part: slice = part) -> None:
-                last_states = worker.read(x[part]).T
-                z[part][worker.clips] = last_states @ weights["latent_w"] + weights["latent_b"]
-
-            workspace.run(work)
-        return z
+        return self._computed(x, x.shape[1], (self.latent,), read)
 
     def decode(self, z: np.ndarray, frames: int = FRAMES) -> np.ndarray:
         """Clips of z, as `SequentialAutoencoder.decode`."""
         weights = self.weights
         require_latent(z, frames, weights)
-        dtype = _dtype(weights, z)
-        out = np.empty((len(z), frames, self.features), dtype)
 
-        for workspace, part in self._in_parts(len(z), frames, dtype):
-            workspace.decoder.load(weights, back=False)
+        def write(worker: SequenceWorker, z: np.ndarray) -> np.ndarray:
+            first_states = z[worker.clips] @ weights["state_w"] + weights["state_b"]
+            worker.write(first_states.T)
+            return worker.written()
 
-            def work(worker: SequenceWorker, part: slice = part) -> None:
-                first_states = z[part][worker.clips] @ weights["state_w"] + weights["state_b"]
-                worker.write(first_states.T)
-                worker.copy_clips(out[part])
-
-            workspace.run(work)
-        return out
+        return self._computed(z, frames, (frames, self.features), write)
 
     def loss_and_gradients(
         self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
@@ -159,14 +146,25 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         losses = Losses(reconstruction + weight * discrepancy, reconstruction, discrepancy)
         return losses, {name: sums[name] for name in weights}
 
-    def _in_parts(
-        self, batch: int, frames: int, dtype: np.dtype
-    ) -> Iterator[tuple[SequenceWorkspace, slice]]:
-        """The workspace for each part of the clips, of a size that bounds the memory."""
-        for start in range(0, batch, MAX_CLIPS):
-            part = slice(start, min(start + MAX_CLIPS, batch))
+    def _computed(
+        self, x: np.ndarray, frames: int, shape: tuple[int, ...], compute: Callable
+    ) -> np.ndarray:
+        """compute(worker, part) of x, (B, *shape), in parts of a size that bounds the memory.
+
+        It returns the result for the worker's clips.
+        """
+        out = np.empty((len(x), *shape), _dtype(self.weights, x))
+        for start in range(0, len(x), MAX_CLIPS):
+            given, taken = x[start : start + MAX_CLIPS], out[start : start + MAX_CLIPS]
+
+            def work(worker: SequenceWorker, given=given, taken=taken) -> None:
+                taken[worker.clips] = compute(worker, given)
+
             with self._lock, one_blas_thread():
-                yield self._workspace(part.stop - start, frames, dtype, False), part
+                workspace = self._workspace(len(given), frames, out.dtype, False)
+                workspace.load(self.weights)
+                workspace.run(work)
+        return out
 
     def _workspace(
         self, batch: int, frames: int, dtype: np.dtype, training: bool

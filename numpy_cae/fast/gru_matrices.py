@@ -30,8 +30,8 @@ class GruMatrices:
         self.inputs_back = aligned_empty((features, 3 * hidden), dtype)
         self.states_back = aligned_empty((hidden, 3 * hidden + written), dtype)
 
-    def load(self, weights: Weights, back: bool) -> None:
-        """Copy the weights; those of the pullbacks only if `back`."""
+    def load(self, weights: Weights) -> None:
+        """Copy the weights."""
         w, u, b, c = gru_weights(weights, self.gru)
         hidden, sigmoids = self.hidden, 2 * self.hidden
         _place(w[:, sigmoids:], b[sigmoids:], 1, self.inputs[:hidden])
@@ -40,13 +40,10 @@ class GruMatrices:
         _place(u[:, sigmoids:], c[sigmoids:], 1, self.states[sigmoids : 3 * hidden])
         if self.gru == "decoder":
             _place(weights["frame_w"], weights["frame_b"], 1, self.states[3 * hidden :])
-        if not back:
-            return
+            self.states_back[:, 3 * hidden :] = weights["frame_w"]
         self.inputs_back[:, :hidden] = w[:, sigmoids:]
         self.inputs_back[:, hidden:] = w[:, :sigmoids]
         self.states_back[:, : 3 * hidden] = u
-        if self.gru == "decoder":
-            self.states_back[:, 3 * hidden :] = weights["frame_w"]
 
 
 def gru_gradients(d: np.ndarray, h_and_x: np.ndarray) -> list[np.ndarray]:

@@ -95,9 +95,9 @@ class SequenceWorker:
         np.matmul(self.decoder.states[3 * self.hidden :], last, out=self.fed[:-1, -1])
         self._h_and_y[: len(last), -1] = last
 
-    def copy_clips(self, out: np.ndarray) -> None:
-        """Put the written clips, in the order of time, into its part of (B, T, F)."""
-        out[self.clips] = self.fed[:-1, : self.burn_in : -1].transpose(2, 1, 0)
+    def written(self) -> np.ndarray:
+        """The written clips in the order of time, its part of (B, T, F)."""
+        return self.fed[:-1, : self.burn_in : -1].transpose(2, 1, 0)
 
     def compare(self, elements: int) -> float:
         """Its part of the mean squared error; stores dy = 2 (y - x) / N for `write_pullback`.

@@ -153,11 +153,7 @@ def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) ->
 
 
 def random_cases(
-    name: str,
-    sizes: Sizes,
-    count: int,
-    combined: Sequence[str] = (),
-    together: Sequence[Mapping[str, str]] = (),
+    name: str, sizes: Sizes, count: int, combined: Sequence[str], together: Sequence[Mapping]
 ) -> list[Case]:
     """At least `count` cases, reproducible from `name`, smallest arrays first.
 
