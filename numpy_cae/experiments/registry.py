@@ -18,11 +18,18 @@ PUBLISHED = {"sources": "sources"}
 """Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
 they are named."""
 
+FILES = {"real": "repair.real"}
+"""Experiments on files of which the model has seen none: `run(manifold, folders, seed) -> Result`.
+They are run only if they are named."""
+
+MODULES = EXPERIMENTS | PUBLISHED | FILES
+
 
 def run_experiment(name: str, *given: object, seed: int = 0) -> Result:
-    """Run one of `EXPERIMENTS` (`given` a manifold and material) or of `PUBLISHED` (given folders);
-    where it cannot be run, the result has no tables and its note says why."""
-    run = import_module(f"numpy_cae.experiments.{(EXPERIMENTS | PUBLISHED)[name]}").run
+    """Run an experiment: those of `EXPERIMENTS` are `given` a manifold and material, `PUBLISHED`
+    folders, `FILES` a manifold and folders. Where it cannot be run, the result has no tables and
+    its note says why."""
+    run = import_module(f"numpy_cae.experiments.{MODULES[name]}").run
     try:
         return run(*given, seed)
     except (ValueError, ArithmeticError) as error:

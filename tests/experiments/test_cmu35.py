@@ -74,7 +74,7 @@ def test_both_networks_are_trained_and_measured(table, monkeypatch):
     monkeypatch.setattr(experiment, "SEEDS", 2)
     result = experiment.run([table])
     published, test, left_out = result.tables
-    assert len(result.claims) == 5 and len(published.rows) == 6
+    assert len(result.claims) == 5 and len(published.rows) == 9
     names, ends = [row[0] for row in test.rows], ("", experiment.TOGETHER)
     assert names[-4:] == [name + end for name in experiment.NETWORKS for end in ends]
     assert all("±" in cell for cell in test.rows[-4][2:])

@@ -1,11 +1,13 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
 pictures), and the same as report.json. `--only sources` needs no model: it leaves each of several
-folders out of training in turn. The exit status is 2 if no experiment could be run.
+folders out of training in turn. `--only real` measures repair on files of any kind, without a
+truth. The exit status is 2 if no experiment could be run.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
   numpy-cae report --only sources --data bandai/ cmu/ -o report
+  numpy-cae report --only real --data takes_from_video/ -o report
 """
 
 import argparse
@@ -20,7 +22,7 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note, working, write_texts
 from numpy_cae.experiments.material import Material, read_material
 from numpy_cae.experiments.page import page
-from numpy_cae.experiments.registry import EXPERIMENTS, PUBLISHED, run_experiment
+from numpy_cae.experiments.registry import EXPERIMENTS, FILES, MODULES, run_experiment
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import find_motion_files
@@ -40,8 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--test", **arguments.PATTERNS, help=test)
     unseen = "the model has seen none of these files: test on --test or on every fifth file"
     add("--unseen", **arguments.FLAG, help=unseen)
-    only = f"run only these, of {', '.join(names)} (the default) and {', '.join(PUBLISHED)}"
-    add("--only", nargs="+", choices=(*names, *PUBLISHED), default=names, metavar="NAME", help=only)
+    others = ", ".join(name for name in MODULES if name not in names)
+    only = f"run only these, of {', '.join(names)} (the default) and {others}"
+    add("--only", nargs="+", choices=MODULES, default=names, metavar="NAME", help=only)
     arguments.add_shared(parser, "seed mapping unit up floor")
 
 
@@ -50,9 +53,11 @@ def run(args: argparse.Namespace) -> int:
     started = time.monotonic()
     given: dict[str, tuple] = dict.fromkeys(args.only, (args.data,))
     provenance = {"data": ", ".join(folder.name for folder in args.data)}
-    if not set(args.only) <= set(PUBLISHED):
-        manifold, material, provenance = _read(args, provenance["data"])
-        given |= {name: (manifold, material) for name in args.only if name not in PUBLISHED}
+    if of_files := set(args.only) & set(FILES):
+        given |= dict.fromkeys(of_files, (one_motion.load_model(args), args.data))
+    if of_takes := set(args.only) & set(EXPERIMENTS):
+        *both, provenance = _read(args, provenance["data"])
+        given |= dict.fromkeys(of_takes, tuple(both))
     args.output.mkdir(parents=True, exist_ok=True)
     results: dict[str, Result] = {}
     for number, name in enumerate(given, start=1):
