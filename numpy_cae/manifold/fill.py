@@ -116,7 +116,7 @@ def corrected(
         Only the missing joints differ from `features`.
     """
     started = _with_mean_pose(manifold, features, missing)
-    again = kinds_of_holes(missing) == "leg"
+    again = kinds_of_holes(missing) == b"leg"
     masks = [missing, *[again] * (REPEATS_ON_CURVES - 1 if again.any() else 0)]
     share = np.where(missing.all(axis=0), 1.0, strength) * missing
     return _projected(manifold, started, masks, partial(over_holes, rate=RATE), share)
@@ -156,17 +156,18 @@ def _projected(
 
 
 def kinds_of_holes(missing: np.ndarray) -> np.ndarray:
-    """The kind of hole in which each missing joint of a mask (F, 20) is: (F, 20) of str, else "".
+    """The kind of hole in which each missing joint of a mask (F, 20) is, bytes (F, 20), else b"".
 
     "end": the end of a limb alone, such as a wrist whose elbow is known; "arm", "leg": a joint of
     a limb; "pose": a joint of the trunk, and any joint of a hole in which the hips are missing.
+    Text would take four times the memory of bytes, 0.6 GB for an hour at 120 Hz.
     """
-    kinds = np.full(missing.shape, "pose", dtype="U4")
-    kinds[:, _ARMS], kinds[:, _LEGS] = "arm", "leg"
+    kinds = np.full(missing.shape, b"pose")
+    kinds[:, _ARMS], kinds[:, _LEGS] = b"arm", b"leg"
     with_parent = runs_with(missing, missing[:, [0, *PARENTS[1:]]])
-    kinds[:, _ENDS] = np.where(with_parent, kinds, "end")[:, _ENDS]
+    kinds[:, _ENDS] = np.where(with_parent, kinds, b"end")[:, _ENDS]
     with_hips = runs_with(missing, np.repeat(missing[:, :1], len(JOINTS), axis=1))
-    return np.where(missing, np.where(with_hips, "pose", kinds), "")
+    return np.where(missing, np.where(with_hips, b"pose", kinds), b"")
 
 
 def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:

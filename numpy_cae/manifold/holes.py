@@ -7,10 +7,10 @@ import numpy as np
 from numpy_cae.manifold.detect import residual
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import features_to_positions, positions_to_features
-from numpy_cae.motion.lengths import change_lengths
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.masks import at_thirty
 from numpy_cae.motion.motion import RATE, Motion
-from numpy_cae.motion.retarget.body import Body, at_rate_of
+from numpy_cae.motion.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.motion.retarget.curves import on_curves
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.to_rig import retarget
@@ -25,28 +25,27 @@ class Holes:
         The body of the motion.
     in_file : (frames, 20) array of bool
         What is damaged or missing, in the frames of the file.
-    interpolated : Motion, optional
-        The motion with the damaged rotations of the rig interpolated; that of `on_curves` where
-        None.
+    start : Motion, optional
+        The frames of the motion that have holes, with the damaged rotations of the rig
+        interpolated; those of `on_curves` where None. All frames of an hour would take half a
+        gigabyte more.
 
     Attributes
     ----------
     mask : (F, 20) array of bool
         What is damaged or missing at thirty frames a second.
     start : Motion
-        The frames of `interpolated` that have holes. All frames of an hour would take half a
-        gigabyte more.
     features, root : (F, 63) array of float64, RootTransform
         Of the motion with the joints of the holes where they are in `start`: the X_0 of `fill`.
     """
 
-    def __init__(self, body: Body, in_file: np.ndarray, interpolated: Motion | None = None):
+    def __init__(self, body: Body, in_file: np.ndarray, start: Motion | None = None):
         self.motion, self.mean_lengths, self.in_file = body.motion, body.mean_lengths, in_file
-        self.mask = at_thirty(body.motion, in_file)
-        start = replace(body, motion=interpolated or on_curves(body.motion, in_file))
-        self.start = start.motion.at(np.asarray(in_file.any(axis=1)))
-        self.lengths = start.lengths
-        positions = np.where(self.mask[..., None], start.positions, body.positions)
+        self.mask, there = at_thirty(body.motion, in_file), np.asarray(in_file.any(axis=1))
+        self.start = on_curves(body.motion, in_file).at(there) if start is None else start
+        positions = _positions_with(body, there, self.start)
+        self.lengths = bone_lengths(positions)
+        positions = np.where(self.mask[..., None], positions, body.positions)
         positions = change_lengths(positions, self.lengths, body.mean_lengths)
         self.features, self.root = positions_to_features(positions, RATE)
 
@@ -62,9 +61,9 @@ class Holes:
         distance = np.linalg.norm(residual(manifold, self.features, self.mask), axis=-1)
         return float(np.median(distance[~self.mask]))
 
-    def filled(self, features: np.ndarray) -> Motion:
+    def filled(self, features: np.ndarray, original: Motion | None = None) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
-        (F, 63) on the mean skeleton."""
+        (F, 63) on the mean skeleton. `original` is that of `retarget`."""
         motion, holes = self.motion, self.in_file
         if not holes.any():
             return motion
@@ -79,7 +78,20 @@ class Holes:
             moved = at_rate_of(motion, correction, frames)
             return after + moved * weight[frames, :, None]
 
-        return retarget(motion, targets, holes, self.start)
+        return retarget(motion, targets, holes, self.start, original)
+
+
+def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:
+    """The positions (F, 20, 3) of a body whose motion is `start` in the frames of a mask."""
+    motion, source = body.motion, body.motion.source_frames(RATE)
+    if source.dtype == int:  # frames are only dropped: no other pose changes
+        positions, poses = body.positions.copy(), np.flatnonzero(there[source])
+        rows = (np.cumsum(there) - 1)[source[poses]]
+        positions[poses] = start.at(rows).positions(find_joints(motion.skeleton))
+        return positions
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations[there], translations[there] = start.rotations, start.translations
+    return body_of(replace(motion, rotations=rotations, translations=translations))
 
 
 def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:

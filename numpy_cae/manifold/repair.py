@@ -115,7 +115,7 @@ def repair(
         look = preset if rest is None else None
         # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
         filling, features, distance, unlikely = _filling(mended, manifold, found, look)
-        mended = filling.filled(features)
+        mended = filling.filled(features, moving)
     if strength < 1:
         mended = _between(moving, mended, strength)
     kept = whole.at(slice(0 if preset.cut else first))
@@ -171,7 +171,8 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     """
     missing, body = checked_mask(missing, len(motion)), manifold.body(motion)
     curve_at, strength = chosen(manifold, body, missing)
-    holes = Holes(body, missing, on_curves(motion, missing, curve_at))
+    start = on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
+    holes = Holes(body, missing, start)
     filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
     return Repaired(filled, missing, distances(motion, filled))
 
@@ -202,7 +203,8 @@ def _filling(
 
     def holes(findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
         missing = missing_joints(motion, findings)
-        return Holes(body, missing, interpolate(motion, findings, curve_at))
+        start = interpolate(motion, findings, curve_at).at(np.asarray(missing.any(axis=1)))
+        return Holes(body, missing, start)
 
     found = list(filter(is_filled, found))
     filling = holes(found)

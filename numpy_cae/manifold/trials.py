@@ -91,26 +91,34 @@ def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[C
     source, number = body.motion.source_frames(RATE), run_numbers(missing)
     kinds, at_rate = map(kinds_of_holes, (missing, at_thirty(body.motion, missing)))
     strength, curves = np.zeros(at_rate.shape), dict[int, Curve]()
-    holes = runs(np.asarray((missing & ~missing.all(axis=0)).any(axis=1)))
+    always = np.asarray(missing.all(axis=0))
+    holes = runs(np.asarray((missing & ~always).any(axis=1)))
     for rank, hole in enumerate(holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]):
         frames, near = slice(*hole), slice(*np.searchsorted(source, hole + [-1, 1]))
-        for kind, (curve, s) in chosen_for(manifold, body, kinds, frames, rank < MOST).items():
-            strength[near][at_rate[near] == kind] = s
-            curves |= dict.fromkeys(np.unique(number[frames][kinds[frames] == kind]), curve)
+        best = chosen_for(manifold, body, kinds, always, frames, rank < MOST)
+        for kind, (curve, s) in best.items():
+            strength[near][at_rate[near] == kind.encode()] = s
+            alike = number[frames][kinds[frames] == kind.encode()]
+            curves |= dict.fromkeys(np.unique(alike), curve)
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
 
 def chosen_for(
-    manifold: MotionManifold, body: Body, kinds: np.ndarray, hole: slice, tried: bool
+    manifold: MotionManifold,
+    body: Body,
+    kinds: np.ndarray,
+    always: np.ndarray,
+    hole: slice,
+    tried: bool,
 ) -> dict[str, tuple[Curve, float]]:
     """The curve and the strength for each kind in a hole, which is a run of frames.
 
-    `kinds` (frames, 20) are those of the missing joints, else "". Only if `tried` there are trials.
+    `kinds` (frames, 20) are those of the missing joints, else b""; `always` (20,) says which joints
+    are missing in all frames. Only if `tried` there are trials.
     """
-    rate, missing = body.motion.rate, kinds != ""
-    pattern = np.where(missing.all(axis=0), "", kinds[hole])
+    rate, pattern = body.motion.rate, np.where(always, "", kinds[hole].astype(str))
     near = slice(max(hole.start - round(NEAR * rate), 0), hole.stop + round(NEAR * rate))
-    clip, missing = replace(body, motion=body.motion.at(near)), missing[near]
+    clip, missing = replace(body, motion=body.motion.at(near)), kinds[near] != b""
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
@@ -141,7 +149,8 @@ def on_strengths(
     manifold: MotionManifold, body: Body, missing: np.ndarray, curve_at: CurveAt
 ) -> Iterator[np.ndarray]:
     """The positions (F, 20, 3) for each of `STRENGTHS`."""
-    holes = Holes(body, missing, on_curves(body.motion, missing, curve_at))
+    start = on_curves(body.motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
+    holes = Holes(body, missing, start)
     full = corrected(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
     x0, xn = map(holes.positions_of, (holes.features, full))
     yield from (x0 + s * (xn - x0) for s in STRENGTHS)

@@ -22,9 +22,9 @@ def runs(mask: np.ndarray) -> np.ndarray:
 
 
 def run_numbers(mask: np.ndarray) -> np.ndarray:
-    """For each True of a mask (F, N) the number of its run, from 1 on: (F, N) of int, else 0."""
+    """For each True of a mask (F, N) the number of its run, from 1 on: (F, N) of int32, else 0."""
     begins = np.diff(mask, axis=0, prepend=False) & mask
-    return np.cumsum(begins.T).reshape(mask.T.shape).T * mask
+    return np.cumsum(begins.T, dtype=np.int32).reshape(mask.T.shape).T * mask
 
 
 def run_lengths(mask: np.ndarray) -> np.ndarray:
@@ -36,7 +36,9 @@ def run_lengths(mask: np.ndarray) -> np.ndarray:
 def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
     """The runs of a mask (F, N) in which another mask is True somewhere: (F, N) bool."""
     numbers = run_numbers(mask)
-    return np.isin(numbers, numbers[some & mask])
+    has_some = np.zeros(numbers.max(initial=0) + 1, bool)
+    has_some[numbers[some & mask]] = True
+    return has_some[numbers]
 
 
 def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:

@@ -116,7 +116,7 @@ def _least(curve: Curve, turn: float = TURN) -> float:
 def _closes(curve: Curve, first: int, end: int) -> bool:
     """Whether the step to the frame `end` undoes the step to `first`, and these are large."""
     size = min(_size(curve, first), _size(curve, end))
-    left = min(left for left, _ in _frames_of(curve, first, end))
+    left = min(_left(curve, first, end))
     inside = float(curve.part(first, end).steps().max())
     return bool(size > _least(curve) and left < CLOSES * size and inside < CALM * size)
 
@@ -133,23 +133,21 @@ def _returns(curve: Curve, first: int, end: int) -> bool:
     return bool(short and smaller > _least(curve) and (opposite or there < CLOSES * smaller))
 
 
-def _frames_of(curve: Curve, first: int, end: int) -> list[tuple[float, np.ndarray]]:
-    """What is left of the two jumps, in metres, and the values: in the joint's own frame, and for
-    rotations in its parent's (the inverse rotations)."""
-    x = curve.values
+def _left(curve: Curve, first: int, end: int) -> list[float]:
+    """What is left of the two jumps, in metres: in the joint's own frame, and for rotations in its
+    parent's (the inverse rotations)."""
+    x = curve.values[[first - 1, first, end - 1, end]]
     if not curve.is_rotation:
-        return [(float(np.linalg.norm(x[first] - x[first - 1] + x[end] - x[end - 1])), x)]
-    found = []
-    for q in (x, inverse(x)):
-        jumps = (product(inverse(q[at - 1]), q[at]) for at in (first, end))
-        found.append((curve.lever * float(angle(product(*jumps))), q))
-    return found
+        return [float(np.linalg.norm(x[1] - x[0] + x[3] - x[2]))]
+    jumps = ([product(inverse(q[at]), q[at + 1]) for at in (0, 2)] for q in (x, inverse(x)))
+    return [curve.lever * float(angle(product(*pair))) for pair in jumps]
 
 
 def _undone(curve: Curve, first: int, end: int) -> np.ndarray:
     """The values of the frames from `first` to `end` with their displacement undone."""
     last = end == len(curve.values)
-    x = curve.values if last else min(_frames_of(curve, first, end), key=lambda f: f[0])[1]
+    is_own = last or not np.argmin(_left(curve, first, end))  # not in the parent's frame
+    x = curve.values if is_own else inverse(curve.values)
     inside = x[first:end]
     sides = [(inside[0], x[max(first - 2, 0) : first])]
     if not last:
@@ -163,4 +161,4 @@ def _undone(curve: Curve, first: int, end: int) -> np.ndarray:
     ]
     one, other = (turns * 2)[:2]
     rotations = product(inside, slerp(one, other, share))
-    return rotations if x is curve.values else inverse(rotations)
+    return rotations if is_own else inverse(rotations)
