@@ -203,8 +203,8 @@ def _filling(
 
     def holes(findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
         missing = missing_joints(motion, findings)
-        start = interpolate(motion, findings, curve_at).at(np.asarray(missing.any(axis=1)))
-        return Holes(body, missing, start)
+        there = np.asarray(missing.any(axis=1))
+        return Holes(body, missing, interpolate(motion, findings, curve_at, there))
 
     found = list(filter(is_filled, found))
     filling = holes(found)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from numpy_cae.manifold.evidence.jumps import Curve, joint_names
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.curves import (
+    EVERY,
     CurveAt,
     eased_everywhere,
     of_channels,
@@ -76,15 +78,18 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
 
 
 def interpolate(
-    motion: Motion, findings: Iterable[Finding], curve_at: CurveAt = eased_everywhere
+    motion: Motion,
+    findings: Iterable[Finding],
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
 ) -> Motion:
-    """The motion with the damaged channels of findings interpolated (`motion.retarget.curves`)."""
+    """The motion, or some of its frames, with the damaged channels of findings interpolated
+    (`motion.retarget.curves`)."""
     turned, moved = damaged_channels(motion, findings)
-    curve_of = of_channels(motion, curve_at)
+    how = motion.rate, of_channels(motion, curve_at), frames
+    changed: dict[str, Any] = {}  # rotations and translations
     if turned.any():
-        rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve_of)
-        motion = replace(motion, rotations=rotations)
+        changed["rotations"] = rotations_over_holes(motion.rotations, turned, *how)
     if moved.any():
-        translations = over_holes(motion.translations, moved, motion.rate, curve_of)
-        motion = replace(motion, translations=translations)
-    return motion
+        changed["translations"] = over_holes(motion.translations, moved, *how)
+    return replace(motion.at(frames), **changed)

@@ -12,6 +12,9 @@ import numpy as np
 
 from numpy_cae.motion import quaternions
 
+_BLOCK = 1024
+"""_BLOCK: the number of frames that are converted at a time, which fit in the processor's cache."""
+
 
 @dataclass(frozen=True)
 class Channels:
@@ -105,13 +108,16 @@ def read_pose(
 
     The translation of a joint without position channels is its offset, a row of `offsets` (J, 3).
     """
-    rotations = np.tile(quaternions.IDENTITY, (len(values), len(channels), 1))
+    rotations = np.empty((len(values), len(channels), 4))
     translations = np.tile(offsets, (len(values), 1, 1))
-    for joint, of_joint in enumerate(channels):
-        for coordinate, column in zip(of_joint.coordinates, of_joint.columns("t"), strict=True):
-            place = of_joint.offset[coordinate]
-            translations[:, joint, coordinate] = place + of_joint.unit * values[:, column]
-        rotations[:, joint] = of_joint.rotations(values[:, of_joint.columns("r")])
+    for first in range(0, len(values), _BLOCK):
+        block = values[first : first + _BLOCK]
+        turned, placed = (x[first : first + _BLOCK] for x in (rotations, translations))
+        for joint, of_joint in enumerate(channels):
+            for coordinate, column in zip(of_joint.coordinates, of_joint.columns("t"), strict=True):
+                place = of_joint.offset[coordinate]
+                placed[:, joint, coordinate] = place + of_joint.unit * block[:, column]
+            turned[:, joint] = of_joint.rotations(block[:, of_joint.columns("r")])
     return rotations, translations
 
 

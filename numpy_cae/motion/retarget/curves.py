@@ -24,6 +24,8 @@ from numpy_cae.motion.retarget.key_curves import Curve, eased
 from numpy_cae.motion.retarget.rigs import find_joints
 from numpy_cae.motion.retarget.to_rig import bones_through
 
+EVERY = slice(None)
+"""EVERY: all frames."""
 CurveAt = Callable[[int, int], Curve]
 """The curve over the hole of a column that begins in a frame: column and frame to curve."""
 
@@ -116,34 +118,61 @@ def of_channels(motion: Motion, curve_at: CurveAt) -> CurveAt:
 
 
 def over_holes(
-    values: np.ndarray, missing: np.ndarray, rate: float, curve_at: CurveAt = eased_everywhere
+    values: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
 ) -> np.ndarray:
-    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept."""
-    filled = np.array(values, dtype=np.float64)
+    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept.
+
+    With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB.
+    """
+    filled = np.array(values[frames], dtype=np.float64)
     for columns, first, end, keys in _holes(missing, rate):
-        known = filled[np.ix_(keys, columns)]
+        known = values[np.ix_(keys, columns)]
         times = np.arange(first, end) / rate
-        filled[first:end, columns] = curve_at(columns[0], first)(keys / rate, known, times)
+        inside = curve_at(columns[0], first)(keys / rate, known, times)
+        _put(inside, filled, columns, first, frames)
     return filled
 
 
 def rotations_over_holes(
-    rotations: np.ndarray, missing: np.ndarray, rate: float, curve_at: CurveAt = eased_everywhere
+    rotations: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
 ) -> np.ndarray:
     """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
-    filled = rotations.copy()
+    filled = np.array(rotations[frames])
     filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
     for columns, first, end, keys in _holes(missing, rate):
         before = int(np.searchsorted(keys, first))  # keys before the hole
-        start = filled[keys[max(before - 1, 0)], columns]
-        vectors = to_vector(product(inverse(start), filled[np.ix_(keys, columns)]))
+        start = rotations[keys[max(before - 1, 0)], columns]
+        vectors = to_vector(product(inverse(start), rotations[np.ix_(keys, columns)]))
         for side in (vectors[:before][::-1], vectors[max(before - 1, 0) :]):
             if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
                 side[...] = unwrapped(side)
         times = np.arange(first, end) / rate
         turned = curve_at(columns[0], first)(keys / rate, vectors, times)
-        filled[first:end, columns] = product(start, from_vector(turned))
+        _put(product(start, from_vector(turned)), filled, columns, first, frames)
     return filled
+
+
+def _put(
+    inside: np.ndarray,
+    filled: np.ndarray,
+    columns: np.ndarray,
+    first: int,
+    frames: np.ndarray | slice,
+) -> None:
+    """Put the values `inside` a hole, which begins in the frame `first`, into columns of `filled`,
+    which has only the frames of the mask `frames`."""
+    if not isinstance(frames, slice):
+        inside = inside[frames[first : first + len(inside)]]
+        first = np.count_nonzero(frames[:first])
+    filled[first : first + len(inside), columns] = inside
 
 
 def _holes(missing: np.ndarray, rate: float) -> Iterator[tuple[np.ndarray, int, int, np.ndarray]]:
