@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.course.exercises.checks import array, drawn, states
-from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.exercises.exercise import exercise, right_function
 from numpy_cae.motion import JOINTS, features_to_positions
 from numpy_cae.motion.features import RootTransform
 from numpy_cae.verify.operations.case import Case, spread
@@ -14,28 +14,10 @@ from numpy_cae.verify.operations.property import require_equal
 FRAMES = {"frames": (2, 3, 5, 8)}
 
 
-def heading_angle(across: np.ndarray) -> np.ndarray:
-    """The angle of the forward direction, without jumps."""
-    forward = np.cross(across, [0.0, 1.0, 0.0])
-    return np.unwrap(np.arctan2(forward[:, 0], forward[:, 2]))
-
-
-def turn_about_y(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """R(angle) times each vector of a frame."""
-    from scipy.spatial.transform import Rotation  # slow to import, and not needed to grade others
-
-    about_y = Rotation.from_rotvec(angles[:, None] * [0.0, 1.0, 0.0]).as_matrix()
-    return np.einsum("fij,fnj->fni", about_y, vectors)
-
-
-def to_features(positions: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Local positions, velocity on the ground and change of heading."""
-    ground = positions[:, 0] * [1.0, 0.0, 1.0]
-    local = turn_about_y(positions - ground[:, None], -theta)
-    step = turn_about_y(np.diff(ground, axis=0)[:, None], -theta[:-1])[:, 0]
-    changes = np.column_stack([step[:, 0], step[:, 2], np.diff(theta)])
-    changes = np.concatenate([changes, changes[-1:]])
-    return np.concatenate([local.reshape(len(positions), -1), changes], axis=1)
+heading_angle, turn_about_y = map(right_function, ("heading_angle", "turn_about_y"))
+to_features = right_function("to_features", turn_about_y=turn_about_y)
+"""The angle of the forward direction, without jumps; R(angle) times each vector of a frame; local
+positions, velocity on the ground and change of heading."""
 
 
 def from_features(features: np.ndarray, x: float, z: float, heading: float) -> np.ndarray:

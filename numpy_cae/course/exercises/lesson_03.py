@@ -6,7 +6,8 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import drawn, size, states
-from numpy_cae.course.exercises.exercise import Exercise, exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise, right_function
+from numpy_cae.verify.operations.catalogue import Exercise
 from numpy_cae.verify.operations.operation import OPERATIONS
 
 CONV1D = OPERATIONS["conv1d"]
@@ -17,12 +18,8 @@ def conv1d_by_loops(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> np.ndarray:
     return ops.conv1d(x, w, b)[0]
 
 
-def unfold(x: np.ndarray, taps: int) -> np.ndarray:
-    """Row t holds the frames that a filter reads at t, (B, T, K * C)."""
-    batch, frames, _ = x.shape
-    padded = np.pad(x, ((0, 0), (taps // 2, taps // 2), (0, 0)))
-    windows = [padded[:, t : t + taps].reshape(batch, -1) for t in range(frames)]
-    return np.stack(windows, axis=1)
+unfold = right_function("unfold")
+"""Row t holds the frames that a filter reads at t, (B, T, K * C)."""
 
 
 @states("dtype", "float32 stays float32", is_form=True)

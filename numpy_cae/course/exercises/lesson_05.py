@@ -2,7 +2,11 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import composed_exercise, operation_exercise
+from numpy_cae.course.exercises.exercise import (
+    composed_exercise,
+    operation_exercise,
+    right_function,
+)
 from numpy_cae.models import ConvLayer
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import FILTERS, WINDOW
@@ -21,17 +25,10 @@ def decode_layer(y, w, b, bound):
     return ConvLayer(w, b, bound).decode_with_pullback(y)
 
 
-def project_layer(x, w, b, bound):
-    """Equation 2 of equation 1, W and b tied, from the package."""
-    y, encode_back = encode_layer(x, w, b)
-    x_hat, decode_back = decode_layer(y, w, b, bound)
-
-    def pullback(dx_hat):
-        dy, dw_decoding, db_decoding = decode_back(dx_hat)
-        dx, dw_encoding, db_encoding = encode_back(dy)
-        return dx, dw_encoding + dw_decoding, db_encoding + db_decoding
-
-    return x_hat, pullback
+project_layer = right_function(
+    "project_layer", encode_layer=encode_layer, decode_layer=decode_layer
+)
+"""Equation 2 of equation 1, W and b tied."""
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:

@@ -6,7 +6,11 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import PULLBACK, drawn, size
-from numpy_cae.course.exercises.exercise import composed_exercise, differentiated_exercise
+from numpy_cae.course.exercises.exercise import (
+    composed_exercise,
+    differentiated_exercise,
+    right_function,
+)
 from numpy_cae.course.exercises.lesson_05 import uniform
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
@@ -34,18 +38,8 @@ def random_clips(case: Case, rng: np.random.Generator) -> np.ndarray:
     return uniform(rng, (case["batch"], case["frames"], case["features"]), 1.0)
 
 
-def self_fed(h, frames, w, u, b, c, frame_w, frame_b):
-    """The package's decoder without its map from z, whose frames are in reverse order."""
-    identity = {"state_w": np.eye(h.shape[1], dtype=h.dtype), "state_b": np.zeros_like(h[0])}
-    learned = dict(zip((*DECODER_GRU, *FRAME), (w, u, b, c, frame_w, frame_b), strict=True))
-    model = SequentialAutoencoder.from_weights(identity | learned)
-    clips, back = model.decode_with_pullback(h, frames)
-
-    def pullback(d_written):
-        dh, gradients = back(d_written[:, ::-1])
-        return dh, *(gradients[name] for name in learned)
-
-    return clips[:, ::-1], pullback
+self_fed = right_function("self_fed", gru_step=ops.gru_step, linear=ops.linear)
+"""The frames that a GRU writes which reads its own last frame, first zeros, and their pullback."""
 
 
 def read_clips(weights, x):

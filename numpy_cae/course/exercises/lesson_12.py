@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from numpy_cae import ops, verify
+from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Recorded, drawn, states
 from numpy_cae.course.exercises.exercise import exercise, right_function
 from numpy_cae.verify.operations.case import Case, spread
@@ -92,17 +92,14 @@ class Matrix:
 
 
 central_differences, adjoint_gap = map(right_function, ("central_differences", "adjoint_gap"))
-"""(f(x + h) - f(x - h)) / 2h, and |<A x, y> - <x, A' y>| relative to the norms of the factors."""
+check_gradients = right_function("check_gradients", central_differences=central_differences)
+"""(f(x + h) - f(x - h)) / 2h, |<A x, y> - <x, A' y>| relative to the norms of the factors, and an
+AssertionError unless the pullback of f agrees with differences in every input."""
 
 
 def accuse(suspect):
     """The property that suspect 1, 2, ... violates."""
     return _ACCUSED[suspect - 1].caught_by
-
-
-def check_gradients(f, inputs):
-    """Raise unless the pullback of f agrees with differences in every input."""
-    verify.check_gradients(f, *inputs.values(), names=tuple(inputs))
 
 
 def _cubic(case: Case, rng: np.random.Generator) -> Recorded:
@@ -175,13 +172,17 @@ def _require_acceptance(check_gradients, operations: tuple[str, ...], seed: int)
 def _refuses_group(group: str) -> Property:
     def check(check_gradients, case, seed):
         _require_acceptance(check_gradients, GROUPS[group], seed)
-        for bug in BUGS:
-            if bug.operation in GROUPS[group] and bug.caught_by.startswith("gradient for"):
+        for bug in filter(_has_a_wrong_gradient, BUGS):
+            if bug.operation in GROUPS[group]:
                 _require_refusal(check_gradients, bug, seed)
 
     operations = " or ".join(GROUPS[group])
     statement = f"every planted bug of {operations} is refused, right ones are not"
     return states(group, statement, examples=FEW_EXAMPLES)(check)
+
+
+def _has_a_wrong_gradient(bug: Patch) -> bool:
+    return bug.caught_by.startswith("gradient for")
 
 
 def _require_refusal(check_gradients, bug: Patch, seed: int, scale: float = 1.0) -> None:
@@ -225,6 +226,45 @@ def _inputs_stay(check_gradients, case, seed):
         require_equal(f"after the call, {name}", inputs[name], x, 0)
 
 
+AT = np.array([0.5 + 5e-9, 1.0 + 5e-9])
+"""Where the traps are tried: in the middle of a stair of 1e-8, on the corners of `corner`."""
+TRAPS = {
+    "dy ignored": (np.square, lambda x, dy: 2 * x),
+    "twice": (np.square, lambda x, dy: 4 * x * dy),
+    "negative": (np.square, lambda x, dy: -2 * x * dy),
+    "in other entries": (np.square, lambda x, dy: (2 * x * dy)[::-1]),
+    "too small": (np.square, lambda x, dy: 2 * x * dy - 1),
+    "too large": (np.square, lambda x, dy: 2 * x * dy + 1),
+    "one sum": (np.square, lambda x, dy: np.full(2, np.sum(2 * x * dy))),
+    "of the right": (lambda x: np.maximum(x - AT, 0), lambda x, dy: dy),
+    "of the left": (lambda x: np.maximum(x - AT, 0), lambda x, dy: 0 * dy),
+    "of a stair": (lambda x: np.floor(1e8 * x) / 1e8, lambda x, dy: 0 * dy),
+    "of a plateau": (lambda x: np.trunc(200 * (x - AT)), lambda x, dy: 0 * dy),
+    "constant": (lambda x: 0 * x, lambda x, dy: 0 * dy),
+}
+"""Functions of an array with a gradient that a check with a certain mistake takes for right."""
+FAST = tuple(sum((GROUPS[group] for group in ("activations", "losses", "tied weights")), ()))
+PLANTED = [bug for bug in BUGS if bug.operation in FAST and _has_a_wrong_gradient(bug)]
+OPERATIONS_TRIED = {each: Patch(each, each, "", "", ()) for each in FAST}
+OPERATIONS_TRIED |= {bug.name: bug for bug in PLANTED}
+OPERATIONS_TRIED |= {f"{TINY} {bug.name}": bug for bug in PLANTED if "squared" in bug.operation}
+
+
+def _function_tried(case: Case) -> dict[str, object]:
+    """A trap, an operation or a planted bug, as the arguments of `check_gradients`."""
+    name = case["function"]
+    if name in TRAPS:
+        value, gradient = TRAPS[name]
+        return {"f": lambda x: (value(x), lambda dy: gradient(x, dy)), "inputs": {"x": AT.copy()}}
+    tried, scale = OPERATIONS_TRIED[name], float(name.partition(" ")[0]) if " " in name else 1.0
+    f, inputs = _function_and_inputs(tried.operation, tried.function(), case.seed, scale)
+    return {"f": f, "inputs": inputs}
+
+
+TRIED = {"function": (*TRAPS, *OPERATIONS_TRIED)}
+ITS = {"operation": "check_gradients", "arguments": _function_tried, "combined": ("function",)}
+VERDICTS = Property("verdicts", "what is refused", lambda *given: None, sizes=TRIED, **ITS)
+"""All that `check_gradients` is tried with: its mistake is told by what it refuses."""
 ONE_CASE = {"tried": (1,)}
 
 EXERCISES = (
