@@ -27,15 +27,18 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     nbgrader takes a number that a check cell returns as the points of the exercise. The points are
     those of `numpy-cae verify`.
 
-    Of what the function prints in the tests, the first lines are shown above the report.
+    Of what the function prints in the tests, the first lines are shown above the report. Where
+    `solved` replaced the function by the package's own, the one that it replaced is tested.
 
     After a first attempt, `hint=1` adds a hint to the report and `hint=2` a second one. Raises a
     ValueError if there is no such operation or exercise, or no such hint.
     """
     exercise, called = find_exercise(name, CATALOGUE), None
     if hasattr(function, "stands_in"):
-        print(f"{name} is the package's own now: run the cell with your function again first")
-        function, called = _unsolved, name
+        function, called = function.tried, name
+        if function is None:
+            print(f"{name} is the package's own now: run the cell with your function again first")
+            function = _unsolved
     if os.environ.get("NBGRADER_EXECUTION"):
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
             tested = report_on(exercise, function, called=called)
@@ -63,7 +66,7 @@ def solved(name: str, function: Callable) -> Callable:
     if not is_right:
         again = "run this cell again when yours is right"
         print(f"{name}: the next cells use the package's own; {again}")
-        return stand_in(name)
+        return function if hasattr(function, "stands_in") else stand_in(name, function)
     try:
         with redirect_stdout(Printed()):  # the cell is run again
             where = f" and later lessons ({FILE})" if save(name, function) else ""

@@ -35,6 +35,11 @@ class Printed(io.TextIOBase):
 class Feedback(Report):
     """A report as a notebook shows it."""
 
+    def __str__(self) -> str:
+        return super().__str__().replace(' example("', ' course.example("')
+
+    __repr__ = __str__
+
     def _repr_html_(self) -> str:
         title, *items = re.split(r"\n(?=  \S)", str(self))
         colour = RIGHT if self.held else OPEN if self.unsolved else WRONG

@@ -42,8 +42,11 @@ class NotSavedError(NumpyCaeError):
     """A function that cannot be written to mine.py; the message says why."""
 
 
-def stand_in(name: str) -> Callable:
-    """The package's own function, with a mark by which a check tells it from the student's."""
+def stand_in(name: str, tried: Callable | None = None) -> Callable:
+    """The package's own function, with a mark by which a check tells it from the student's.
+
+    `tried` is the student's last one: `course.report` shows hints for it.
+    """
     solution = CATALOGUE[name].solution
 
     @wraps(solution)
@@ -53,7 +56,7 @@ def stand_in(name: str) -> Callable:
     del standing_in.__wrapped__  # `name??` in a notebook would show the solution
     standing_in.__signature__ = signature(solution)
     standing_in.__name__ = name
-    standing_in.stands_in = True
+    standing_in.stands_in, standing_in.tried = True, tried
     return standing_in
 
 

@@ -84,7 +84,7 @@ def _of_every_call(stated: Property, function: Callable, case: Case) -> list[np.
         except Exception as error:
             seen.append(np.array(type(error).__name__))
             raise
-        seen.extend([np.array("returned"), *_arrays(returned, case)])
+        seen.extend([np.array("returned"), *_arrays(returned, case), *_arrays(arguments, case)])
         return returned
 
     failure(stated, recorded, case)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from numpy_cae import course, ops
+from numpy_cae.course import mine
 from numpy_cae.course.exercises import EASY, EXERCISES, HARD, LESSONS
 from numpy_cae.course.exercises.hints import read_hints, with_hint
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
@@ -69,8 +70,10 @@ def test_every_exercise_has_points_hints_and_a_row_in_the_instructors_table():
 def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     with pytest.raises(ValueError, match="no exercise is called 'conv'; there are square, ch"):
         course.solved("conv", ops.tanh)
-    stand_in = course.solved("conv1d", unsolved)
+    replaced = course.solved("square", lambda x: (x * x, lambda dy: 2 * dy))
     assert "the package's own" in capsys.readouterr().out
+    assert "hint: a pullback takes" in str(course.report("square", replaced, hint=1))
+    stand_in = mine.stand_in("conv1d")
     report = course.report("conv1d", stand_in)
     assert report.unsolved and report.points == 0
     assert "run the cell with your function again first" in capsys.readouterr().out

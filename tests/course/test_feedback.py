@@ -22,6 +22,7 @@ def test_what_a_function_prints_stays_small(capsys):
     assert course.solved("max_pool", talkative).stands_in
     assert len(capsys.readouterr().out.splitlines()) == 1
     assert not tested.held and len(str(tested).splitlines()) <= 30
+    assert "smallest: batch 1, frames 2, channels 1" in str(tested)  # x has two frames
 
 
 def test_a_notebook_shows_the_first_failing_property_and_folds_the_rest():

@@ -26,6 +26,7 @@ DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figu
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
 sys.path.append(str(FOLDER.parent / "docs"))
 from make_gallery import MADE_OF, picture_of, picture_path  # noqa: E402
+from make_gift import QUIZ, as_gift  # noqa: E402
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 
@@ -114,6 +115,13 @@ def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path
     figures = [shown(cell, "text/plain") for cell in code]
     assert (path.name[:2] in SLIDERS) == any("figure with sliders" in text for text in figures)
     assert "functions are yours" in "".join(code[-1]["outputs"][0]["text"])
+
+
+def test_every_question_of_the_quiz_is_in_the_file_for_moodle():
+    text = QUIZ.read_text(encoding="utf-8")
+    made = as_gift(text)
+    assert made.count("::[markdown]") == 150 == len(re.findall(r"^\d+\. ", text, re.M))
+    assert "of 160 frames? {#10080####160 · 63 \\= 10 080.}" in made
 
 
 def test_lesson_00_ends_with_the_glossary():

@@ -12,8 +12,11 @@ QUARTER = "by quarters"
 MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES, "turns": (QUARTER, "by any angle")}
 
 
-chain_to_root, forward_kinematics = map(right_function, ("chain_to_root", "forward_kinematics"))
-"""The joint, its parent, and so on; p_j = p_parent + G_parent t_j, G_j = G_parent R_j."""
+chain_to_root, forward_kinematics, speeds = map(
+    right_function, ("chain_to_root", "forward_kinematics", "speeds")
+)
+"""The joint, its parent, and so on; p_j = p_parent + G_parent t_j, G_j = G_parent R_j; the distance
+to the next frame times the frames per second."""
 
 
 def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> np.ndarray:
@@ -22,11 +25,6 @@ def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> 
 
     letters = "".join("XYZ"[axis] for axis in axes)
     return Rotation.from_euler(letters, angles, degrees=True).as_matrix()
-
-
-def speeds(positions: np.ndarray, rate: float) -> np.ndarray:
-    """The distance to the next frame times the frames per second."""
-    return np.linalg.norm(np.diff(positions, axis=0), axis=-1) * rate
 
 
 def random_tree(case: Case, rng: np.random.Generator) -> tuple[int, ...]:
@@ -70,8 +68,8 @@ _motion_arguments = drawn(
 
 @states("chain", "the joint, its parent, and so on, the root last")
 def _chain_as_array(function, case, parents, joint):
-    returned = np.asarray(function(parents, joint))
-    require_same(returned, np.asarray(chain_to_root(parents, joint)), ("the chain",))
+    chain = np.asarray(chain_to_root(parents, joint))
+    require_same(function(parents, joint), chain, ("the chain",))
 
 
 @states("rotation", "the matrix keeps lengths and does not mirror", is_form=True)

@@ -11,7 +11,7 @@ from numpy_cae.models import ConvLayer
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import FILTERS, WINDOW
 
-SIZES = {**WINDOW, **FILTERS, "frames": (1, 2, 3), "taps": (1, 3, 5)}
+SIZES = {**WINDOW, **FILTERS, "frames": (2, 4, 6), "taps": (1, 3, 5)}
 BOUND, SMALL = 0.9, 8
 
 
@@ -38,20 +38,20 @@ def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> n
 
 
 def random_weights(case: Case, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Filters and biases so small that most hidden values stay inside the bound."""
+    """Filters and biases of eighths if few; most hidden values stay inside the bound."""
     shape = (case["taps"], case["channels"], case["filters"])
-    return {"w": uniform(rng, shape, 0.6), "b": uniform(rng, shape[2:], 0.4)}
+    return {"w": uniform(rng, shape, 0.5), "b": uniform(rng, shape[2:], 0.5)}
 
 
 def _window_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
+    x = uniform(rng, (case["batch"], case["frames"], case["channels"]), 1.0)
     return {"x": x, **random_weights(case, rng)}
 
 
 def _hidden_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    y = spread(rng, (case["batch"], case["frames"], case["filters"]), 1.21)
+    y = spread(rng, (case["batch"], case["frames"], case["filters"]), 1.25)
     return {"y": y, **random_weights(case, rng), "bound": BOUND}
 
 
@@ -63,7 +63,7 @@ EXERCISES = (
         decode_layer,
         _hidden_arguments,
         "y w b",
-        SIZES,
+        SIZES | {"frames": (1, 2, 3)},
         given="conv1d transpose_filters unpool_even",
     ),
     composed_exercise(

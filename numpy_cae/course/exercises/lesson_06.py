@@ -69,10 +69,10 @@ def _corruption_arguments(case: Case) -> dict[str, object]:
 
 def _loss_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
-    x = lesson_05.uniform(rng, (case["batch"], 2 * case["frames"], case["channels"]), 1.0)
-    corrupted = x + lesson_05.uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    x = lesson_05.uniform(rng, (case["batch"], case["frames"], case["channels"]), 1.0)
+    corrupted = x + lesson_05.uniform(rng, x.shape, 0.25)  # zeros would tie in the pooling
     weights = lesson_05.random_weights(case, rng)
-    first = rng.random((case["batch"], case["frames"], case["filters"])) < 0.5
+    first = rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
     arrays = {"x": x, "corrupted": corrupted, **weights, "first": first}
     return {**arrays, "alpha": ALPHA, "bound": lesson_05.BOUND}
 

@@ -39,7 +39,7 @@ def stack_loss(x, corrupted, layers, bound):
 def _random_layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
     channels = [case["channels"]] + case["layers"] * [case["filters"]]
     return [
-        (uniform(rng, (case["taps"], below, above), 0.6), uniform(rng, (above,), 0.3))
+        (uniform(rng, (case["taps"], below, above), 0.5), uniform(rng, (above,), 0.25))
         for below, above in pairwise(channels)
     ]
 
@@ -55,7 +55,7 @@ _stage_arguments = drawn(x=_random_windows, layers=_random_layers)
 def _stack_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     x = _random_windows(case, rng)
-    corrupted = x + uniform(rng, x.shape, 0.3)  # zeros would tie in the pooling
+    corrupted = x + uniform(rng, x.shape, 0.25)  # zeros would tie in the pooling
     return {"x": x, "corrupted": corrupted, "layers": _random_layers(case, rng), "bound": BOUND}
 
 

@@ -11,7 +11,6 @@ from numpy_cae.course.exercises.checks import (
     states,
 )
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise, right_function
-from numpy_cae.training import clip_norm
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
@@ -19,15 +18,8 @@ OF_NORM = 0.25
 """The bound of clipping, as a part of the norm."""
 
 
-norms_through_time = right_function("norms_through_time")
-"""|dL/dh_t| for t = 0, ..., frames."""
-
-
-def clip_gradients(gradients, bound):
-    """g · min(1, bound / |g|) as new arrays, and |g|."""
-    clipped = [each.copy() for each in gradients]
-    norm = clip_norm(clipped, bound)
-    return clipped, norm
+norms_through_time, clip_gradients = map(right_function, ("norms_through_time", "clip_gradients"))
+"""|dL/dh_t| for t = 0, ..., frames; g · min(1, bound / |g|) as new arrays, and |g|."""
 
 
 def _linear_pullback(case: Case, rng: np.random.Generator) -> Recorded:

@@ -71,7 +71,7 @@ GROUPS = {
     "recurrence": ("linear", "gru_step", "gru"),
     "tied weights": ("tied_layer",),
 }
-SIZES = {"batch": 2, "frames": 3, "taps": 3, "axes": 2} | dict.fromkeys(
+SIZES = {"batch": 2, "frames": 4, "taps": 3, "axes": 2} | dict.fromkeys(
     ("channels", "filters", "features", "hidden"), 2
 )
 """As many channels as filters, so that a missing transpose shows only in the numbers."""

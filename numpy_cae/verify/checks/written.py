@@ -40,7 +40,9 @@ def described(thing: object) -> str:
     """What kind of thing this is, for a message."""
     if isinstance(thing, np.ndarray):
         return f"an array of {thing.dtype}, shape {thing.shape}"
-    kind = type(thing).__name__
+    if isinstance(thing, tuple) and len(thing) <= 2:
+        return f"a tuple of {' and '.join(map(described, thing))}"
+    kind = "None: is a return missing?" if thing is None else type(thing).__name__
     return f"a {kind} of {len(thing)}" if isinstance(thing, tuple | list | dict) else kind
 
 

@@ -103,7 +103,8 @@ class Report:
     def _lines(self) -> Iterator[str]:
         title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
         if self.held:
-            title += f": all {len(self.outcomes)} properties hold"
+            every = len(self.outcomes)
+            title += f": all {every} properties hold" if every > 1 else ": it holds"
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
         if self.exercise.convention != CONTRACT:
@@ -152,7 +153,7 @@ class Report:
             possible = sum(self.outcomes[k].stated.points for k in of_group)
             got = f"{GROUPS[number]} {sum(earned[k] for k in of_group):.3g} of {possible:.3g}"
             waits = any(self.outcomes[k].held and not earned[k] for k in of_group)
-            texts.append(got + WAITS[number] * waits)
+            texts.append(got + WAITS[number if 1 in groups else min(number, 1)] * waits)
         return ", ".join(texts)
 
 

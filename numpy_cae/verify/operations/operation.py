@@ -69,6 +69,7 @@ CLASSES = {"values": tuple(VALUES)}
 EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
+PAIRS = WINDOW | {"frames": (2, 4, 6, 8, 10, 16, 18, 140)}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
 FILTERED = WINDOW | FILTERS | CLASSES
 ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
@@ -100,7 +101,8 @@ channels. All last sizes are tried together; few filters keep that fast for code
 """
 SHORTER = {"longer": LONG | {"batch": (128, 300, 1030, 2), "frames": (1100, 240)}}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
-WEIGHT_REACH = 0.9
+WEIGHT_REACH = 1.0
+"""WEIGHT_REACH: weights of a gate with one unit are then quarters, which paper is enough for."""
 ARCTANH_REACH = 1.31
 CHAOTIC = 34
 """With more frames or units than CHAOTIC, a GRU with large weights amplifies rounding errors."""
@@ -235,12 +237,12 @@ POINTS_ALIKE = {"alike": _mean_of_equal_points}
 _WINDOW, _BANK = "batch frames channels", "taps channels filters"
 _conv1d = arguments_of({"x": _WINDOW, "w": _BANK, "b": "filters"}, {})
 _linear = arguments_of({"x": "... channels", "w": "channels features", "b": "features"}, {})
-_pool = arguments_of({"x": "batch 2*frames channels"}, {})
+_pool = arguments_of({"x": _WINDOW}, {})
 _unpool_random = arguments_of({"y": _WINDOW, "first": _WINDOW}, {"first": _mask})
 _TABLE = (
     ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
     ("transpose_filters", BANK, arguments_of({"w": _BANK}, {}), "w", "w", SELECTS),
-    ("max_pool", WINDOW | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
+    ("max_pool", PAIRS | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
     ("unpool_even", WINDOW | EXTREME, arguments_of({"y": _WINDOW}, {}), "y", "y", SELECTS),
     ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
     ("tanh", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),

@@ -188,7 +188,7 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     """The gradients that a pullback returned, by argument."""
     gradients = gradients_of(pulled, len(operation.differentiated))
     if len(gradients) == 1 and isinstance(pulled, tuple | list):
-        raise AssertionError("the pullback returns a tuple, expected its one gradient itself")
+        raise AssertionError("return the one gradient itself, not a tuple that contains it")
     if isinstance(pulled, list):
         raise AssertionError("the pullback returns a list, expected a tuple of gradients")
     named = dict(zip(operation.differentiated, gradients, strict=True))

@@ -87,7 +87,7 @@ def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
     Examples
     --------
     >>> from numpy_cae import verify
-    >>> case = verify.example("max_pool", seed=0, batch=1, frames=1, channels=1, values="ties")
+    >>> case = verify.example("max_pool", seed=0, batch=1, frames=2, channels=1, values="ties")
     >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
     ([2.0, 1.0], [2.0])
     """
