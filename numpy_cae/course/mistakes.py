@@ -19,8 +19,8 @@ from numpy_cae.verify.operations.property import Property, drawn_upstream
 from numpy_cae.verify.operations.trial import failure
 
 FOLDER = Path(__file__).parent / "known_mistakes"
-TOLD_BY = {VERDICTS.operation: VERDICTS}
-"""What tells the mistakes of an exercise apart, where a property that fails does not."""
+SHOWN_BY = {VERDICTS.operation: VERDICTS}
+"""What shows which mistake an exercise has, where a property that fails does not."""
 
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
@@ -29,7 +29,7 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     It is named only if the wrong function does in every case of the property what the
     implementation does, and the right one in several cases does not.
     """
-    stated = TOLD_BY.get(stated.operation, stated)
+    stated = SHOWN_BY.get(stated.operation, stated)
     name, cases = stated.operation, stated.cases()
     for observed in (_of_one_call, _of_every_call):
         results = [observed(stated, implementation, case) for case in cases]

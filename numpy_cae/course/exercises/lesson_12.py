@@ -264,7 +264,7 @@ def _function_tried(case: Case) -> dict[str, object]:
 TRIED = {"function": (*TRAPS, *OPERATIONS_TRIED)}
 ITS = {"operation": "check_gradients", "arguments": _function_tried, "combined": ("function",)}
 VERDICTS = Property("verdicts", "what is refused", lambda *given: None, sizes=TRIED, **ITS)
-"""All that `check_gradients` is tried with: its mistake is told by what it refuses."""
+"""All that `check_gradients` is tried with: what it refuses shows its mistake."""
 ONE_CASE = {"tried": (1,)}
 
 EXERCISES = (
