@@ -46,7 +46,9 @@ def _damaged_arguments(case: Case) -> dict[str, object]:
     for window, channel in np.ndindex(batch, channels):
         lost = rng.permutation(frames)[: rng.integers(1, frames)]
         x[window, lost, channel] = 0.0
-    return {"x": np.concatenate([x, np.zeros((batch, frames, case["still"]))], axis=2)}
+    still = np.zeros((batch, frames, case["still"]))
+    still[1:, :, :1] = 1.0  # the first of them is still in the first window only
+    return {"x": np.concatenate([x, still], axis=2)}
 
 
 def _moment_arguments(case: Case) -> dict[str, object]:
