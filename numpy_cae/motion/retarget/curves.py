@@ -171,7 +171,7 @@ def _put(
     which has only the frames of the mask `frames`."""
     if not isinstance(frames, slice):
         inside = inside[frames[first : first + len(inside)]]
-        first = np.count_nonzero(frames[:first])
+        first = int(np.count_nonzero(frames[:first]))
     filled[first : first + len(inside), columns] = inside
 
 
