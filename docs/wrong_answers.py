@@ -82,8 +82,20 @@ SLIPS = (
     ("conv1d", "filters not flipped in dx", 1, "@ w[k].T", "@ w[K - 1 - k].T"),
     ("conv1d", "db as a mean", 0, "dy.sum((0, 1))", "dy.mean((0, 1))"),
     ("max_pool", "ties to both", 0, "(~first)", "(b >= a)"),
-    ("max_pool", "gradient to both frames", 0, "first * dy", "dy"),
-    ("unpool_even", "mean in the pullback", 0, "(dx[:, ::2] + dx[:, 1::2]) / 2", "dx[:, ::2] / 2"),
+    (
+        "max_pool",
+        "gradient to both frames",
+        0,
+        "first * dy\n        dx[:, 1::2] = (~first) * dy",
+        "dx[:, 1::2] = dy",
+    ),
+    (
+        "unpool_even",
+        "the earlier frame's gradient alone",
+        0,
+        "(dx[:, ::2] + dx[:, 1::2]) / 2",
+        "dx[:, ::2] / 2",
+    ),
     (
         "unpool_even",
         "value not halved",

@@ -130,7 +130,8 @@ def with_definitions(text: str, cell: str) -> str:
     """The text of mine.py with the definitions of a cell at the end, which replace older ones."""
     lines, statements = text.splitlines(), ast.parse(text).body
     imported = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
-    added = [node for node in ast.parse(cell).body if ast.unparse(node) not in imported]
+    lessons = {ast.unparse(n) for n in ast.parse(cell).body if getattr(n, "module", "") == "mine"}
+    added = [n for n in ast.parse(cell).body if ast.unparse(n) not in imported | lessons]
     names = set().union(*map(_names, added))
     for node in reversed(statements):
         if _names(node) & names:

@@ -41,7 +41,7 @@ def test_a_notebook_shows_the_first_failing_property_and_folds_the_rest():
     ("name", "broken", "message"),
     [
         ("conv1d", lambda x, w, b: x, "expected a value and its pullback"),
-        ("layer_loss", lambda *arguments: 0.0, "does not return 3 things: the loss, dw, db"),
+        ("layer_loss", lambda *arguments: 0.0, "it returns float, expected 3: the loss, dw, db"),
         ("chain_to_root", lambda parents: parents, "takes 1 positional argument but 2 were given"),
         ("G", lambda y_0, y_1: unknown, "name 'unknown' is not defined"),  # noqa: F821
     ],
@@ -51,6 +51,15 @@ def test_a_broken_contract_gets_one_message(name, broken, message):
     assert tested.points == 0 and str(tested).count("what:") == 1
     assert message in " ".join(str(tested).split())
     assert len(tested.outcomes) == 1 or "not tried: " in str(tested)
+
+
+def test_what_the_student_reads_is_no_riddle():
+    """A wrong result of the student's own is never called expected; a wrong count is explained."""
+    filled = course.report("fill_unknown", lambda x, known, p: np.where(known, x, p(x.clip(-9))))
+    assert "FAILED  nothing there: NaN in place of the unknown" in str(filled)
+    assert str(filled).count("expected") == 2  # both are those of the value
+    staged = course.report("stage_inputs", lambda x, layers: [x] * (len(layers) + 1))
+    assert "returns is 2, expected 1: the input of layer 1" in " ".join(str(staged).split())
 
 
 def test_tab_completion_and_source_show_no_solution():

@@ -11,7 +11,7 @@ from acclaim_files import FILES
 
 from numpy_cae import course
 from numpy_cae.course.copies import BEGIN
-from numpy_cae.course.mine import EMPTY, mine_before, run
+from numpy_cae.course.mine import EMPTY, mine_before, run, with_definitions
 
 CELL = (FILES / "cell_of_mine.txt").read_text()
 SGD_STEP = """
@@ -102,6 +102,7 @@ def test_what_would_not_work_is_not_written(function, problem, mine, capsys):
     assert course.solved("sgd_step", function) is function
     assert f"not saved to mine.py: {problem}" in capsys.readouterr().out
     assert mine.read_text() == EMPTY
+    assert "import tanh" not in with_definitions(EMPTY, "from mine import tanh\n" + SGD_STEP)
 
 
 def test_instructors_execute_a_lesson_with_the_solutions_of_earlier_ones():

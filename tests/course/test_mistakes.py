@@ -46,10 +46,12 @@ def test_a_mistake_is_named_and_two_at_once_are_not():
     assert all(bugs_of(name) for name in EXERCISES if name in OPERATIONS)
 
 
-@pytest.mark.parametrize("answer", ["special inputs", "gradient for x", "value", None])
+@pytest.mark.parametrize("answer", ["special inputs", "gradient for x", "value", "purity", None])
 def test_no_answer_is_right_for_every_suspect(answer):
     accused = course.report("accuse", lambda suspect: answer)
     assert accused.points <= 3
     verdicts = [suspect.verdict(answer) for suspect in SUSPECTS]
     assert sum(verdict.startswith("not yet: ") for verdict in verdicts) >= 5
     assert not hasattr(SUSPECTS[0], "caught_by")
+    assert "tried" not in str(accused) and SUSPECTS[5].objection("purity") == ""
+    assert ("3.33 of 20; the sum is rounded down" in str(accused)) == (accused.points == 3)

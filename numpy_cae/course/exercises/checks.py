@@ -204,11 +204,7 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
         returned, expected = (returned,), (expected,)
         names = names[:1] or ("the value",)
     names = names or tuple(f"value {number}" for number in range(len(expected)))
-    if not isinstance(returned, tuple | list):
-        kind = type(returned).__name__
-        raise TypeError(f"it returns {kind}, expected {', '.join(names)}")
-    if len(returned) != len(expected):
-        raise TypeError(f"it returns {len(returned)} values, expected {', '.join(names)}")
+    require_parts(returned, names[: len(expected)])
     for name, one, other in zip(names, returned, expected, strict=False):
         if one is None:
             raise TypeError(f"{name} is None: is a return missing?")
@@ -218,10 +214,16 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
 
 
 def require_parts(returned, names) -> tuple | list:
-    """What a function returned; TypeError unless it is one thing for each name."""
-    if not isinstance(returned, tuple | list) or len(returned) != len(names):
-        raise TypeError(f"it does not return {len(names)} things: {', '.join(names)}")
-    return returned
+    """What a function returned; a TypeError if it is no tuple or list with a thing for each name.
+
+    Another number of things is an AssertionError: there may be a known mistake behind it.
+    """
+    if isinstance(returned, tuple | list) and len(returned) == len(names):
+        return returned
+    expected = f"expected {len(names)}: {', '.join(names)}"
+    if isinstance(returned, tuple | list):
+        raise AssertionError(f"the number of things that it returns is {len(returned)}, {expected}")
+    raise TypeError(f"it returns {type(returned).__name__}, {expected}")
 
 
 def _narrowed(name: str, argument: object) -> object:

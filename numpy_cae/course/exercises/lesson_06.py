@@ -18,7 +18,6 @@ from numpy_cae.course.exercises.exercise import (
     right_function,
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
-from numpy_cae.training.schedule import decayed_rate
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
@@ -26,14 +25,8 @@ P = 0.3
 ALPHA = 0.4  # far above the paper's 0.01: a missing sparsity term is noticed
 
 
-def zero_values(x, p, draws):
-    """X_c: 0 where the draw is below p."""
-    return np.where(draws < p, x.dtype.type(0), x)
-
-
-def sgd_step(parameter, gradient, rate, decay, epoch):
-    """θ - η_0 · decay^epoch · dL/dθ"""
-    return parameter - decayed_rate(rate, decay, epoch) * gradient
+zero_values, sgd_step = map(right_function, ("zero_values", "sgd_step"))
+"""X_c, 0 where the draw is below p; θ - η_0 · decay^epoch · dL/dθ."""
 
 
 def layer_loss(x, corrupted, w, b, first, alpha, bound):
@@ -93,8 +86,8 @@ def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
     calls = [[*map(np.array, (*called, *found))] for *called, found in given["loss"].calls]
     steps = -(-len(given["windows"]) // given["batch"])
     if len(calls) != steps * epochs:
-        expected = f"expected {steps} in each of {epochs} epochs"
-        raise AssertionError(f"it calls loss {len(calls)} times, {expected}")
+        expected = f"expected {steps * epochs}, once for each batch"
+        raise AssertionError(f"in {epochs} epochs it calls loss {len(calls)} times, {expected}")
     return returned, [calls[steps * n : steps * (n + 1)] for n in range(epochs)]
 
 
@@ -143,7 +136,7 @@ def _steps_descend(train_layer, case, **given):
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 
-@states("losses", "losses has the mean of what loss returned in each epoch")
+@states("losses", "losses has the plain mean of the numbers that loss returned in each epoch")
 def _mean_losses(train_layer, case, **given):
     (_, losses), epochs = _epochs_of_calls(train_layer, given)
     require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])

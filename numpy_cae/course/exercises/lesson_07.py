@@ -21,11 +21,8 @@ SIZES = {
 }
 
 
-def frames_seen(taps, layers):
-    """The number of input frames that one hidden frame of the top layer depends on."""
-    return 1 + taps * (2**layers - 1)
-
-
+frames_seen = right_function("frames_seen")
+"""The number of input frames that one hidden frame of the top layer depends on."""
 stage_inputs = right_function("stage_inputs", encode_layer=encode_layer)
 """The clean input that each layer learns to reproduce, lowest first."""
 

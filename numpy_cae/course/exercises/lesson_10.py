@@ -106,7 +106,7 @@ EXERCISES = (
         write_clips,
         drawn(weights=_weights_of(DECODER), z=random_latent, frames=size("frames")),
         ("z", "weights"),
-        ("the clips", PULLBACK),
+        ("x_hat", PULLBACK),
         WITH_LATENT,
         value="the clips are those of the definition",
         gradients={"gradient for z": ("z",), "gradients for the weights": DECODER},

@@ -154,7 +154,8 @@ class Report:
             got = f"{GROUPS[number]} {sum(earned[k] for k in of_group):.3g} of {possible:.3g}"
             waits = any(self.outcomes[k].held and not earned[k] for k in of_group)
             texts.append(got + WAITS[number if 1 in groups else min(number, 1)] * waits)
-        return ", ".join(texts)
+        is_rounded = sum(earned) > self.points + ROUNDING
+        return ", ".join(texts) + "; the sum is rounded down" * is_rounded
 
 
 def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
