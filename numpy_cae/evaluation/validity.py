@@ -13,7 +13,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from numpy_cae.evaluation.body import bone_length_error, foot_sliding, jitter
+from numpy_cae.evaluation.body import bone_length_error, jitter
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.features import POSITIONS, features_to_positions
 
 MAX_POSES = 12_000

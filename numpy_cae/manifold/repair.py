@@ -16,7 +16,7 @@ from numpy_cae.manifold.evidence.finding import BODY, Finding
 from numpy_cae.manifold.evidence.holes import POSITIONS, interpolate, missing_joints
 from numpy_cae.manifold.evidence.jumps import joint_names
 from numpy_cae.manifold.evidence.presets import Preset
-from numpy_cae.manifold.evidence.steps import mend
+from numpy_cae.manifold.evidence.steps import LEFT, mend
 from numpy_cae.manifold.evidence.t_pose import find_t_pose
 from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.holes import Holes
@@ -124,6 +124,9 @@ def repair(
     moved = distances(whole.at(slice(first - len(kept), None)), mended)
     touched = (moved > MOVED) | missing_joints(mended, _shifted(broken, len(kept) - first))
     found += [finding for finding in unlikely if preset.is_sure(finding)]
+    left = [finding for finding in found if finding.evidence.endswith(LEFT)]
+    found = [finding for finding in found if finding not in left]
+    left += [finding for finding in unlikely if not preset.is_sure(finding)]
     return Repaired(
         mended,
         touched,
@@ -131,7 +134,7 @@ def repair(
         distance,
         distance <= UNKNOWN,
         tuple(pose + _shifted(with_centimetres(found, moved, len(kept)), first)),
-        tuple(_shifted([f for f in unlikely if not preset.is_sure(f)], first)),
+        tuple(_shifted(left, first)),
     )
 
 

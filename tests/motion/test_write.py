@@ -207,6 +207,16 @@ def test_only_the_numbers_of_changed_rotations_and_translations_differ(odd):
     np.testing.assert_allclose(again.positions(), after.positions(), atol=1e-5)
 
 
+def test_where_the_start_is_cut_off_the_text_of_other_frames_is_kept(odd):
+    source, motion, path = odd
+    write_like(source, motion, motion.at(slice(3, None)), path)
+    old, new = (file.read_bytes().decode() for file in (source, path))
+    rows = re.split(r"(?<=\n)", old.split("0.0333333")[-1] if "0.0333333" in old else old)
+    assert new.endswith("".join(rows[-10:]))
+    assert re.search(r"Frames: *9\s", new)
+    assert len(load_motion(path, unit=0.01)) == 9
+
+
 def test_angles_jump_only_where_those_of_the_file_do(odd):
     source, motion, path = odd
     write_like(source, motion, turned(motion, 0, slice(2, 9)), path)
@@ -232,6 +242,9 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
     texts = [path.read_text().splitlines() for path in (source, tmp_path / "new.amc")]
     changed = [one.split()[0] for one, other in zip(*texts, strict=True) if one != other]
     assert changed == ["lfemur", "lfemur", "ltibia"]
+    write_like(source, motion, motion.at(slice(2, None)), tmp_path / "cut.amc")
+    numbers = [line for line in (tmp_path / "cut.amc").read_text().splitlines() if line.isdigit()]
+    assert numbers == [str(number) for number in range(1, 14)]
     again = load_motion(tmp_path / "new.amc")
     np.testing.assert_allclose(again.positions(), after.positions(), atol=1e-6)
 

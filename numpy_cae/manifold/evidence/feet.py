@@ -7,13 +7,16 @@ that the legs change little; each leg takes the rest by its own two bones, which
 (`motion.retarget.to_rig.bent`).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from numpy_cae.manifold.evidence.finding import Finding
+from numpy_cae.manifold.evidence.jitter import jumping_steps
 from numpy_cae.manifold.evidence.jumps import confidence
-from numpy_cae.motion.contacts import FEET
+from numpy_cae.motion.contacts import FEET, foot_sliding
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.masks import runs
+from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
 from numpy_cae.motion.retarget.to_rig import bent, retarget
@@ -28,6 +31,8 @@ LEAST = 0.04
 while it stands."""
 EASE = 0.2
 """EASE: the displacement of a foot fades in and out in this time (s)."""
+ROUNDS = 4
+"""ROUNDS: feet are looked for again at most so often."""
 
 
 def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
@@ -44,36 +49,67 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     'foot'
     """
     toes, level = _toes(motion)
-    if len(toes) < 3:
+    found = []
+    for foot, first, end in _stances(toes, level, motion.rate):
+        toe = toes[first:end, foot]
+        away = np.abs(toe - _place(toe, level)).max(axis=0)
+        slide, height = 100 * max(away[0], away[2]), 100 * away[1]
+        why = f"moves by {slide:.1f} cm, {height:.1f} cm off the floor"
+        side = ("left", "right")[foot]
+        found.append((away.max(), Finding(f"{side}_toe", (first, end - 1), "foot", why)))
+    worst = max((away for away, _ in found), default=0.0)
+    if worst * 2 * sensitivity <= LEAST:
         return []
-    speed = np.linalg.norm(np.gradient(toes, axis=0), axis=-1) * motion.rate
-    stands = (speed < SLOW) & (toes[..., 1] < level + LOW)
-    found, certain = [], False
-    for foot, side in enumerate(("left", "right")):
-        for first, end in runs(stands[:, foot]).tolist():
-            away = np.abs(toes[first:end, foot] - _place(toes[first:end, foot], level)).max(axis=0)
-            if end - first < SECONDS * motion.rate:
-                continue
-            certain |= bool(away.max() * 2 * sensitivity > LEAST)
-            slide, height = 100 * max(away[0], away[2]), 100 * away[1]
-            why = f"moves by {slide:.1f} cm, {height:.1f} cm off the floor"
-            sure = confidence(max(1.0, away.max() / LEAST))
-            found.append(Finding(f"{side}_toe", (first, end - 1), "foot", why, 0.0, sure))
-    return found if certain else []
+    return [replace(finding, confidence=confidence(worst / LEAST)) for _, finding in found]
 
 
 def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
-    """The motion with the feet of the findings at their places."""
+    """The motion with the feet of the findings at their places; the motion itself if the feet would
+    slide more (`foot_sliding`), or more joints jump.
+
+    A foot that stands still does so for longer than it seemed: it is looked for again, as long as
+    that helps.
+    """
+    stances = [(int(f.joint.startswith("right")), f.frames[0], f.frames[1] + 1) for f in findings]
+    slides, jumps = foot_sliding(body_positions(motion), motion.rate), jumping_steps(motion)
+    for _ in range(ROUNDS):
+        better = _standing(motion, stances)
+        new = (jumping_steps(better) & ~jumps).any(axis=1)
+        if new.any():
+            near = with_margin(new[:, None], round(EASE * motion.rate) + 1)
+            better = _standing(motion, [(x, a, b) for x, a, b in stances if not near[a:b].any()])
+        after, left = foot_sliding(body_positions(better), motion.rate), jumping_steps(better)
+        if after >= slides or left.sum() > jumps.sum():
+            break
+        motion, slides, jumps = better, after, left
+        stances = _stances(*_toes(motion), motion.rate)
+    return motion
+
+
+def _stances(toes: np.ndarray, level: float, rate: float) -> list[tuple[int, int, int]]:
+    """The foot, the first frame and the end of each time in which a foot stands."""
+    if len(toes) < 3:
+        return []
+    speed = np.linalg.norm(np.gradient(toes, axis=0), axis=-1) * rate
+    stands = (speed < SLOW) & (toes[..., 1] < level + LOW)
+    return [
+        (foot, first, end)
+        for foot in (0, 1)
+        for first, end in runs(stands[:, foot]).tolist()
+        if end - first >= SECONDS * rate
+    ]
+
+
+def _standing(motion: Motion, stances: list[tuple[int, int, int]]) -> Motion:
+    """The motion with each foot at its place while it stands."""
     toes, level = _toes(motion)
     shift, weight = np.zeros(toes.shape), np.zeros((*toes.shape[:2], 1))
     frame = np.arange(len(motion))
-    for finding in findings:
-        first, last = finding.frames
-        foot = int(finding.joint.startswith("right"))
-        nearest = np.clip(frame, first, last)
+    for foot, first, end in stances:
+        nearest = np.clip(frame, first, end - 1)
         u = np.clip(1 - np.abs(frame - nearest) / (EASE * motion.rate + 1), 0.0, 1.0)
         share = (u * u * (3 - 2 * u))[:, None]
-        place = _place(toes[first : last + 1, foot], level)
+        place = _place(toes[first:end, foot], level)
         shift[:, foot] += share * (place - toes[nearest, foot])
         weight[:, foot] += share
     shift /= np.maximum(weight, 1.0)

@@ -20,7 +20,7 @@ from numpy_cae.atomic_write import atomic_write
 
 KINDS = (
     *("T-pose", "root elsewhere", "turned", "displaced", "spike", "length", "repeated", "frozen"),
-    *("not finite", "jitter", "foot", "unlikely", "marked"),
+    *("not finite", "jumps", "jitter", "foot", "unlikely", "marked"),
 )
 """Kinds of findings:
 
@@ -33,6 +33,7 @@ KINDS = (
 - repeated: the file repeats a pose until the motion jumps on
 - frozen: a rotation stands still until it jumps
 - not finite: values are no numbers
+- jumps: a joint jumps from frame to frame
 - jitter: noise in every frame
 - foot: a foot that stands slides, or is in the floor or above it
 - unlikely: the manifold has another pose there

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
@@ -19,7 +20,7 @@ from numpy_cae.motion.skeleton import Skeleton
 
 STILL = 1e-6
 """STILL: a curve stands still where it changes by no more than this (m, or in quaternions)."""
-LEAST_LEVER = 0.1
+LEAST_LEVER = 0.05
 """LEAST_LEVER: the lever (m) of a joint that moves nothing but itself, such as a hand."""
 JUMP, RATIO, USUAL = 0.08, 3.0, 8.0
 """JUMP, RATIO, USUAL: a step is a jump if it is longer than JUMP (m), than RATIO times the steps
@@ -83,9 +84,32 @@ class Curve:
         dot = np.abs(np.einsum("ij,ij->i", self.values[1:], self.values[:-1]))
         return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
 
+    def continuous(self) -> np.ndarray:
+        """The values in metres, quaternions without changes of sign: their distances are those of
+        `between`, of small rotations."""
+        if not self.is_rotation:
+            return self.values
+        dot = np.einsum("ij,ij->i", self.values[1:], self.values[:-1])
+        signs = np.cumprod(np.where(dot < 0, -1.0, 1.0))
+        return 2 * self.lever * self.values * np.r_[1.0, signs][:, None]
+
+    def roughness(self) -> np.ndarray:
+        """How far each frame is from its cubic (`off_cubic`), (F,) in metres."""
+        off = off_cubic(self.continuous())
+        return np.sqrt(np.einsum("ij,ij->i", off, off))
+
+
+def off_cubic(x: np.ndarray) -> np.ndarray:
+    """The difference of each frame of (F, …) from the cubic through the two frames before it and
+    the two after it; 0 in the first two and the last two."""
+    off = np.zeros(x.shape)
+    off[2:-2] = x[2:-2] - (2 / 3) * (x[1:-3] + x[3:-1]) + (x[:-4] + x[4:]) / 6
+    return off
+
 
 def curves_of(motion: Motion) -> Iterator[Curve]:
-    """The curves of a motion that change: rotations of all joints, then translations."""
+    """The curves of a motion that change: rotations of joints that move others, or are among the
+    twenty, then translations of all."""
     skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
     names, root = joint_names(skeleton), skeleton.path(find_joints(skeleton)[0])
     for values in (motion.rotations, motion.translations):
@@ -93,7 +117,9 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
         high, low = values.max(axis=0, initial=-np.inf), values.min(axis=0, initial=np.inf)
         change = np.maximum(high - values[:1], values[:1] - low).max(axis=(0, 2), initial=0.0)
         for joint, name in enumerate(names[: len(names) - skeleton.added]):
-            if change[joint] > STILL:
+            # The last bone of a finger moves no joint.
+            counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
+            if counts and change[joint] > STILL:
                 lever = levers[joint] if values.shape[2] == 4 else 1.0
                 yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
 
@@ -121,10 +147,16 @@ def levers_of(skeleton: Skeleton) -> np.ndarray:
 
 def usual(steps: np.ndarray, rate: float) -> np.ndarray:
     """The median over a second of how much the length of a step (N,) changes to the next one."""
-    from scipy.ndimage import median_filter  # slow to import, and seldom needed
+    return local_median(np.abs(np.diff(steps, append=steps[-1:])), rate)
 
-    change = np.abs(np.diff(steps, append=steps[-1:]))
-    return median_filter(change, min(2 * round(rate / 2) + 1, max(len(steps), 1)), mode="nearest")
+
+def local_median(values: np.ndarray, rate: float) -> np.ndarray:
+    """The median of values (N,) over the second around each, for some frames at once."""
+    half = max(round(rate / 2), 1)
+    some = max(half // 4, 1)
+    padded = np.pad(values, (half, half + some), mode="edge")
+    medians = np.median(sliding_window_view(padded, 2 * half + 1)[some // 2 :: some], axis=1)
+    return np.repeat(medians, some)[: len(values)]
 
 
 def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.manifold.evidence.finding import Finding
+from numpy_cae.manifold.evidence.jitter import ROUGH, jumping_steps
 from numpy_cae.manifold.evidence.t_pose import find_t_pose
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
 
@@ -61,18 +63,24 @@ PRESETS = {
     "optical": Preset(cut=True),
 }
 """Presets for motion estimated from video or depth, of inertial suits, and of optical systems."""
-SHAKES = 20.0
-"""SHAKES: the accelerations of motion from video change by more than this (m/s²) from frame to
-frame, in the median of all joints and frames at 30 a second (docs/lab_book/evidence.md)."""
+SHAKES, JUMPY, SLIDES = 20.0, 0.02, 20.0
+"""SHAKES, JUMPY, SLIDES: the accelerations of motion from video change by more than SHAKES (m/s²)
+from frame to frame, in the median of all joints and frames at 30 a second; or joints jump in more
+than this part of the frames (`jumping_steps`), and standing feet slide faster than SLIDES (cm/s;
+docs/lab_book/evidence.md)."""
 
 
 def fitting_preset(motion: Motion) -> str | None:
-    """The name of the preset that fits a motion: "video" if it shakes, "suit" if it begins with a
-    pose of reference, else None."""
+    """The name of the preset that fits a motion: "video" if it shakes, or jumps and slides; "suit"
+    if it begins with a pose of reference; else None."""
     some = motion.at(slice(int(20 * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
     if len(some) > 4:
-        change = np.diff(body_positions(some), 3, axis=0) * some.rate**2
-        if np.median(np.linalg.norm(change, axis=-1)) > SHAKES:
+        body = body_positions(some)
+        change = np.diff(body, 3, axis=0) * some.rate**2
+        jumps = jumping_steps(some, rough=ROUGH).any(axis=1).mean() > JUMPY
+        if np.median(np.linalg.norm(change, axis=-1)) > SHAKES or (
+            jumps and foot_sliding(body, some.rate) > SLIDES
+        ):
             return "video"
     return "suit" if find_t_pose(motion) else None

@@ -5,20 +5,23 @@ Its deviation is the smaller one of its first and its last frame: that of a run 
 the spike, or beside it, is nearly 0. Of runs that touch each other, the one with the largest
 deviation is the spike. It is removed and the rest is searched again, as a spike also distorts the
 cubics beside it.
+
+The joints below must deviate from their cubics too: where the rotations of several joints jump and
+these jumps cancel, the body does not.
 """
 
 import numpy as np
 
 from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.manifold.evidence.holes import interpolated
-from numpy_cae.manifold.evidence.jumps import Curve, confidence, curves_of, usual
+from numpy_cae.manifold.evidence.jumps import Curve, confidence, curves_of, local_median
 from numpy_cae.motion.motion import Motion
 
 SECONDS = 0.1
 """SECONDS: the longest spike, but at any rate three frames."""
-LEAST, TIMES = 0.08, 9.0
-"""LEAST, TIMES: a spike deviates by more than LEAST (m) and TIMES the usual change of the step from
-frame to frame (`usual`)."""
+LEAST, TIMES = 0.08, 4.0
+"""LEAST, TIMES: a spike deviates by more than LEAST (m), and than TIMES the median over a second of
+the deviations of single frames, which is that of the noise."""
 BESIDE = 1.5
 """BESIDE: and by more than this times the larger step just before or after it, plus the first step
 within it."""
@@ -41,7 +44,7 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     found = []
     for curve in curves_of(motion):
         for _ in range(ROUNDS):
-            runs = _spikes(curve, sensitivity)
+            runs = _that_move(motion, curve, _spikes(curve, sensitivity), sensitivity)
             if not runs:
                 break
             found += [
@@ -64,17 +67,18 @@ def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, flo
     # Most curves have no step that is long enough, and need no median.
     if len(steps) < 4 or steps.max() * 4 * sensitivity <= LEAST:
         return []
-    level = np.maximum(LEAST, TIMES * usual(steps, curve.rate))
+    level = np.maximum(LEAST, TIMES * local_median(curve.roughness(), curve.rate))
+    values = curve.continuous()
     candidates: list[tuple[float, float, int, int]] = []
     for length in range(1, max(3, round(SECONDS * curve.rate)) + 1):
         # The step to the first frame and the one from the last are at least half of the deviation.
-        least = level[: len(steps) - length] / (4 * sensitivity)
+        least = level[1 : len(steps) - length + 1] / (4 * sensitivity)
         first = 1 + np.flatnonzero(np.minimum(steps[:-length], steps[length:]) > least)
         first = first[(first >= 2) & (first + length + 1 < len(curve.values))]
-        size = _deviation(curve, first, length)
+        size = _deviation(values, first, length)
         beside = np.maximum(steps[first - 2], steps[first + length])
         inside = steps[first] if length > 1 else 0.0
-        score = size / np.maximum(level[first - 1], BESIDE * (beside + inside))
+        score = size / np.maximum(level[first], BESIDE * (beside + inside))
         likely = np.flatnonzero(score > 1 / (2 * sensitivity))
         candidates += [(size[i], score[i], first[i], first[i] + length) for i in likely]
     taken = np.zeros(len(curve.values), bool)
@@ -86,22 +90,42 @@ def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, flo
     return spikes
 
 
-def _deviation(curve: Curve, first: np.ndarray, length: int) -> np.ndarray:
-    """How far runs that begin at the frames `first` (N,) are from their cubics, (N,) in metres."""
-    before = first - 1
-    ends = [curve.between(before, first + k) for k in (-2, length, length + 1)]
+def _that_move(
+    motion: Motion, curve: Curve, spikes: list[tuple[int, int, float, float]], sensitivity: float
+) -> list[tuple[int, int, float, float]]:
+    """The spikes of a curve with which a joint below deviates by `LEAST` from its own cubic; all
+    of them if there is no joint below."""
+    path = motion.skeleton.path
+    below = [j for j in range(len(motion.skeleton.names)) if curve.joint in path(j)]
+    below = [joint for joint in below if joint != curve.joint or not curve.is_rotation]
+    if not below:
+        return spikes
+    kept = []
+    for first, end, size, score in spikes:
+        positions = motion.at(slice(first - 2, end + 2)).positions(below)
+        moves = _deviation(positions, np.array([2]), end - first).max()
+        if moves * 2 * sensitivity > LEAST:
+            kept.append((first, end, size, score))
+    return kept
+
+
+def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray:
+    """How far runs of values (F, …, C) that begin at the frames `first` (N,) are from their cubics,
+    (N, …) in metres."""
     deviations = []
     for inside in (0, length - 1):
-        cubic = sum(w * x for w, x in zip(_weights(length, inside + 1), ends, strict=True))
-        deviations.append(np.linalg.norm(curve.between(before, first + inside) - cubic, axis=-1))
+        off = values[first + inside].copy()
+        for time, weight in _weights(length, inside + 1):
+            off -= weight * values[first - 1 + time]
+        deviations.append(np.linalg.norm(off, axis=-1))
     return np.minimum(*deviations)
 
 
-def _weights(length: int, at: int) -> list[float]:
-    """The weights at the time `at` of a cubic's values at the times -1, length + 1 and length + 2;
-    its value at 0 is 0."""
-    times = np.array([-1.0, 0.0, length + 1, length + 2])
+def _weights(length: int, at: int) -> list[tuple[int, float]]:
+    """Of a cubic the times -1, 0, length + 1 and length + 2, and the weights of its values there at
+    the time `at`."""
+    times = np.array([-1, 0, length + 1, length + 2])
     return [
-        float(np.prod([(at - other) / (time - other) for other in times if other != time]))
-        for time in times[[0, 2, 3]]
+        (int(time), float(np.prod([(at - x) / (time - x) for x in times if x != time])))
+        for time in times
     ]

@@ -1,13 +1,18 @@
 """The steps of a repair by evidence, in their order. None of them needs a model."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from numpy_cae.manifold.evidence.displaced import find_displaced, mend_displaced
 from numpy_cae.manifold.evidence.feet import find_feet, mend_feet
 from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.manifold.evidence.holes import interpolate
-from numpy_cae.manifold.evidence.jitter import find_jitter, smooth_motion
+from numpy_cae.manifold.evidence.jitter import (
+    find_jitter,
+    find_jumps,
+    mend_jumps,
+    smooth_motion,
+)
 from numpy_cae.manifold.evidence.presets import Preset
 from numpy_cae.manifold.evidence.spikes import find_spikes
 from numpy_cae.manifold.evidence.still import find_still
@@ -27,10 +32,15 @@ class Step:
     option: str = ""
 
 
+LEFT = "left alone, since the feet would slide more"
+"""LEFT: what the evidence of findings says that are not mended."""
+
+
 STEPS = (
     Step(("repeated", "frozen"), find_still, interpolate),
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate),
+    Step(("jumps",), find_jumps, mend_jumps),
     Step(("jitter",), find_jitter, smooth_motion, "smooth"),
     Step(("foot",), find_feet, mend_feet, "feet"),
 )
@@ -61,7 +71,7 @@ def mend(
     >>> [finding.kind for finding in mend(motion)[1]]
     ['spike']
     """
-    preset, found = preset or Preset(), []
+    preset, found = preset or Preset(), list[Finding]()
     for step in STEPS:
         if step.option and getattr(preset, step.option):
             damage = step.find(motion, preset.sensitivity)
@@ -70,6 +80,8 @@ def mend(
         else:
             damage = [] if step.option else step.find(motion, preset.sensitivity)
         if damage:
-            motion = step.mend(motion, damage)
-            found += damage
+            mended = step.mend(motion, damage)
+            if step.option and mended is motion:
+                damage = [replace(f, evidence=f"{f.evidence}; {LEFT}") for f in damage]
+            motion, found = mended, found + damage
     return motion, found

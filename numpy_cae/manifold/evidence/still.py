@@ -1,13 +1,14 @@
 """Frames that repeat the values of the frame before until the motion jumps.
 
 Dropped frames, a sensor that stops and a pose of reference look like this. A person who stands
-still is never exactly still, and a channel that is not used does not jump.
+still is never exactly still, a channel that is not used does not jump, and a joint at its limit
+returns to the same value.
 """
 
 import numpy as np
 
 from numpy_cae.manifold.evidence.finding import BODY, Finding
-from numpy_cae.manifold.evidence.jumps import STILL, confidence, curves_of
+from numpy_cae.manifold.evidence.jumps import STILL, Curve, confidence, curves_of
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 
@@ -39,10 +40,17 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
         body += steps / len(curves)
         if curve.is_rotation and np.mean(steps <= STILL) < USED:
             least = max(6, round(SECONDS * motion.rate))
-            found += _still(curve.name, "frozen", steps, least, LEAST, sensitivity)
+            frozen = _still(curve.name, "frozen", steps, least, LEAST, sensitivity)
+            found += [finding for finding in frozen if not _recurs(curve, *finding.frames)]
     repeated = _still(BODY, "repeated", body, 1, 0.0, sensitivity)
     whole = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
     return repeated + [f for f in found if not whole.issuperset(range(f.frames[0], f.frames[1]))]
+
+
+def _recurs(curve: Curve, first: int, last: int) -> bool:
+    """Whether a value that stands still is also met elsewhere: the limit of a joint."""
+    same = np.abs(curve.values - curve.values[last]).max(axis=-1) <= STILL
+    return bool(same[: max(first - 1, 0)].any() or same[last + 1 :].any())
 
 
 def _still(

@@ -29,6 +29,8 @@ _BLOCK = 4096
 """_BLOCK: the number of frames that are processed at a time."""
 _NOTICEABLE = 0.5
 """_NOTICEABLE: a rotation that channels change by more than this (°) is reported."""
+_FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
+"""_FRAMES: the number of frames in the header of a BVH file."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
 """_GAPS: white space and comments, which separate words."""
 
@@ -52,7 +54,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     before : Motion
         The motion that `load_motion(source)` returns.
     after : Motion
-        The changed motion, on the same skeleton and with as many frames.
+        The changed motion, on the same skeleton; of its frames some may be cut off at the start.
     path : path of the file
         Of the same suffix. Replaced if it exists; it may be `source`.
 
@@ -85,7 +87,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
     numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
     misses: dict[str, float] = {}
-    count = 0
+    cut, count = len(before) - len(after), 0
+    before = before.at(slice(cut, None)) if cut else before
     with (
         atomic_write(path) as temporary,
         _text(source, "r") as lines,
@@ -93,7 +96,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     ):
         last = None
         parts = _parts(lines, begins)
-        output.write(next(parts))
+        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", next(parts)) if cut else next(parts))
+        next(islice(parts, cut, cut), None)  # leaves the first frames out
         while texts := list(islice(parts, _BLOCK)):
             frames = slice(count, count + len(texts))
             count += len(texts)
@@ -101,6 +105,9 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
                 break
             block = before.at(frames), after.at(frames)
             texts, last = _replaced(texts, last, *block, channels, numbers, misses)
+            if cut and not is_bvh:  # an .amc file numbers its frames
+                numbered = enumerate(texts, frames.start + 1)
+                texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
             output.writelines(texts)
         if count != len(before):
             raise MotionFileError(source, None, "has changed since it was read")

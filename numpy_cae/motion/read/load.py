@@ -55,8 +55,9 @@ class FileMotion(Motion):
         """Write the motion to a file.
 
         In the format of its own file (.bvh, .amc) the text of everything that did not change is
-        kept, byte for byte, and a missing .asf skeleton is copied beside an .amc file. A motion of
-        another format or at another rate is written as BVH.
+        kept, byte for byte, also where frames at the start were cut off, and a missing .asf
+        skeleton is copied beside an .amc file. A motion of another format, at another rate, or with
+        more frames is written as BVH.
 
         Parameters
         ----------
@@ -76,8 +77,7 @@ class FileMotion(Motion):
         if same_format and before is None:
             names = self.skeleton.joint_names or None
             before = load_motion(self.source, self.unit, None, self.up, self.floor, names)
-        length = len(self), self.rate
-        if before is None or not same_format or (len(before), before.rate) != length:
+        if not same_format or before is None or before.rate != self.rate or len(before) < len(self):
             require_bvh(path)
             write_bvh(self, path)
             return
