@@ -83,15 +83,11 @@ def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:
         if spike:
             free = spike[-1]
             continue
+        to_the_end = not later and _size(curve, first) > _least(curve, HALF)
         choices = (
             (undone, [x for x in later if _closes(curve, first, x[0])]),
             (other, [x for x in later if _returns(curve, first, x[0])]),
-            (
-                undone,
-                [(frames, score)]
-                if not later and _size(curve, first) > _least(curve, HALF)
-                else [],
-            ),
+            (undone, [(frames, score)] * to_the_end),
         )
         for kind, ends in choices:
             if ends:

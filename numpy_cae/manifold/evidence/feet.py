@@ -55,8 +55,8 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
         away = np.abs(toe - _place(toe, level)).max(axis=0)
         slide, height = 100 * max(away[0], away[2]), 100 * away[1]
         why = f"moves by {slide:.1f} cm, {height:.1f} cm off the floor"
-        side = ("left", "right")[foot]
-        found.append((away.max(), Finding(f"{side}_toe", (first, end - 1), "foot", why)))
+        toe_name = ("left_toe", "right_toe")[foot]
+        found.append((away.max(), Finding(toe_name, (first, end - 1), "foot", why)))
     worst = max((away for away, _ in found), default=0.0)
     if worst * 2 * sensitivity <= LEAST:
         return []

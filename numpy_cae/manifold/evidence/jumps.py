@@ -24,7 +24,7 @@ LEAST_LEVER = 0.05
 """LEAST_LEVER: the lever (m) of a joint that moves nothing but itself, such as a hand."""
 JUMP, RATIO, USUAL = 0.08, 3.0, 8.0
 """JUMP, RATIO, USUAL: a step is a jump if it is longer than JUMP (m), than RATIO times the steps
-before and after it, and than USUAL times the usual change of the step (`usual`)."""
+before and after it, and than USUAL times the median over a second of its change."""
 
 
 FASTEST = 1500.0
@@ -145,11 +145,6 @@ def levers_of(skeleton: Skeleton) -> np.ndarray:
     return levers
 
 
-def usual(steps: np.ndarray, rate: float) -> np.ndarray:
-    """The median over a second of how much the length of a step (N,) changes to the next one."""
-    return local_median(np.abs(np.diff(steps, append=steps[-1:])), rate)
-
-
 def local_median(values: np.ndarray, rate: float) -> np.ndarray:
     """The median of values (N,) over the second around each, for some frames at once."""
     half = max(round(rate / 2), 1)
@@ -168,7 +163,7 @@ def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
         return []
     padded = np.pad(steps, 1)
     beside = np.maximum(padded[large], padded[large + 2])
-    level = usual(steps, curve.rate)[large]
+    level = local_median(np.abs(np.diff(steps, append=steps[-1:])), curve.rate)[large]
     score = steps[large] / np.maximum(JUMP, np.maximum(RATIO * beside, USUAL * level))
     if curve.is_root and curve.is_rotation:
         score = np.maximum(score, steps[large] * curve.rate / (np.radians(FASTEST) * curve.lever))

@@ -95,18 +95,15 @@ def _that_move(
 ) -> list[tuple[int, int, float, float]]:
     """The spikes of a curve with which a joint below deviates by `LEAST` from its own cubic; all
     of them if there is no joint below."""
-    path = motion.skeleton.path
-    below = [j for j in range(len(motion.skeleton.names)) if curve.joint in path(j)]
-    below = [joint for joint in below if joint != curve.joint or not curve.is_rotation]
-    if not below:
-        return spikes
-    kept = []
-    for first, end, size, score in spikes:
+    path, joints = motion.skeleton.path, range(len(motion.skeleton.names))
+    below = [joint for joint in joints if curve.joint in path(joint)[curve.is_rotation :]]
+
+    def moves(first: int, end: int) -> bool:
         positions = motion.at(slice(first - 2, end + 2)).positions(below)
-        moves = _deviation(positions, np.array([2]), end - first).max()
-        if moves * 2 * sensitivity > LEAST:
-            kept.append((first, end, size, score))
-    return kept
+        off = _deviation(positions, np.array([2]), end - first).max()
+        return bool(off * 2 * sensitivity > LEAST)
+
+    return [spike for spike in spikes if not below or moves(*spike[:2])]
 
 
 def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray:

@@ -7,12 +7,7 @@ from numpy_cae.manifold.evidence.displaced import find_displaced, mend_displaced
 from numpy_cae.manifold.evidence.feet import find_feet, mend_feet
 from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.manifold.evidence.holes import interpolate
-from numpy_cae.manifold.evidence.jitter import (
-    find_jitter,
-    find_jumps,
-    mend_jumps,
-    smooth_motion,
-)
+from numpy_cae.manifold.evidence.jitter import find_jitter, find_jumps, mend_jumps, smooth_motion
 from numpy_cae.manifold.evidence.presets import Preset
 from numpy_cae.manifold.evidence.spikes import find_spikes
 from numpy_cae.manifold.evidence.still import find_still

@@ -53,13 +53,8 @@ def is_reference(pose: Motion) -> bool:
     if np.abs(pose.rotations[:, 1:, :3]).max() < STILL:
         return True
     body = body_positions(pose)[0]
-    left, right = (
-        [body[JOINTS.index(f"{side}_{joint}")] for joint in ("shoulder", "wrist")]
-        for side in ("left", "right")
-    )
-    line = left[0] - right[0]
-    return all(
-        float(sign * line @ (wrist - shoulder))
-        > COSINE * float(np.linalg.norm(line) * np.linalg.norm(wrist - shoulder))
-        for sign, (shoulder, wrist) in ((1, left), (-1, right))
-    )
+    ends = [[JOINTS.index(f"{x}_{y}") for y in ("shoulder", "wrist")] for x in ("left", "right")]
+    (left, left_wrist), (right, right_wrist) = body[ends]
+    line, arms = left - right, np.array([left_wrist - left, right - right_wrist])
+    lengths = np.linalg.norm(line) * np.linalg.norm(arms, axis=1)
+    return bool(np.all(arms @ line > COSINE * lengths))
