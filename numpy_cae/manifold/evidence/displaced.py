@@ -87,7 +87,7 @@ def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:
         choices = (
             (undone, [x for x in later if _closes(curve, first, x[0])]),
             (other, [x for x in later if _returns(curve, first, x[0])]),
-            (undone, [(frames, score)] * to_the_end),
+            (undone, [(frames, score)] if to_the_end else []),
         )
         for kind, ends in choices:
             if ends:

@@ -74,9 +74,9 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     slides, jumps = foot_sliding(body_positions(motion), motion.rate), jumping_steps(motion)
     for _ in range(ROUNDS):
         better = _standing(motion, stances)
-        new = (jumping_steps(better) & ~jumps).any(axis=1)
+        new = (jumping_steps(better) & ~jumps).any(axis=1, keepdims=True)
         if new.any():
-            near = with_margin(new[:, None], round(EASE * motion.rate) + 1)
+            near = with_margin(new, round(EASE * motion.rate) + 1)
             better = _standing(motion, [(x, a, b) for x, a, b in stances if not near[a:b].any()])
         after, left = foot_sliding(body_positions(better), motion.rate), jumping_steps(better)
         if after >= slides or left.sum() > jumps.sum():

@@ -106,7 +106,8 @@ def _without_jumps(motion: Motion, jumps: np.ndarray) -> Motion:
     """The motion with the joints that jump (frames, 20) filtered strongly around, and again where
     they still jump."""
     for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
-        near = with_margin(jumps.any(axis=1)[:, None], round(AROUND * motion.rate))[:, 0]
+        some = np.asarray(jumps.any(axis=1, keepdims=True))
+        near = with_margin(some, round(AROUND * motion.rate))[:, 0]
         rotations, translations = motion.rotations.copy(), motion.translations.copy()
         for first, end in runs(near).tolist():
             frames = slice(first, max(end, min(first + LEAST_FRAMES, len(motion))))

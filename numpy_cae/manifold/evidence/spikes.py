@@ -19,7 +19,7 @@ from numpy_cae.motion.motion import Motion
 
 SECONDS = 0.1
 """SECONDS: the longest spike, but at any rate three frames."""
-LEAST, TIMES = 0.08, 4.0
+LEAST, TIMES = 0.08, 9.0
 """LEAST, TIMES: a spike deviates by more than LEAST (m), and than TIMES the median over a second of
 the deviations of single frames, which is that of the noise."""
 BESIDE = 1.5

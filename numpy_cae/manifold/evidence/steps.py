@@ -35,8 +35,8 @@ STEPS = (
     Step(("repeated", "frozen"), find_still, interpolate),
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate),
-    Step(("jumps",), find_jumps, mend_jumps),
     Step(("jitter",), find_jitter, smooth_motion, "smooth"),
+    Step(("jumps",), find_jumps, mend_jumps),
     Step(("foot",), find_feet, mend_feet, "feet"),
 )
 
