@@ -15,14 +15,13 @@ from functools import partial
 
 import numpy as np
 from experiment_script import main
-from kinds_of_damage import DAMAGES
+from kinds_of_damage import DAMAGES, stretch
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
 from numpy_cae.evaluation import PCA, foot_sliding
 from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
-from numpy_cae.experiments.repair.damaged_motion import stretch
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold, Preset, project_motion, repair
 from numpy_cae.manifold.evidence.holes import missing_joints

@@ -32,7 +32,7 @@ def repair(motion: Motion, manifold: MotionManifold | None = None, **options) ->
     manifold : MotionManifold, optional
         As `learn` returns it; the starter model of the package where None.
     **options
-        Of `numpy_cae.manifold.repair`: `damaged`, `preset`, `findings`, `strength`.
+        Of `numpy_cae.manifold.repair`: `damaged`, `preset`, `findings`.
 
     Returns
     -------

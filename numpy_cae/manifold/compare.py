@@ -88,9 +88,7 @@ def G(y_0: np.ndarray, y_1: np.ndarray) -> float:
     >>> G(np.array([[0.0], [1.0]]), np.array([[0.5], [0.5], [1.0]]))
     0.25
     """
-    largest = y_0.max(axis=0) - y_1.max(axis=0)
-    smallest = y_0.min(axis=0) - y_1.min(axis=0)
-    return float(np.sum(largest**2, dtype=np.float64) + np.sum(smallest**2, dtype=np.float64))
+    return float(distance_matrix([signature(y_0)], [signature(y_1)])[0, 0])
 
 
 def distance_matrix(

@@ -26,13 +26,11 @@ from numpy_cae.manifold.trials import chosen
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.quaternions import slerp
 from numpy_cae.motion.retarget.curves import (
     CurveAt,
+    channels_on_curves,
     eased_everywhere,
     on_curves,
-    over_holes,
-    rotations_over_holes,
 )
 
 UNKNOWN = 0.12
@@ -52,7 +50,6 @@ def repair(
     damaged: np.ndarray | None = None,
     preset: Preset | None = None,
     findings: Sequence[Finding] | None = None,
-    strength: float = 1.0,
 ) -> Repaired:
     """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
 
@@ -73,8 +70,6 @@ def repair(
         Which steps are taken; `Preset()` by default.
     findings : sequence of Finding, optional
         Only these are mended, whatever their confidence, and nothing is looked for.
-    strength : float
-        0 keeps the damaged motion, 1 uses the repaired one.
 
     Returns
     -------
@@ -83,8 +78,8 @@ def repair(
     Raises
     ------
     UnknownRigError, ValueError
-        If joints of the rig are missing; if `strength` is not from 0 to 1, or a finding is of a
-        joint or of frames that the motion does not have.
+        If joints of the rig are missing; if a finding is of a joint or of frames that the motion
+        does not have.
 
     Examples
     --------
@@ -96,11 +91,8 @@ def repair(
     >>> repaired.findings[0].joint, repaired.findings[0].frames, repaired.findings[0].kind
     ('left_elbow', (30, 32), 'spike')
     """
-    if not 0 <= strength <= 1:
-        raise ValueError(f"strength is {strength}, expected 0 to 1")
     preset = preset or Preset()
-    given = findings if damaged is None else marked(damaged)
-    rest = None if given is None else list(given)
+    rest = findings if damaged is None else marked(damaged)
     _require_usable(motion, rest or [])
     whole, broken = _finite(motion)
     pose = find_t_pose(whole) if rest is None else [f for f in rest if f.kind == "T-pose"]
@@ -116,8 +108,6 @@ def repair(
         # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
         filling, features, distance, unlikely = _filling(mended, manifold, found, look)
         mended = filling.filled(features, moving)
-    if strength < 1:
-        mended = _between(moving, mended, strength)
     kept = whole.at(slice(0 if preset.cut else first))
     if len(kept):
         mended = _joined(kept, mended)
@@ -127,15 +117,9 @@ def repair(
     left = [finding for finding in found if finding.evidence.endswith(LEFT)]
     found = [finding for finding in found if finding not in left]
     left += [finding for finding in unlikely if not preset.is_sure(finding)]
-    return Repaired(
-        mended,
-        touched,
-        moved,
-        distance,
-        distance <= UNKNOWN,
-        tuple(pose + _shifted(with_centimetres(found, moved, len(kept)), first)),
-        tuple(_shifted(left, first)),
-    )
+    known, left = distance <= UNKNOWN, _shifted(left, first)
+    found = pose + _shifted(with_centimetres(found, moved, len(kept)), first)
+    return Repaired(mended, touched, moved, distance, known, tuple(found), tuple(left))
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
@@ -180,11 +164,13 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     return Repaired(filled, missing, distances(motion, filled))
 
 
-def marked(damaged: np.ndarray) -> list[Finding]:
-    """The runs of a mask (frames, 20) as findings of kind "marked"."""
+def marked(
+    damaged: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked"
+) -> list[Finding]:
+    """The runs of a mask (frames, joints) as findings of a kind."""
     return [
-        Finding(name, (int(first), int(end) - 1))
-        for name, column in zip(JOINTS, damaged.T, strict=True)
+        Finding(name, (int(first), int(end) - 1), kind)
+        for name, column in zip(names, damaged.T, strict=True)
         for first, end in runs(column)
     ]
 
@@ -248,16 +234,6 @@ def _joined(start: Motion, rest: Motion) -> Motion:
     )
 
 
-def _between(before: Motion, after: Motion, share: float) -> Motion:
-    """A share of the way from one motion to the other."""
-    if share == 0:
-        return before
-    shares = np.full(before.rotations.shape[:2], share)
-    rotations = slerp(before.rotations, after.rotations, shares)
-    translations = before.translations + share * (after.translations - before.translations)
-    return replace(after, rotations=rotations, translations=translations)
-
-
 def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
     """The motion with rotations and translations that are not finite interpolated, and these."""
     wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
@@ -265,14 +241,6 @@ def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
         return motion, []
     rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
-    finite = replace(
-        motion,
-        rotations=rotations_over_holes(rotations, wrong, motion.rate),
-        translations=over_holes(translations, wrong, motion.rate),
-    )
-    found = [
-        Finding(name, (int(first), int(end) - 1), "not finite")
-        for name, column in zip(joint_names(motion.skeleton), wrong.T, strict=True)
-        for first, end in runs(column)
-    ]
-    return finite, found
+    known = replace(motion, rotations=rotations, translations=translations)
+    found = marked(wrong, joint_names(motion.skeleton), "not finite")
+    return channels_on_curves(known, wrong, wrong), found

@@ -124,7 +124,6 @@ def with_centimetres(findings: Sequence[Finding], moved: np.ndarray, offset: int
         for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
             if JOINTS[parent] in below:
                 below.add(joint)
-        frames = slice(finding.frames[0] + offset, finding.frames[1] + offset + 1)
-        there = moved[frames][:, [JOINTS.index(joint) for joint in below]]
+        there = moved[offset:][finding.stretch][:, [JOINTS.index(joint) for joint in below]]
         measured.append(replace(finding, cm=100 * float(there.max(initial=0.0))))
     return measured

@@ -1,10 +1,10 @@
 """The measures of real files: jumps that are put into a walk are counted and repaired."""
 
 import numpy as np
+from kinds_of_damage import twisted_limb
 
 from data_synth import make_take
 from numpy_cae.experiments.repair import real
-from numpy_cae.experiments.repair.damaged_motion import twisted_limb
 from numpy_cae.motion import write_bvh
 
 

@@ -41,8 +41,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="source", choices=list(PRESETS), help=f"where the motion is from. {source}")
     add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
     add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
-    strength = "0 keeps the damaged positions, 1 uses the repaired ones (default: 1)"
-    add("--strength", type=arguments.fraction, default=1.0, metavar="S", help=strength)
     project = "project the whole motion onto the manifold instead, as holden2015 does"
     add("--project", **arguments.FLAG, help=project)
 
@@ -50,8 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
     manifold, preset = one_motion.load_model(args), _preset(args)
-    if args.project and (damage_options.is_chosen(args) or args.strength < 1 or preset != Preset()):
-        what = "--joint, --mask, --from, --smooth, --feet, --sensitivity and --strength"
+    if args.project and (damage_options.is_chosen(args) or preset != Preset()):
+        what = "--joint, --mask, --from, --smooth, --feet and --sensitivity"
         raise ValueError(f"--project changes the whole motion: use it without {what}")
     if args.source:
         print(f"--from {args.source}: {preset}")
@@ -63,9 +61,7 @@ def run(args: argparse.Namespace) -> int:
                 changed.write(motion, _projected(motion, manifold), target)
                 continue
             findings = damage_options.chosen_findings(args, motion)
-            repaired = repair(
-                motion, manifold, preset=preset, findings=findings, strength=args.strength
-            )
+            repaired = repair(motion, manifold, preset=preset, findings=findings)
             changed.write(motion, repaired, target)
             if findings is None and preset == Preset() and (name := fitting_preset(motion)):
                 print(f"  this motion looks like one for --from {name}: {PRESETS[name]}")

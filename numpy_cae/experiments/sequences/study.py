@@ -60,10 +60,7 @@ class Action:
 
 
 def synthetic_action(
-    kind: str,
-    minutes: float,
-    seed: int = 0,
-    report: Callable[[int, int], None] | None = None,
+    kind: str, minutes: float, seed: int = 0, report: Callable[[int, int], None] | None = None
 ) -> Action:
     """Synthesise an action of `data_synth.JANG2018_KINDS`, so many minutes to train on and to test
     on; every take is of another person.

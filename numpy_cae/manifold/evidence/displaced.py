@@ -113,7 +113,7 @@ def _closes(curve: Curve, first: int, end: int) -> bool:
     """Whether the step to the frame `end` undoes the step to `first`, and these are large."""
     size = min(_size(curve, first), _size(curve, end))
     left = min(_left(curve, first, end))
-    inside = float(curve.part(first, end).steps().max())
+    inside = float(curve.steps()[first : end - 1].max())
     return bool(size > _least(curve) and left < CLOSES * size and inside < CALM * size)
 
 

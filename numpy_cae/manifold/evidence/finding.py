@@ -98,6 +98,11 @@ class Finding:
         how = f"{self.cm:.1f} cm, confidence {self.confidence:.2f}"
         return f"{self.joint}: {frames}: {self.kind}{why}: {how}"
 
+    @property
+    def stretch(self) -> slice:
+        """The frames."""
+        return slice(self.frames[0], self.frames[1] + 1)
+
     def to_json(self) -> dict:
         """The finding as an object of a file of findings."""
         rounded = {"cm": round(self.cm, 2), "confidence": round(self.confidence, 2)}

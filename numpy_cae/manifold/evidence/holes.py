@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.curves import (
     EVERY,
     CurveAt,
+    channels_on_curves,
     eased_everywhere,
-    of_channels,
     over_holes,
     rotations_over_holes,
     unknown_channels,
@@ -42,8 +41,7 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
     turned, moved = (np.zeros((len(motion), len(names)), bool) for _ in range(2))
     missing = np.zeros((len(motion), len(JOINTS)), bool)
     for finding in findings:
-        first, last = finding.frames
-        frames = slice(first, last + 1)
+        frames = finding.stretch
         if finding.joint == BODY:
             missing[frames] = True
         elif finding.kind in POSITIONS and finding.joint in JOINTS:
@@ -67,7 +65,7 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     missing = np.zeros((len(motion), len(JOINTS)), bool)
     names, rig = joint_names(motion.skeleton), find_joints(motion.skeleton)
     for finding in findings:
-        frames = slice(finding.frames[0], finding.frames[1] + 1)
+        frames = finding.stretch
         for column, joint in enumerate(rig):
             path = [names[above] for above in motion.skeleton.path(joint)]
             itself = finding.kind in (*POSITIONS, *PLACES) or finding.joint == BODY
@@ -85,11 +83,4 @@ def interpolate(
 ) -> Motion:
     """The motion, or some of its frames, with the damaged channels of findings interpolated
     (`motion.retarget.curves`)."""
-    turned, moved = damaged_channels(motion, findings)
-    how = motion.rate, of_channels(motion, curve_at), frames
-    changed: dict[str, Any] = {}  # rotations and translations
-    if turned.any():
-        changed["rotations"] = rotations_over_holes(motion.rotations, turned, *how)
-    if moved.any():
-        changed["translations"] = over_holes(motion.translations, moved, *how)
-    return replace(motion.at(frames), **changed)
+    return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)

@@ -24,7 +24,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.manifold.evidence.finding import BODY, Finding
 from numpy_cae.manifold.evidence.jumps import curves_of, off_cubic
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import slerp
@@ -97,8 +97,8 @@ def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
     """The motion with the joints of the findings filtered there."""
     jumps = np.zeros((len(motion), len(JOINTS)), bool)
     for finding in findings:
-        columns = slice(None) if finding.joint == BODY else JOINTS.index(finding.joint)
-        jumps[finding.frames[0] : finding.frames[1] + 1, columns] = True
+        joints = JOINTS if finding.joint == BODY else [finding.joint]
+        jumps |= joint_mask(len(motion), joints, finding.stretch)
     return _without_jumps(motion, jumps)
 
 
@@ -225,9 +225,8 @@ def _filtered_around(motion: Motion, jumps: np.ndarray) -> Motion:
     window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
     for joint in np.flatnonzero(near.any(axis=0)).tolist():
-        share = np.convolve(
-            np.pad(near[:, joint].astype(float), width // 2, "edge"), window, "valid"
-        )
+        padded = np.pad(near[:, joint].astype(float), width // 2, "edge")
+        share = np.convolve(padded, window, "valid")
         rotations[:, joint] = slerp(rotations[:, joint], strong.rotations[:, joint], share)
         change = strong.translations[:, joint] - translations[:, joint]
         translations[:, joint] += share[:, None] * change

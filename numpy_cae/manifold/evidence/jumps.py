@@ -7,7 +7,7 @@ the joint moves.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -56,10 +56,6 @@ class Curve:
         """Whether the values are quaternions."""
         return self.values.shape[1] == 4
 
-    def part(self, first: int, end: int) -> "Curve":
-        """The curve in some frames."""
-        return replace(self, values=self.values[first:end])
-
     def amount(self, metres: float) -> str:
         """A difference of rotations in degrees, of places in centimetres."""
         if self.is_rotation:
@@ -79,10 +75,7 @@ class Curve:
         The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
         everything else.
         """
-        if not self.is_rotation:
-            return np.linalg.norm(np.diff(self.values, axis=0), axis=-1)
-        dot = np.abs(np.einsum("ij,ij->i", self.values[1:], self.values[:-1]))
-        return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
+        return np.linalg.norm(np.diff(self.continuous(), axis=0), axis=-1)
 
     def continuous(self) -> np.ndarray:
         """The values in metres, quaternions without changes of sign: their distances are those of

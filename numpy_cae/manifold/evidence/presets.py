@@ -66,8 +66,8 @@ PRESETS = {
 SHAKES, JUMPY, SLIDES = 20.0, 0.02, 20.0
 """SHAKES, JUMPY, SLIDES: the accelerations of motion from video change by more than SHAKES (m/s²)
 from frame to frame, in the median of all joints and frames at 30 a second; or joints jump in more
-than this part of the frames (`jumping_steps`), and standing feet slide faster than SLIDES (cm/s;
-docs/lab_book/evidence.md)."""
+than this part of the frames (`jumping_steps`) and in more than two, as a limb jumps that is turned
+for a while, and standing feet slide faster than SLIDES (cm/s; docs/lab_book/evidence.md)."""
 
 
 def fitting_preset(motion: Motion) -> str | None:
@@ -78,7 +78,7 @@ def fitting_preset(motion: Motion) -> str | None:
     if len(some) > 4:
         body = body_positions(some)
         change = np.diff(body, 3, axis=0) * some.rate**2
-        jumps = jumping_steps(some, rough=ROUGH).any(axis=1).mean() > JUMPY
+        jumps = jumping_steps(some, rough=ROUGH).any(axis=1).sum() > max(JUMPY * len(some), 2)
         if np.median(np.linalg.norm(change, axis=-1)) > SHAKES or (
             jumps and foot_sliding(body, some.rate) > SLIDES
         ):

@@ -47,16 +47,10 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
             runs = _that_move(motion, curve, _spikes(curve, sensitivity), sensitivity)
             if not runs:
                 break
-            found += [
-                Finding(
-                    curve.name,
-                    (first, end - 1),
-                    curve.kind,
-                    f"{curve.amount(size)} from the frames before and after",
-                    confidence=confidence(score),
-                )
-                for first, end, size, score in runs
-            ]
+            for first, end, size, score in runs:
+                why = f"{curve.amount(size)} from the frames before and after"
+                sure = confidence(score)
+                found.append(Finding(curve.name, (first, end - 1), curve.kind, why, 0.0, sure))
             curve = interpolated(curve, [(first, end) for first, end, *_ in runs])
     return found
 

@@ -68,9 +68,8 @@ def _still(
             start = first if into > 1 else first + 1
             moves = f"then moves by {100 * steps[end]:.1f} cm"
             why = f"stands still for {end - first + 1} frames, {moves}"
-            found.append(
-                Finding(joint, (int(start), int(end)), kind, why, 0.0, confidence(max(score, into)))
-            )
+            sure = confidence(max(score, into))
+            found.append(Finding(joint, (int(start), int(end)), kind, why, 0.0, sure))
     return found
 
 

@@ -13,6 +13,7 @@ its weights.
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -77,13 +78,25 @@ def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_eve
     """
     if not missing.any():
         return motion
-    turned, moved = unknown_channels(motion, missing)
-    curve_of = of_channels(motion, curve_at)
-    rotations = rotations_over_holes(motion.rotations, turned, motion.rate, curve_of)
-    translations = motion.translations  # an hour of them takes 0.3 GB
+    return channels_on_curves(motion, *unknown_channels(motion, missing), curve_at)
+
+
+def channels_on_curves(
+    motion: Motion,
+    turned: np.ndarray,
+    moved: np.ndarray,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
+) -> Motion:
+    """The motion, or some of its frames, with rotations and translations of the joints of the rig
+    interpolated where two masks (frames, J) say so; `curve_at` is as in `on_curves`."""
+    how = motion.rate, of_channels(motion, curve_at), frames
+    changed: dict[str, Any] = {}  # an hour of translations takes 0.3 GB: no copy without need
+    if turned.any():
+        changed["rotations"] = rotations_over_holes(motion.rotations, turned, *how)
     if moved.any():
-        translations = over_holes(translations, moved, motion.rate, curve_of)
-    return replace(motion, rotations=rotations, translations=translations)
+        changed["translations"] = over_holes(motion.translations, moved, *how)
+    return replace(motion.at(frames), **changed)
 
 
 def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
