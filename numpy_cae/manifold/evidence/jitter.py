@@ -77,7 +77,7 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.translations[20:40:2, motion.skeleton.index("lwrist")] += 0.2
     >>> find_jumps(motion)
-    [left_wrist: frames 18 to 38: jumps ...
+    [left_wrist: frames 19 to 38: jumps ...
     """
     curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
     rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
