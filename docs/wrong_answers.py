@@ -1,6 +1,8 @@
 """Fifty-one wrong answers to exercises of the lessons, and what their reports say first.
 
-    python docs/wrong_answers.py > table.md
+    python docs/wrong_answers.py
+
+docs/wrong_answers.md has the table.
 
 A wrong answer is one of the right ones in tests/course/right_styles.txt, which are not those from
 which the named mistakes are made, with a piece of its text replaced.

@@ -140,9 +140,17 @@ class Report:
         yield from _wrapped("  points: ", self.shares(), INDENT)
 
     def failing(self) -> list[Outcome]:
-        """The properties that were tried and do not hold, the one about everything last."""
+        """The properties that were tried and do not hold, the one about everything last.
+
+        An altered argument is the cause of other failures, and comes first.
+        """
+
+        def place(outcome: Outcome) -> int:
+            alters = "must not alter" in outcome.problem
+            return (outcome.stated.name == "special inputs") - alters
+
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
-        return sorted(failing, key=lambda outcome: outcome.stated.name == "special inputs")
+        return sorted(failing, key=place)
 
     def shares(self) -> str:
         """The points of each group of properties, and why one that holds may have none."""
