@@ -61,6 +61,12 @@ def test_what_the_student_reads_is_no_riddle():
     staged = course.report("stage_inputs", lambda x, layers: [x] * (len(layers) + 1))
     assert "returns is 2, expected 1: the input of layer 1" in " ".join(str(staged).split())
 
+    def in_place(x):
+        x *= x
+        return x, lambda dy: 2 * x * dy
+
+    assert course.report("square", in_place).failing()[0].stated.name == "purity"
+
 
 def test_tab_completion_and_source_show_no_solution():
     assert dir(course) == course.__all__
