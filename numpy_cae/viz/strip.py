@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
+def strip_figure(
+    actors: list[Actor], rate: float = 0.0, poses: int = 9, azimuth: float = 40.0
+) -> Figure:
     """A row of poses for each motion, at the same moments in every row.
 
     The poses are evenly spaced in time and on the strip; the path in the world is left out.
@@ -24,7 +26,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     ----------
     actors : list of Actor, of the same number of frames
     rate : float
-        Frames a second, for the times below.
+        Frames a second, for the times below; none are written where it is 0.
     poses : int
         Number of poses in a row.
     azimuth : float
@@ -56,7 +58,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
             axes.add_collection(
                 LineCollection(lines, colors=actor.colour, linewidths=2.2, capstyle="round")
             )
-            time = f"{frame / rate:.1f} s"
+            time = f"{frame / rate:.1f} s" if rate else ""
             axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
         if actor.label:
             name: dict[str, Any] = {"fontsize": 10, "color": actor.colour, "weight": "bold"}

@@ -91,6 +91,14 @@ def test_damage_is_found_and_mended_without_a_model(walk, kind):
     assert_other_frames_are_kept(repaired, damaged)
 
 
+def test_a_leg_turns_two_frames_after_a_step_of_its_own():
+    """A step as long as the shortest jump, and the first jump of the turn, are no spike."""
+    motion = make_take("walk", 0, seconds=5.0, rate=30.0).motion
+    damaged = turned(motion, {"rfemur": 50.0}, "z", slice(50, 95))
+    (finding,) = (found for found in mend(damaged)[1] if found.joint == "right_hip")
+    assert (finding.kind, finding.frames) == ("turned", (50, 94))
+
+
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     for preset in (Preset(), Preset(feet=True)):
         repaired = repair(walk, manifold, preset=preset)

@@ -70,7 +70,9 @@ class _File:
         acceleration = np.diff(body_positions(motion), 2, axis=0)
         worst = np.linalg.norm(acceleration, axis=-1).max(axis=1, initial=0.0).argmax() + 1
         step = max(round(motion.rate / RATE), 1)
-        frames = (worst + step * (np.arange(POSES) - POSES // 2)).clip(0, len(motion) - 1)
+        last = max(len(motion) - 1, step * (POSES - 1))
+        first = np.clip(worst - step * (POSES // 2), 0, last - step * (POSES - 1))
+        frames = (first + step * np.arange(POSES)).clip(max=len(motion) - 1)
         actors = []
         for name, colour in ((BEFORE, CORRUPTED), (self.proposed, PROJECTED), (FILTER, PLAIN)):
             after = self.made[name]
@@ -121,7 +123,7 @@ def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) 
         "Repair: real files",
         [Table("", ["file: method", *HEADER, "said"], rows)],
         _claims(files, len(refused)) if files else [],
-        lambda: strip_figure([actor for file in files[:DRAWN] for actor in file.actors()], RATE),
+        lambda: strip_figure([actor for file in files[:DRAWN] for actor in file.actors()]),
         note=RULE,
     )
 

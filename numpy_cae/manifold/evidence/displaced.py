@@ -79,7 +79,8 @@ def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:
             continue
         first = at + 1
         later = [(back + 1, min(score, sure)) for back, sure in jumps[number + 1 :][:NEXT]]
-        spike = [end for end, _ in later if end - first <= SPIKE]
+        soon = [end for end, _ in later if end - first <= SPIKE]
+        spike = [end for end in soon if _returns(curve, first, end)]
         if spike:
             free = spike[-1]
             continue

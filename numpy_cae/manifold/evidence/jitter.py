@@ -65,7 +65,7 @@ def find_jitter(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
     """The motion without the jitter of its rotations and translations, in all frames."""
     smooth = filter_motion(motion, lambda curve: smooth_curve(curve, motion.rate))
-    return _without_jumps(smooth, jumping_steps(smooth))
+    return _without_jumps(smooth, jumping_steps(smooth), motion)
 
 
 def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
@@ -102,18 +102,18 @@ def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
     return _without_jumps(motion, jumps)
 
 
-def _without_jumps(motion: Motion, jumps: np.ndarray) -> Motion:
+def _without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = None) -> Motion:
     """The motion with the joints that jump (frames, 20) filtered strongly around, and again where
-    they still jump."""
+    they still jump; first with the values of `source`, in which a jump is not smeared, if given."""
     for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
         some = np.asarray(jumps.any(axis=1, keepdims=True))
         near = with_margin(some, round(AROUND * motion.rate))[:, 0]
         rotations, translations = motion.rotations.copy(), motion.translations.copy()
         for first, end in runs(near).tolist():
             frames = slice(first, max(end, min(first + LEAST_FRAMES, len(motion))))
-            part = _filtered_around(motion.at(frames), jumps[frames])
+            part = _filtered_around(motion.at(frames), jumps[frames], (source or motion).at(frames))
             rotations[frames], translations[frames] = part.rotations, part.translations
-        motion = replace(motion, rotations=rotations, translations=translations)
+        motion, source = replace(motion, rotations=rotations, translations=translations), None
         beside = with_margin(jumps, round(FILTERED * motion.rate))
         jumps = jumping_steps(motion, np.flatnonzero(near[:-1])) & beside
         if not jumps.any():
@@ -206,13 +206,14 @@ def jumping_steps(
     return jumps
 
 
-def _filtered_around(motion: Motion, jumps: np.ndarray) -> Motion:
+def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
     """The motion with the rotations and translations of the joints on the way from the root to
-    those that jump (frames, 20) filtered around, as far as they are not smooth there."""
+    those that jump (frames, 20) those of `source` filtered around, as far as they are not smooth
+    there."""
     rate, skeleton = motion.rate, motion.skeleton
-    strong = filter_motion(motion, lambda curve: strongly_filtered(curve, rate))
+    strong = filter_motion(source, lambda curve: strongly_filtered(curve, rate))
     rough = np.zeros((len(jumps), len(skeleton.names)))
-    for curve in curves_of(motion):
+    for curve in curves_of(source):
         rough[:, curve.joint] += curve.roughness()
     rough[:-1] = np.maximum(rough[:-1], rough[1:])
     moves = np.zeros(rough.shape, bool)
