@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def strip_figure(
-    actors: list[Actor], rate: float = 0.0, poses: int = 9, azimuth: float = 40.0
-) -> Figure:
+def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: float = 40.0) -> Figure:
     """A row of poses for each motion, at the same moments in every row.
 
     The poses are evenly spaced in time and on the strip; the path in the world is left out.

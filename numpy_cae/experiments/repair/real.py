@@ -123,7 +123,7 @@ def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) 
         "Repair: real files",
         [Table("", ["file: method", *HEADER, "said"], rows)],
         _claims(files, len(refused)) if files else [],
-        lambda: strip_figure([actor for file in files[:DRAWN] for actor in file.actors()]),
+        lambda: strip_figure([actor for file in files[:DRAWN] for actor in file.actors()], 0.0),
         note=RULE,
     )
 
