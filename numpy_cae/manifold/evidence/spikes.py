@@ -52,7 +52,7 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
                 sure = confidence(score)
                 found.append(Finding(curve.name, (first, end - 1), curve.kind, why, 0.0, sure))
             curve = interpolated(curve, [(first, end) for first, end, *_ in runs])
-    return found
+    return list(dict.fromkeys(found))  # a replaced frame may deviate again
 
 
 def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, float]]:
