@@ -40,6 +40,7 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
         client = NotebookClient(
             node,
             timeout=SECONDS_A_CELL,
+            startup_timeout=SECONDS_A_CELL,
             kernel_name="python3",
             record_timing=False,
             coalesce_streams=True,
