@@ -164,13 +164,11 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     return Repaired(filled, missing, distances(motion, filled))
 
 
-def marked(
-    damaged: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked"
-) -> list[Finding]:
+def marked(mask: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked") -> list[Finding]:
     """The runs of a mask (frames, joints) as findings of a kind."""
     return [
         Finding(name, (int(first), int(end) - 1), kind)
-        for name, column in zip(names, damaged.T, strict=True)
+        for name, column in zip(names, mask.T, strict=True)
         for first, end in runs(column)
     ]
 

@@ -70,8 +70,7 @@ class _File:
         acceleration = np.diff(body_positions(motion), 2, axis=0)
         worst = np.linalg.norm(acceleration, axis=-1).max(axis=1, initial=0.0).argmax() + 1
         step = max(round(motion.rate / RATE), 1)
-        last = max(len(motion) - 1, step * (POSES - 1))
-        first = np.clip(worst - step * (POSES // 2), 0, last - step * (POSES - 1))
+        first = np.clip(worst - step * (POSES // 2), 0, max(len(motion) - step * POSES, 0))
         frames = (first + step * np.arange(POSES)).clip(max=len(motion) - 1)
         actors = []
         for name, colour in ((BEFORE, CORRUPTED), (self.proposed, PROJECTED), (FILTER, PLAIN)):

@@ -75,7 +75,10 @@ class Curve:
         The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
         everything else.
         """
-        return np.linalg.norm(np.diff(self.continuous(), axis=0), axis=-1)
+        if not self.is_rotation:
+            return np.linalg.norm(np.diff(self.values, axis=0), axis=-1)
+        dot = np.abs(np.einsum("ij,ij->i", self.values[1:], self.values[:-1]))
+        return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
 
     def continuous(self) -> np.ndarray:
         """The values in metres, quaternions without changes of sign: their distances are those of
