@@ -41,8 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--test", **arguments.PATTERNS, help="names of the files to test on, required with --data")
     actions = f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"
     add("--actions", nargs="+", choices=ACTIONS, default=ACTIONS, metavar="NAME", help=actions)
-    minutes = "minutes of each synthetic action to train on, and to test on (default: 60)"
-    add("--minutes", type=arguments.positive, default=60.0, help=minutes)
+    minutes = "minutes of each synthetic action to train on, and to test on (default: 30)"
+    add("--minutes", type=arguments.positive, default=30.0, help=minutes)
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
     options = train_options.COMMON | train_options.SEQUENTIAL
     train_options.add_options(parser, "training", options)
@@ -97,7 +97,7 @@ def _synthesised(name: str, args: argparse.Namespace) -> Action:
 
     def report(made: int, count: int) -> None:
         nonlocal printed
-        if not args.quiet and (made == count or time.monotonic() - printed > INTERVAL):
+        if not args.quiet and time.monotonic() - printed > INTERVAL:
             print(f"{name}: {made} of {count} takes made", file=sys.stderr, flush=True)
             printed = time.monotonic()
 

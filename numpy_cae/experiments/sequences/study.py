@@ -66,16 +66,16 @@ def synthetic_action(
     on; every take is of another person.
 
     With few people, the discrepancy of the held-out clips would measure who these people are
-    rather than how the network encodes them. `report` is called after each take with the number of
-    takes that are made and that of all.
+    rather than how the network encodes them. `report` is called before each take with the number
+    of takes that are made and that of all.
     """
     plans = [plan_takes(minutes, number, [kind]) for number in (2 * seed + 1, 2 * seed + 2)]
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
-    for made, plan in enumerate([*plans[0], *plans[1]], start=1):
-        take = replace(plan, person=plan.number).make(ANGLE_RATE)
-        halves[made > len(plans[0])].append(angles_of(take.motion))
+    for made, plan in enumerate([*plans[0], *plans[1]]):
         if report is not None:
             report(made, len(plans[0]) + len(plans[1]))
+        take = replace(plan, person=plan.number).make(ANGLE_RATE)
+        halves[made >= len(plans[0])].append(angles_of(take.motion))
     return Action(kind, *halves, periodic=kind in PERIODIC)
 
 
@@ -132,7 +132,7 @@ def train_study(
     report: Callable[[TrainingState], None] | None = None,
     **network,
 ) -> Study:
-    """Train on one action and record the curve of held-out errors.
+    """Train on one action and record the curve of held-out errors, only its start if λ = 0.
 
     `network` are the arguments of `untrained_sequences` that describe the network.
     """
@@ -156,7 +156,8 @@ def train_study(
         if report is not None:
             report(state)
         step = state.epoch * state.steps + state.step
-        if step % interval == 0:
+        # Figure 2 needs no curve of a training without the regulariser.
+        if schedule.weight and step % interval == 0:
             measure(step)
 
     measure(0)
