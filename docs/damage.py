@@ -20,13 +20,13 @@ from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
 from numpy_cae.evaluation import PCA, foot_sliding
-from numpy_cae.evaluation.linear_denoiser import TAPS, contexts
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold, Preset, project_motion, repair
 from numpy_cae.manifold.evidence.holes import missing_joints
 from numpy_cae.manifold.evidence.jitter import filter_motion, strongly_filtered
 from numpy_cae.manifold.holes import Holes
+from numpy_cae.models.linear_denoiser import TAPS, contexts
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.retarget.curves import on_curves

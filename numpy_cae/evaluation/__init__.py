@@ -5,8 +5,6 @@ from numpy_cae.evaluation.body import jitter as jitter
 from numpy_cae.evaluation.errors import angle_distance as angle_distance
 from numpy_cae.evaluation.errors import position_error as position_error
 from numpy_cae.evaluation.interpolation import interpolate_linearly as interpolate_linearly
-from numpy_cae.evaluation.linear_denoiser import LinearDenoiser as LinearDenoiser
-from numpy_cae.evaluation.linear_denoiser import Moments as Moments
 from numpy_cae.evaluation.pca import PCA as PCA
 from numpy_cae.evaluation.samples import diversity as diversity
 from numpy_cae.evaluation.samples import nearest_distance as nearest_distance

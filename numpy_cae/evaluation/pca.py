@@ -20,6 +20,8 @@ import numpy as np
 
 BLOCK = 4_000_000
 """Numbers that are handled at once."""
+SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000)
+"""Numbers of axes that experiments choose from."""
 NO_VARIANCE = 1e-11
 """Share of the largest variance below which an axis is rounding error."""
 
@@ -60,6 +62,11 @@ class PCA:
         axes = vectors.T[kept] @ about_mean
         axes /= np.sqrt(spread[kept, None])
         return cls(mean, axes, spread[kept] / len(rows))
+
+    @property
+    def sizes(self) -> list[int]:
+        """Those of `SIZES` that are fewer than all axes, and the number of all."""
+        return [size for size in SIZES if size < len(self.axes)] + [len(self.axes)]
 
     def project(self, x: np.ndarray, size: int) -> np.ndarray:
         """The nearest points on the manifold of the first `size` axes, in the shape of x, which is

@@ -14,21 +14,16 @@ EXPERIMENTS = {
 `run(manifold, material, seed) -> Result`, which raises ValueError where the material lacks what the
 experiment needs."""
 
-PUBLISHED = {"sources": "sources"}
-"""Experiments that train their own networks: `run(folders, seed) -> Result`. They are run only if
-they are named."""
-
 FILES = {"real": "repair.real"}
 """Experiments on files of which the model has seen none: `run(manifold, folders, seed) -> Result`.
 They are run only if they are named."""
 
-MODULES = EXPERIMENTS | PUBLISHED | FILES
+MODULES = EXPERIMENTS | FILES
 
 
 def run_experiment(name: str, *given: object, seed: int = 0) -> Result:
-    """Run an experiment: those of `EXPERIMENTS` are `given` a manifold and material, `PUBLISHED`
-    folders, `FILES` a manifold and folders. Where it cannot be run, the result has no tables and
-    its note says why."""
+    """Run an experiment: those of `EXPERIMENTS` are `given` a manifold and material, `FILES` a
+    manifold and folders. Where it cannot be run, the result has no tables and its note says why."""
     run = import_module(f"numpy_cae.experiments.{MODULES[name]}").run
     try:
         return run(*given, seed)

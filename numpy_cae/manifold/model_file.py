@@ -12,6 +12,7 @@ from numpy_cae.array_file import load_arrays, save_arrays
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.models.linear_denoiser import TAPS, LinearDenoiser
 from numpy_cae.motion.angle_table import TABLES
 from numpy_cae.motion.features import FEATURES
 from numpy_cae.motion.joints import JOINTS
@@ -139,6 +140,8 @@ def _arrays_of_motions(manifold: MotionManifold) -> dict[str, np.ndarray]:
         "rescales": np.array(int(manifold.rescales)),
         "window": np.array(manifold.window),
     }
+    if manifold.linear is not None:
+        arrays["linear"] = manifold.linear.weights
     for number, layer in enumerate(layers, start=1):
         arrays[f"w{number}"], arrays[f"b{number}"] = layer.w, layer.b
     return arrays
@@ -160,6 +163,9 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
     dtype = np.promote_types(arrays["w1"].dtype, np.float32)
     for number, layer in enumerate(network.layers, start=1):
         layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
+    linear = None
+    if "linear" in arrays:  # a model that was made without rescaling has none
+        linear = LinearDenoiser(numbers(arrays, "linear", (TAPS, FEATURES, FEATURES)))
     return MotionManifold(
         network,
         numbers(arrays, "mean_pose", (FEATURES,)),
@@ -169,6 +175,7 @@ def _motions_of(arrays: dict[str, np.ndarray]) -> MotionManifold:
         json_object(arrays, "settings"),
         bool(integer(arrays, "rescales", 0, 1)),
         integer(arrays, "window", 1, MAX_FRAMES),
+        linear,
     )
 
 

@@ -1,6 +1,7 @@
 """A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from hashlib import blake2b
 from pathlib import Path
 from typing import TypeVar, overload
@@ -8,8 +9,10 @@ from typing import TypeVar, overload
 import numpy as np
 
 from numpy_cae.fast import accelerate
+from numpy_cae.manifold.mixture import Project, mixture
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.models.linear_denoiser import LinearDenoiser
 from numpy_cae.motion.features import RootTransform, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import RATE, Motion
@@ -55,6 +58,9 @@ class MotionManifold:
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.corruption`.
+    linear : LinearDenoiser, optional
+        A linear map fitted to the same windows, of which `mixture` makes a mean with the network's
+        projection where values were removed. Without it the network projects alone.
 
     Examples
     --------
@@ -74,6 +80,7 @@ class MotionManifold:
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
+    linear: LinearDenoiser | None = None
     _pieces: dict[bytes, np.ndarray] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
@@ -146,6 +153,8 @@ class MotionManifold:
     def project(self, motion, average_shifts=False):
         """Φ†(Φ(X)), the projection of a clip or a motion of any length.
 
+        Where values of the clip are zero, and the manifold has a linear map, it is the `mixture`.
+
         Parameters
         ----------
         motion : (F, 63) array of float, or Motion
@@ -163,20 +172,12 @@ class MotionManifold:
             from numpy_cae.manifold.project_motion import project_motion  # imports this module
 
             return project_motion(motion, self)
-        x = self._padded(motion)
-        projected = np.empty_like(x[0])
-        margin = (2 * self.receptive_radius // self.stride + 2) * self.stride
-        piece = MAX_HIDDEN_FRAMES * self.stride
-        for start in range(0, len(projected), piece):
-            # Each piece is projected with the frames around it that influence it.
-            first = max(start - margin, 0)
-            near = self._project_once(x[:, first : start + piece + margin], average_shifts)
-            projected[start : start + piece] = near[start - first :][:piece]
-        return self.denormalise(self.unpadded(projected[None], len(motion))[0])
+        project = partial(self._project_clip, average_shifts=average_shifts)
+        return self.denormalise(self._repaired(self.normalise(motion)[None], project)[0])
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
-        """Φ†(Φ(X)) of normalised windows (N, F, 63) as in training, with zeros around them."""
-        return project_shifted(self.network, self._rescaled(x), average_shifts)
+        """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
+        return self._repaired(x, lambda x: project_shifted(self.network, x, average_shifts))
 
     def remembering(self) -> "MotionManifold":
         """The same manifold, for repeated projections of a motion that changes in few places: a
@@ -189,6 +190,19 @@ class MotionManifold:
         from numpy_cae.manifold.model_file import save_manifold  # imports this module
 
         save_manifold(self, path)
+
+    def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
+        """`project_shifted` of one normalised window (1, F, 63) that is `padded`, in pieces."""
+        x = self.padded(clip)
+        projected = np.empty_like(x)
+        margin = (2 * self.receptive_radius // self.stride + 2) * self.stride
+        piece = MAX_HIDDEN_FRAMES * self.stride
+        for start in range(0, x.shape[1], piece):
+            # Each piece is projected with the frames around it that influence it.
+            first = max(start - margin, 0)
+            near = self._project_once(x[:, first : start + piece + margin], average_shifts)
+            projected[0, start : start + piece] = near[start - first :][:piece]
+        return self.unpadded(projected, clip.shape[1])
 
     def _project_once(self, x: np.ndarray, average_shifts: bool) -> np.ndarray:
         """`project_shifted` of one window (1, T, 63), (T, 63); see `remembering`."""
@@ -204,6 +218,12 @@ class MotionManifold:
     def _padded(self, features: np.ndarray) -> np.ndarray:
         """A clip of features (F, 63) as one normalised window, padded."""
         return self.padded(self._rescaled(self.normalise(features)[None]))
+
+    def _repaired(self, x: np.ndarray, project: Project) -> np.ndarray:
+        """The projection by a function, of windows (N, F, 63) of which values may be removed."""
+        if self.rescales and self.linear is not None and np.any(p := zeroed_fraction(x)):
+            return mixture(x, p, project, self.linear)
+        return project(self._rescaled(x))
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from numpy_cae.evaluation import PCA, LinearDenoiser, Moments, interpolation
-from numpy_cae.evaluation.linear_denoiser import contexts
+from numpy_cae.evaluation import PCA, interpolation
+from numpy_cae.models.linear_denoiser import LinearDenoiser, Moments, contexts
 
 TAPS = 5
 

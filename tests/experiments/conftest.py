@@ -18,7 +18,7 @@ from numpy_cae.training import Schedule, Stage
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
-    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "AXES": (3, 15, 45)},
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
     "damage": {
         "TAKES": 1,
         "HOLE_TAKES": 1,

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.mixture import KEPT, mixture
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import zero_values
 
 X = np.random.default_rng(0).normal(size=(3, 32, 63)).astype(np.float32) * 0.2
@@ -51,3 +53,24 @@ def test_only_a_network_trained_on_rescaled_input_is_given_it(network):
     clip = zero_values(X[0, :29], 0.5, np.random.default_rng(4))
     by_hand = plain.project(clip / (1 - zeroed_fraction(clip[None])[0]), average_shifts=True)
     np.testing.assert_allclose(rescaling.project(clip, average_shifts=True), by_hand, atol=1e-5)
+
+
+def test_a_mixture_is_of_what_predicts_removed_values_best(network):
+    slow = np.cumsum(X, axis=1)  # neighbouring frames say something of each other
+    linear = Moments.of(slow, np.ones(slow.shape[:2], bool)).solve(KEPT)
+    lost = zero_values(slow, 0.5, np.random.default_rng(0))
+    p = zeroed_fraction(lost)
+    outputs = slow, 3 * np.random.default_rng(1).standard_normal(slow.shape)
+    repaired = [mixture(lost, p, lambda x, y=y: y, linear) for y in outputs]
+    by_linear = linear.repair(KEPT * lost / (1 - p))
+    right, wrong, alone = (np.square(x - slow).mean() for x in (*repaired, by_linear))
+    assert right < 0.1 * alone and wrong < 2 * alone  # with equal weights 0.25 and over 50
+    manifold = MotionManifold(network, np.zeros(63), np.ones(63), np.ones(20), rescales=True)
+    mixed = replace(manifold, linear=linear)
+    half = np.concatenate([lost[:1], slow[1:]])
+    for ours, alone in (
+        [each.project_windows(half) for each in (mixed, manifold)],
+        [np.stack([each.project(x) for x in half]) for each in (mixed, manifold)],
+    ):
+        assert np.abs(ours[0] - alone[0]).max() > 0.1
+        np.testing.assert_allclose(ours[1:], alone[1:], atol=1e-5)

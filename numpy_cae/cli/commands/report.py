@@ -1,12 +1,10 @@
 """Run every experiment of holden2015, section 7, on the takes that the model was not trained on.
 Write report.html (one self-contained page: each claim and whether it is confirmed, tables and
-pictures), and the same as report.json. `--only sources` needs no model: it leaves each of several
-folders out of training in turn. `--only real` measures repair on files of any kind, without a
-truth. The exit status is 2 if no experiment could be run.
+pictures), and the same as report.json. `--only real` measures repair on files of any kind, without
+a truth. The exit status is 2 if no experiment could be run.
 
 examples:
   numpy-cae report --data motions/ -m model.npz -o report
-  numpy-cae report --only sources --data bandai/ cmu/ -o report
   numpy-cae report --only real --data takes_from_video/ -o report
 """
 
@@ -51,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, measure, write."""
     started = time.monotonic()
-    given: dict[str, tuple] = dict.fromkeys(args.only, (args.data,))
+    given: dict[str, tuple] = {}
     provenance = {"data": ", ".join(folder.name for folder in args.data)}
     if of_files := set(args.only) & set(FILES):
         given |= dict.fromkeys(of_files, (one_motion.load_model(args), args.data))

@@ -6,6 +6,7 @@ count.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 P = 0.5
 """The probability with which a value is removed."""
-SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000)
 PCA_WINDOWS = 2000
 """PCA on windows is fitted to at most this many windows, evenly spaced, to save memory."""
 HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share", "axes of PCA")
@@ -32,8 +32,11 @@ NOTE = (
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Compare the network, also averaged over all shifts of its pooling grid, with no repair, the
-    mean pose and PCA; the seed draws the values that are removed."""
+    """Compare the network, also averaged over all shifts of its pooling grid and mixed with the
+    manifold's linear map, with no repair, the mean pose and PCA.
+
+    The seed draws the values that are removed.
+    """
     training = clips_of(manifold, [take.positions for take in material.training])
     testing = clips_of(manifold, [take.positions for take in material.testing])
     truth, error = testing.x, testing.error
@@ -41,12 +44,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     length, features = truth.shape[1:]
     damage = error(damaged)
 
-    def network(name: str, average_shifts: bool) -> list:
-        reconstructed, repaired = (
-            manifold.project_windows(x, average_shifts) for x in (truth, damaged)
-        )
-        return [name, error(reconstructed), error(repaired), None]
+    def row(name: str, used: MotionManifold, average_shifts: bool) -> list:
+        both = (error(used.project_windows(x, average_shifts)) for x in (truth, damaged))
+        return [name, *both, None]
 
+    alone = replace(manifold, linear=None)
     inputs = {"": damaged}
     if manifold.rescales:  # PCA gets the same information as the network
         inputs[", input divided by 1 - p"] = damaged / (1 - zeroed_fraction(damaged))
@@ -56,9 +58,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         ["the mean pose", error(0 * truth), error(0 * truth), None],
         *_pca("PCA on frames", training.x, testing, inputs, features),
         *_pca("PCA on windows", fewer.x, testing, inputs, length * features),
-        network("the network", average_shifts=False),
-        network("the network, averaged over all shifts", average_shifts=True),
+        row("the network", alone, average_shifts=False),
+        row("the network, averaged over all shifts", alone, average_shifts=True),
     ]
+    if manifold.linear is not None:
+        rows.append(row("the same, mixed with a linear map", manifold, average_shifts=True))
     rows = [[name, *errors, errors[1] / damage, size] for name, *errors, size in rows]
     table = Table(
         f"{len(material.testing)} test takes, {len(truth)} windows:", HEADER, rows, best="low"
@@ -69,14 +73,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 def _pca(
     name: str, x: np.ndarray, truth: Clips, inputs: dict[str, np.ndarray], numbers: int
 ) -> list[list]:
-    """A row for each input of PCA, fitted to x in rows of this many numbers, at the best of `SIZES`
-    for each column."""
+    """A row for each input of PCA, fitted to x in rows of this many numbers, at the best number
+    of axes for each column."""
     pca = PCA.fit(x.reshape(-1, numbers))
-    largest = len(pca.axes)
-    sizes = [size for size in SIZES if size < largest] + [largest]
 
     def best(x: np.ndarray) -> tuple[float, int]:
-        return min((truth.error(pca.project(x, size)), size) for size in sizes)
+        return min((truth.error(pca.project(x, size)), size) for size in pca.sizes)
 
     reconstruction, size = best(truth.x)
     rows = []

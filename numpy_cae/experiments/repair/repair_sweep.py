@@ -5,11 +5,9 @@ A removed value is zero, the value of the mean pose. So the expected value is E[
 and the linear methods and the network are also given X_c / (1 - p), whose expected value is X.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from numpy_cae.evaluation import PCA, Moments, interpolate_linearly
+from numpy_cae.evaluation import PCA, interpolate_linearly
 from numpy_cae.experiments.clips import (
     AVERAGED,
     NETWORK,
@@ -23,13 +21,11 @@ from numpy_cae.experiments.material import Material
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import project_shifted
+from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, Curve, curves_figure
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
-AXES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450)
-Repair = Callable[[np.ndarray, int], np.ndarray]
-"""Windows and a number of axes to repaired windows."""
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 HALF = 0.5
 """The p of the paper's figure 1."""
@@ -47,22 +43,18 @@ Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
 
 
-Baseline = tuple[list[int], Repair, Repair]
-"""PCA: the numbers of axes to choose from; PCA fitted to `Split.fitting`, for choosing one of them
-on `Split.choosing`; and PCA fitted to all training windows."""
-
-
-def repair_baselines(split: Split) -> dict[str, Baseline]:
-    """PCA on single frames and on whole windows. A filter over time is a linear map of frames: the
-    linear denoiser is the best one of its length."""
+def repair_baselines(split: Split) -> dict[str, tuple[PCA, PCA]]:
+    """PCA on single frames and on whole windows, each fitted to `Split.fitting`, for choosing the
+    number of axes on `Split.choosing`, and to all training windows. A filter over time is a linear
+    map of frames: the linear denoiser is the best one of its length."""
     _, frames, features = split.testing.x.shape
-    baselines: dict[str, Baseline] = {}
-    for name, numbers in ((PCA_ON_FRAMES, features), (PCA_ON_WINDOWS, frames * features)):
-        parts = split.fitting, split.training
-        trial, final = (PCA.fit(clips.x.reshape(-1, numbers)) for clips in parts)
-        sizes = [size for size in AXES if size < len(trial.axes)]
-        baselines[name] = [*sizes, len(trial.axes)], trial.project, final.project
-    return baselines
+    return {
+        name: (
+            PCA.fit(split.fitting.x.reshape(-1, size)),
+            PCA.fit(split.training.x.reshape(-1, size)),
+        )
+        for name, size in ((PCA_ON_FRAMES, features), (PCA_ON_WINDOWS, frames * features))
+    }
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -83,10 +75,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         damaged, known = _removed(testing, p, rng)
         note(CORRUPTED_ROW, damaged)
         for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
-            for name, (settings, trial, repair) in baselines.items():
-                tried = [choosing.error(trial(practice * factor, each)) for each in settings]
-                best = settings[int(np.argmin(tried))]
-                note(name + suffix, repair(damaged * factor, best))
+            for name, (trial, pca) in baselines.items():
+                tried = [
+                    choosing.error(trial.project(practice * factor, size)) for size in trial.sizes
+                ]
+                best = trial.sizes[int(np.argmin(tried))]
+                note(name + suffix, pca.project(damaged * factor, best))
             note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
             note(REPEATED + suffix, project_repeated(manifold, damaged * factor))
             if bool(suffix) == manifold.rescales:

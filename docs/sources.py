@@ -3,44 +3,45 @@
 A source is a folder: one capture system, one rig, one set of people. The network, the linear map
 and PCA learn from the same takes of the other sources. Each value of the left-out windows is set to
 zero with probability 1/2, as in `repair.half_removed`.
+
+    python docs/sources.py --data bandai cmu/asfamc motions
 """
 
+import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.evaluation import PCA, Moments
+from numpy_cae.evaluation import PCA
 from numpy_cae.experiments.clips import clips_of
 from numpy_cae.experiments.material import each_usable
-from numpy_cae.experiments.repair.half_removed import PCA_WINDOWS, SIZES, P
+from numpy_cae.experiments.repair.half_removed import PCA_WINDOWS, P
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
+from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.motion import load_body
 from numpy_cae.training import recipe, zero_values
 
 RECIPE = "fast"
-NETWORK, LINEAR, MEAN = "network", "linear map of 15 frames", "mean of network and linear map"
+MIXTURE, NETWORK, LINEAR = "manifold", "its network alone", "linear map of 15 frames"
 PRINCIPAL = "PCA on windows, divided by 1 - p"
 HEADER = ("left out", "method", "reconstruction, cm", "half of the values removed, cm")
 NOTE = (
-    f"Networks of recipe {RECIPE}, averaged over all shifts of the pooling grid. For PCA the "
-    "number of axes with the smallest error of repair on the test takes is shown, which favours "
-    "PCA. The linear map is fitted for p = 0.5; its reconstruction is that of the undamaged "
-    "windows times 1 - p, the mean of what the map is given."
+    f"Manifolds of recipe {RECIPE}, averaged over all shifts of the pooling grid. Where values are "
+    "removed, a manifold is a mean of its network and a linear map, whose weight each window gives "
+    "(numpy_cae.manifold.mixture). For PCA the number of axes with the smallest error of repair on "
+    "the test takes is shown, which favours PCA. The linear map is fitted for p = 0.5; its "
+    "reconstruction is that of the undamaged windows times 1 - p, the mean of what it is given."
 )
 Errors = dict[str, tuple[float, float]]
 """Method to its errors of reconstruction and of repair, cm."""
 
 
 def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
-    """Leave each folder out in turn: learn from the takes of the others, measure on its own.
-
-    Raises ValueError for fewer than two folders.
-    """
-    if len(folders) < 2:
-        raise ValueError(f"{len(folders)} folders, expected two or more sources, a folder each")
+    """Leave each folder out in turn: learn from the takes of the others, measure on its own."""
     takes = {Path(folder).resolve().name: _takes_of(folder) for folder in folders}
     errors = {}
     for left_out, testing in takes.items():
@@ -71,29 +72,42 @@ def errors_on(
     linear = Moments.of(fitted.x, fitted.real).solve(1 - P)
     pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
     divided = damaged / (1 - zeroed_fraction(damaged))
-    sizes = [size for size in SIZES if size < len(pca.axes)] + [len(pca.axes)]
-    size = min(sizes, key=lambda size: test.error(pca.project(divided, size)))
-    by_network, by_linear = (
-        (manifold.project_windows(test.x, True), manifold.project_windows(damaged, True)),
-        (linear.repair((1 - P) * test.x), linear.repair(damaged)),
-    )
+    size = min(pca.sizes, key=lambda size: test.error(pca.project(divided, size)))
+    alone = replace(manifold, linear=None)
     repaired = {
-        NETWORK: by_network,
-        LINEAR: by_linear,
-        MEAN: tuple((a + b) / 2 for a, b in zip(by_network, by_linear, strict=True)),
+        MIXTURE: [manifold.project_windows(x, True) for x in (test.x, damaged)],
+        NETWORK: [alone.project_windows(x, True) for x in (test.x, damaged)],
+        LINEAR: (linear.repair((1 - P) * test.x), linear.repair(damaged)),
         PRINCIPAL: (pca.project(test.x, size), pca.project(divided, size)),
     }
     return {name: (test.error(x), test.error(y)) for name, (x, y) in repaired.items()}
 
 
 def _claim(name: str, errors: Errors) -> Claim:
-    """Whether the network is better than both linear methods on one source."""
-    (reconstruction, repair), (_, linear) = errors[NETWORK], errors[LINEAR]
+    """Whether the manifold is better than both linear methods on one source."""
+    (reconstruction, repair), (_, linear) = errors[MIXTURE], errors[LINEAR]
     pca = errors[PRINCIPAL]
     return Claim(
-        f"The network carries over to {name}: half of the values removed, it repairs better than "
+        f"The manifold carries over to {name}: half of the values removed, it repairs better than "
         "the linear map and PCA, and it reconstructs better than PCA.",
         repair < min(linear, pca[1]) and reconstruction < pca[0],
         f"repair {repair:.2f} cm, linear map {linear:.2f}, PCA {pca[1]:.2f}; reconstruction "
         f"{reconstruction:.2f} cm, PCA {pca[0]:.2f}.",
     )
+
+
+def main() -> None:
+    """Measure on the folders given, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--data", type=Path, nargs="+", required=True, help="folders of motion files, two or more")
+    add("--seed", type=int, default=0)
+    args = parser.parse_args()
+    if len(args.data) < 2:
+        parser.error("--data is one folder, expected two or more sources, a folder each")
+    result = run(args.data, args.seed)
+    print(result.text(), "", *(claim.text() for claim in result.claims), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
