@@ -13,7 +13,6 @@ def test_each_folder_is_left_out_once(tmp_path, monkeypatch):
     for kind, seed in (("walk", 0), ("walk", 1), ("squats", 0), ("squats", 1)):
         (tmp_path / kind).mkdir(exist_ok=True)
         write_bvh(make_take(kind, seed, 6.0, 30.0).motion, tmp_path / kind / f"{seed}.bvh", 0.01)
-    result = sources.run([tmp_path / "walk", tmp_path / "squats"])
-    rows = result.tables[0].rows
+    rows = sources.run([tmp_path / "walk", tmp_path / "squats"]).tables[0].rows
     assert [row[0] for row in rows] == 4 * ["walk"] + 4 * ["squats"]
     assert all(0 < min(row[2:]) <= max(row[2:]) < 1000 for row in rows)
