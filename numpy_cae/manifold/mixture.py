@@ -12,7 +12,7 @@ the positions H among the values removed again:
 
     a = argmin over [0, 1] of Σ_H (X̂ - a Φ†(Φ(X̂')) - (1 - a) L(X̂'))²
 
-Half of the values in H are zero, which the first removal made them, but that does not matter:
+A share p̂ of the values in H is zero, removed in the first place, but that does not matter:
 E[X̂] = X, and neither method has seen X̂ in H, so for every a the expected sum is larger than that
 with X instead of X̂ by the same number. Not in the paper.
 """
