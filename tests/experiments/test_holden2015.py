@@ -96,19 +96,14 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
 
 
 def test_a_claim_is_confirmed_if_all_measures_are_better():
-    measured = {
-        ENDS: Validity(0, 0, 4, 0),
-        ALONG: Validity(1, 1, 3, 1),
-        LINEAR: Validity(2, 2, 9, 2),
-    }
+    measured = {ENDS: Validity(0, 0, 4, 0), ALONG: Validity(1, 1, 3, 1)}
+    measured[LINEAR] = Validity(2, 2, 9, 2)
     claim = interpolation._claim("walks", measured)
     assert claim.confirmed and "on 4 of 4 measures" in claim.figures
     measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
     assert not interpolation._claim("walks", measured).confirmed
-    assert (
-        "0 of 4 measures (none)"
-        in interpolation._claim("walks", measured | {ALONG: measured[LINEAR]}).figures
-    )
+    worse = interpolation._claim("walks", measured | {ALONG: measured[LINEAR]})
+    assert "0 of 4 measures (none)" in worse.figures
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):

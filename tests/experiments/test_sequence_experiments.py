@@ -33,9 +33,8 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     assert np.isfinite(curve["error"]).all() and (curve["discrepancy"] > 0).all()
     x = studies[0].random_clips(1000, 7, training=False)
     manifold = studies[0].manifold
-    error = angle_distance(
-        manifold.denormalise(manifold.network.denoise(x)), manifold.denormalise(x)
-    )
+    x_hat, truth = map(manifold.denormalise, (manifold.network.denoise(x), x))
+    error = angle_distance(x_hat, truth)
     assert curve["error"][-1] == pytest.approx(error, rel=0.03)
 
 
@@ -43,9 +42,8 @@ def test_figure_2_compares_the_first_and_the_last_tenth(studies):
     error = np.linspace(2, 0.2, 20)
     falling = {"steps": np.arange(20), "error": error, "discrepancy": np.geomspace(1, 0.01, 20)}
     flat = falling | {"error": np.ones(20)}
-    one, other = (
-        replace(each, curve=curve) for each, curve in zip(studies, (falling, flat), strict=True)
-    )
+    curves = zip(studies, (falling, flat), strict=True)
+    one, other = (replace(each, curve=curve) for each, curve in curves)
     result = study.figure_2([one])
     row = "walking: reconstruction error, rad"
     assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
