@@ -39,7 +39,6 @@ def started(walks, out, options):
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
     )
 
 
