@@ -76,7 +76,7 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
     """Print how long the block has been running: after 2 s, then at intervals that double.
 
     Yields a function that takes the share of the work that is done by now; from then on the
-    remaining time is printed too.
+    remaining time is printed too, unless the work takes longer than that share lets expect.
     """
     begun, ended, total = time.monotonic(), threading.Event(), 0.0
 
@@ -88,7 +88,7 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
         wait = 2.0
         while not ended.wait(wait):
             passed = time.monotonic() - begun
-            left = f", about {max(total - passed, 1):.0f} s to go" if total else ""
+            left = f", about {total - passed:.0f} s to go" if total > passed else ""
             note(f"{on}: {passed:.0f} s{left}")
             wait = min(2 * wait, 60.0)
 

@@ -113,9 +113,8 @@ def _least(curve: Curve, turn: float = TURN) -> float:
 def _closes(curve: Curve, first: int, end: int) -> bool:
     """Whether the step to the frame `end` undoes the step to `first`, and these are large."""
     size = min(_size(curve, first), _size(curve, end))
-    left = min(_left(curve, first, end))
-    inside = float(curve.steps()[first : end - 1].max())
-    return bool(size > _least(curve) and left < CLOSES * size and inside < CALM * size)
+    undo = size > _least(curve) and min(_left(curve, first, end)) < CLOSES * size
+    return bool(undo and curve.steps(slice(first, end)).max() < CALM * size)
 
 
 def _returns(curve: Curve, first: int, end: int) -> bool:

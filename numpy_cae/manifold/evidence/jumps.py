@@ -69,15 +69,16 @@ class Curve:
             return other - one
         return self.lever * to_vector(product(inverse(one), other))
 
-    def steps(self) -> np.ndarray:
-        """The lengths of the steps to the next frame, (F - 1,) in metres.
+    def steps(self, frames: slice = slice(None)) -> np.ndarray:
+        """The lengths of the steps to the next frame among F frames, (F - 1,) in metres.
 
         The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
         everything else.
         """
+        values = self.values[frames]
         if not self.is_rotation:
-            return np.linalg.norm(np.diff(self.values, axis=0), axis=-1)
-        dot = np.abs(np.einsum("ij,ij->i", self.values[1:], self.values[:-1]))
+            return np.linalg.norm(np.diff(values, axis=0), axis=-1)
+        dot = np.abs(np.einsum("ij,ij->i", values[1:], values[:-1]))
         return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
 
     def continuous(self) -> np.ndarray:
