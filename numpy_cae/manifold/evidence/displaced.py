@@ -52,7 +52,7 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.translations[40:, 0] += [0.5, 0.0, 0.0]
     >>> find_displaced(motion)
-    [hips: frames 40 to 59: root elsewhere (moves by 51.6 cm in a frame): 0.0 cm, confidence ...
+    [hips: frames 40 to 59: root elsewhere (moves by 51.6 cm in a frame): confidence ...
     """
     return [finding for curve in curves_of(motion) for finding in _displaced(curve, sensitivity)]
 

@@ -58,7 +58,8 @@ class Finding:
     evidence : str
         What in the file shows the damage, with numbers.
     cm : float
-        How far the repair moves the joint, or a joint that follows it, at most, in centimetres.
+        How far the repair moves the joint, or a joint that follows it, at most, in centimetres;
+        0 where nothing was moved, and then it is not printed.
     confidence : float
         0 to 1. The repair changes what has at least 1 - `sensitivity`; the rest is proposed.
 
@@ -95,8 +96,8 @@ class Finding:
         first, last = self.frames
         frames = f"frames {first} to {last}" if last > first else f"frame {first}"
         why = f" ({self.evidence})" if self.evidence else ""
-        how = f"{self.cm:.1f} cm, confidence {self.confidence:.2f}"
-        return f"{self.joint}: {frames}: {self.kind}{why}: {how}"
+        moved = f"{self.cm:.1f} cm, " if self.cm else ""
+        return f"{self.joint}: {frames}: {self.kind}{why}: {moved}confidence {self.confidence:.2f}"
 
     @property
     def stretch(self) -> slice:
