@@ -6,12 +6,12 @@ Functions are timed alternately, so that a change of the machine's speed affects
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from timeit import repeat
 from typing import Any
 
 import numpy as np
 
 from numpy_cae.bench.convolutional import TorchModel, arrays_of, cases, require_agreement, torch
+from numpy_cae.bench.peak import matrix_product_peak
 from numpy_cae.fast import accelerate
 from numpy_cae.fast.blas import blas_threads
 from numpy_cae.models import ConvAutoencoder
@@ -89,13 +89,6 @@ class Row:
 
     def _milliseconds(self, timing: Timing) -> str:
         return f"{1e3 * timing.median / self.batch:7.3f} ± {timing.spread:4.0%}"
-
-
-def matrix_product_peak(size: int = 2048, rounds: int = 12) -> float:
-    """Operations a second of a product of float32 (size, size) matrices, the best of the rounds."""
-    a, b = np.random.default_rng(0).random((2, size, size), dtype=np.float32)
-    out = np.empty_like(a)
-    return 2 * size**3 / min(repeat(lambda: np.matmul(a, b, out=out), number=1, repeat=rounds))
 
 
 def header() -> str:

@@ -27,6 +27,9 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     nbgrader takes a number that a check cell returns as the points of the exercise. The points are
     those of `numpy-cae verify`.
 
+    In a notebook the report is shown where it is the last line of a cell; in a script nothing is
+    shown: `print(course.report(name, function))`.
+
     Of what the function prints in the tests, the first lines are shown above the report. Where
     `solved` replaced the function by the package's own, the one that it replaced is tested.
 

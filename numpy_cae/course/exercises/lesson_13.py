@@ -2,36 +2,19 @@
 
 import numpy as np
 
-from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Recorded, drawn, require_parts, size, states
 from numpy_cae.course.exercises.exercise import composed_exercise, exercise, right_function
 from numpy_cae.course.exercises.lesson_03 import CONV1D, convolution_exercise, unfold
-from numpy_cae.fast.blocks import blocks
-from numpy_cae.fast.convolution import conv1d as fast_conv1d
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 conv1d_unfolded = right_function("conv1d_unfolded", unfold=unfold)
 """The rows of lesson 03 times the filters as one matrix."""
 
-three_products = right_function("three_products")
-"""(a + i b)(p + i q), after Gauss."""
-
-
-def conv1d_shifted(x, w, b):
-    """One product for every tap, as in `ops.conv1d`."""
-    return ops.conv1d(x, w, b)[0]
-
-
-def block_matrices(taps, frames):
-    """A, G and C, from the package."""
-    matrices = blocks(taps, frames)
-    return matrices.a, matrices.g, matrices.c
-
-
-def conv1d_by_blocks(x, w, b, a, g, c):
-    """The package's fast convolution, which has matrices of its own."""
-    return fast_conv1d(x, w, b)
+three_products, conv1d_shifted, block_matrices, conv1d_by_blocks = map(
+    right_function, ("three_products", "conv1d_shifted", "block_matrices", "conv1d_by_blocks")
+)
+"""(a + i b)(p + i q), after Gauss; a product for every tap; A, G and C; the convolution by them."""
 
 
 def _product_arguments(case: Case) -> dict[str, object]:
@@ -40,9 +23,8 @@ def _product_arguments(case: Case) -> dict[str, object]:
 
 
 def _convolution_arguments(case: Case) -> dict[str, object]:
-    a, g, c = block_matrices(case["taps"], case["block"])
-    matrices = {"a": a.copy(), "g": g.copy(), "c": c.copy()}  # the package's are read-only
-    return {**CONV1D.arguments(case), **matrices}
+    matrices = zip("agc", block_matrices(case["taps"], case["block"]), strict=True)
+    return {**CONV1D.arguments(case), **dict(matrices)}
 
 
 @states("value", "real and imaginary part of (a + i b)(p + i q)", 2)

@@ -20,7 +20,7 @@ GROUPS = ("value", "gradients", "the rest")
 """What a property is about, by its `group`."""
 WHY = ("problem", "counterexample", "likely_mistake")
 UNSOLVED = NotImplementedError.__name__
-WAITS = ("", " (counts once the value is right)", " (counts once value and gradients are right)")
+WAITS = ("", " (counts once the value earns all)", " (counts once value and gradients are right)")
 ROUNDING = 1e-6
 """ROUNDING: points of properties are parts of a whole number; so much less than one is one."""
 
@@ -127,14 +127,15 @@ class Report:
         first, *others = self.failing()
         yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
         yield from _why(first)
-        alike = [o for o in others if (o.problem, o.mistake) == (first.problem, first.mistake)]
-        yield from _names("  FAILED  for the same reason: ", alike)
-        for other in others:
-            if other not in alike:
-                what = other.problem.splitlines()[0]
-                yield from _wrapped(f"  FAILED  {other.stated.name}: ", what, INDENT)
-                if other.mistake not in ("", first.mistake):
-                    yield from _wrapped(" " * INDENT + "likely:   ", other.mistake, 2 * INDENT + 2)
+        for reason in dict.fromkeys(map(_reason, self.failing())):
+            names = ", ".join(o.stated.name for o in others if _reason(o) == reason)
+            if names and reason == _reason(first):
+                yield from _wrapped("  FAILED  for the same reason: ", names, INDENT)
+            elif names:
+                what = _of_another_gradient(names, reason[0]) + reason[0]
+                yield from _wrapped(f"  FAILED  {names}: ", what, INDENT)
+                if reason[1] not in ("", first.mistake):
+                    yield from _wrapped(" " * INDENT + "likely:   ", reason[1], 2 * INDENT + 2)
         yield from _names("  not tried: ", [o for o in self.outcomes if not (o.held or o.problem)])
         yield from _names("  hold: ", [o for o in self.outcomes if o.held])
         yield from _wrapped("  points: ", self.shares(), INDENT)
@@ -164,6 +165,17 @@ class Report:
             texts.append(got + WAITS[number if 1 in groups else min(number, 1)] * waits)
         is_rounded = sum(earned) > self.points + ROUNDING
         return ", ".join(texts) + "; the sum is rounded down" * is_rounded
+
+
+def _reason(outcome: Outcome) -> tuple[str, str]:
+    return outcome.problem.splitlines()[0], outcome.mistake
+
+
+def _of_another_gradient(names: str, what: str) -> str:
+    """What to say of gradients that were not compared, since one beside them has no right shape."""
+    whose, shape, _ = what.removeprefix("the ").partition(" has shape ")
+    gradients = names.startswith("gradient for") and whose.startswith("gradient for")
+    return "not compared, since " if shape and gradients and whose not in names else ""
 
 
 def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
