@@ -49,8 +49,6 @@ def with_points(exercise: Exercise) -> Exercise:
 
 
 def _likely_mistake(stated: Property, implementation: Callable) -> str:
-    from numpy_cae.course.mistakes import likely_mistake  # imports this package
-
     return likely_mistake(stated, implementation)
 
 
@@ -64,5 +62,8 @@ EXERCISES: dict[str, Exercise] = {
 }
 
 CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
+
+# Now, since it imports this package; and not later, since a student's process may not import it.
+from numpy_cae.course.mistakes import likely_mistake  # noqa: E402
 
 __all__ = ["CATALOGUE", "EXERCISES", "LESSONS", "Exercise"]
