@@ -28,7 +28,6 @@ from numpy_cae.course.mistakes import patches_of
 from numpy_cae.course.notebook import read_notebook, write_notebook
 from numpy_cae.verify.grading.submission import is_exercise
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.operations.patch import bugs_of
 
 ROOT = Path(__file__).parents[1]
 LESSONS, DUE = ("03", "14"), "2026-11-30T23:59"
@@ -40,6 +39,17 @@ NAMES = (
     "03", "a.b", "x" * 200, "\u202egnp", "tab\tname", "李雷", "nothing handed in",
 )  # fmt: skip
 BY_NBGRADER = (0, 6, 12, 13, 15, 16)
+
+
+TWICE = """
+right = {0}
+
+
+def {0}(*arguments):
+    value, pullback = right(*arguments)
+    return value, lambda dy: pullback(2 * dy)
+"""
+"""TWICE: the gradients of an operation are twice what they should be."""
 
 
 def solved(name: str, source: str) -> str:
@@ -58,12 +68,11 @@ def in_a_style(number: int) -> Callable[[str, str], str]:
 
 
 def mistaken(rng: random.Random) -> Callable[[str, str], str]:
-    """A wrong function: one of the known mistakes, drawn at random."""
+    """A wrong function: doubled gradients, or one of the known mistakes, drawn at random."""
 
     def answer(name: str, source: str) -> str:
         if name in OPERATIONS:
-            source = rng.choice(bugs_of(name)).source(name)  # its annotations have no names here
-            return f"from __future__ import annotations\n{source}"
+            return source + TWICE.format(name)
         right, patch = rng.choice(list(patches_of(name)))
         return "\n".join(patch.changed(right.splitlines()))
 
