@@ -9,7 +9,7 @@ from pathlib import Path
 
 from numpy_cae.course.mine import EMPTY, FILE
 
-SECONDS_A_CELL = 900
+SECONDS_A_CELL = 1800
 
 
 def source_hash(notebook: dict) -> str:
