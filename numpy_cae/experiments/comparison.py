@@ -27,7 +27,7 @@ from numpy_cae.viz import bars_figure
 
 CONTENT, STYLE, BOTH = "content", "style", "both"
 OTHER_STYLE, OTHER_CONTENT = "content, other style", "style, other content"
-EQUATION_4 = "G: min and max of the hidden units"
+EQUATION_4 = "G, min and max of the hidden units"
 UNTRAINED = "the same of an untrained network"
 EUCLIDEAN = "Euclidean distance of windows"
 RAW_EXTREMES = "min and max of the features"

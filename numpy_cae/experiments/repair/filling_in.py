@@ -23,6 +23,7 @@ from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 EVERY = 15
+CURVE = " of the rotations, keys given"
 DELAY = (EVERY - 1) // 2
 """Mean number of frames that a held key lags behind."""
 MEAN_POSE, HELD, TRUE = "the mean pose", "held", "truth"
@@ -87,7 +88,7 @@ def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
     filled = {HELD: held, REPEATED: manifold.project(held)}
     for name, curve in ROTATION_CURVES.items():
         positions = body_positions(on_curves(motion, mask, lambda *_, curve=curve: curve))
-        filled[f"{name} of the rotations, keys given"] = manifold.features(positions)[0]
+        filled[name + CURVE] = manifold.features(positions)[0]
     return filled | {TRUE: truth}
 
 
@@ -111,7 +112,7 @@ def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
     held, held_delayed, held_jitter = measured[HELD]
     error, delayed, jitter = measured[REPEATED]
     truth = measured[TRUE][2]
-    curves = {name: each[0] for name, each in measured.items() if name.endswith("keys given")}
+    curves = {name: each[0] for name, each in measured.items() if name.endswith(CURVE)}
     best = min(curves, key=lambda name: curves[name])
     return [
         Claim(
@@ -125,6 +126,6 @@ def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
             "nearer to the true motion than the held keys are, both undelayed and delayed).",
             error < held and delayed < held_delayed,
             f"{held:.2f} cm held, {error:.2f} cm projected; delayed {held_delayed:.2f} and "
-            f"{delayed:.2f} cm. With the keys given, {best} is {curves[best]:.2f} cm off.",
+            f"{delayed:.2f} cm. {best}: {curves[best]:.2f} cm.",
         ),
     ]

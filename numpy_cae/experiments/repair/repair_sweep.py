@@ -23,7 +23,7 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import zero_values
-from numpy_cae.viz import PLAIN, Curve, curves_figure
+from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 
 PCA_ON_FRAMES, PCA_ON_WINDOWS = "PCA on frames", "PCA on windows"
 PS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
@@ -141,12 +141,13 @@ def _claims(errors: Errors, floor: float, suffix: str) -> list[Claim]:
 
 def _figure(errors: Errors):
     """Error over p of five methods: each with or without rescaling, whichever is better."""
-    drawn = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS)
+    methods = (CORRUPTED_ROW, NETWORK, LINEAR, PCA_ON_WINDOWS)
+    drawn = zip(methods, (CORRUPTED, PROJECTED, *OTHERS), strict=False)
     curves = [Curve(PS, errors[INTERPOLATED], INTERPOLATED, PLAIN, ":")]
-    for number, method in enumerate(drawn):
+    for method, colour in drawn:
         variants = [name for name in (method, method + RESCALED) if name in errors]
         name = min(variants, key=lambda variant: sum(errors[variant]))
-        curves.append(Curve(PS, errors[name], name, f"C{number}"))
+        curves.append(Curve(PS, errors[name], name, colour))
     figure = curves_figure(curves, "p, share of values removed", "error, cm")
     figure.axes[0].set_ylim(0, 1.1 * max(errors[CORRUPTED_ROW]))
     return figure
