@@ -112,7 +112,8 @@ def _table(table: Table) -> str:
         for column, cell in enumerate(cells):
             text = _inline(cell)
             text = f"<b>{text}</b>" if (place, column) in best else text
-            filled.append(f"<{tag}{' class=number' if column else ''}>{text}</{tag}>")
+            number = column and (tag == "th" or not cell[:1].isalpha())
+            filled.append(f"<{tag}{' class=number' if number else ''}>{text}</{tag}>")
         return f"<tr>{''.join(filled)}</tr>"
 
     head = row(-1, [name or "method" for name in table.header], "th")
