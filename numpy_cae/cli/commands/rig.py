@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
         motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
         indices = match_rig(motion.skeleton)[1]
-    if indices != by_name:
+    if indices != by_name or len(names) < TRUSTED:
         rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
     skeleton = motion.skeleton
     joints = len(skeleton.names) - skeleton.added

@@ -8,7 +8,7 @@ back by Q⁻¹, and a root that is moved by D jumps by D and back by -D:
 Such a displacement is undone: the values next to each jump are moved to where the motion outside
 continues, and those between the jumps by a displacement interpolated between these two. A root that
 does not come back, and a rotation by half a turn that does not, are undone up to the end of the
-file.
+file; or up to its start if that has a few frames only, such as a pose before the motion.
 
 If two opposite jumps do not undo each other, the rotations between them are those of another
 motion: they are interpolated (`holes`).
@@ -53,6 +53,16 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> motion.translations[40:, 0] += [0.5, 0.0, 0.0]
     >>> find_displaced(motion)
     [hips: frames 40 to 59: root elsewhere (moves by 51.6 cm in a frame): confidence ...
+
+    A first frame that stands elsewhere is moved to the rest, not the rest to it:
+
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[0, 0] += [0.5, 0.0, 0.0]
+    >>> find_displaced(motion)
+    [hips: frame 0: root elsewhere (moves by 49.4 cm in a frame): confidence ...
+    >>> mended = mend_displaced(motion, find_displaced(motion))
+    >>> bool(np.ptp(mended.translations[:2, 0], axis=0).max() < 0.05)
+    True
     """
     return [finding for curve in curves_of(motion) for finding in _displaced(curve, sensitivity)]
 
@@ -94,7 +104,9 @@ def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:
             if ends:
                 free, sure = ends[0]
                 amount = curve.amount(_size(curve, first))
-                back = " and back" if free < frames else ""
+                if free == frames and first <= SPIKE:  # a pose to begin with: the rest is right
+                    first, free = 0, first
+                back = " and back" if first and free < frames else ""
                 why = f"{'turns' if curve.is_rotation else 'moves'} by {amount} in a frame{back}"
                 yield Finding(curve.name, (first, free - 1), kind, why, 0.0, confidence(sure))
                 break
@@ -142,10 +154,11 @@ def _left(curve: Curve, first: int, end: int) -> list[float]:
 def _undone(curve: Curve, first: int, end: int) -> np.ndarray:
     """The values of the frames from `first` to `end` with their displacement undone."""
     last = end == len(curve.values)
-    is_own = last or not np.argmin(_left(curve, first, end))  # not in the parent's frame
+    one_sided = last or not first
+    is_own = one_sided or not np.argmin(_left(curve, first, end))  # not in the parent's frame
     x = curve.values if is_own else inverse(curve.values)
     inside = x[first:end]
-    sides = [(inside[0], x[max(first - 2, 0) : first])]
+    sides = [(inside[0], x[max(first - 2, 0) : first])] if first else []
     if not last:
         sides.append((inside[-1], x[end : end + 2][::-1]))
     share = np.linspace(0.0, 1.0, len(inside))

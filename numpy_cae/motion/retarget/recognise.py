@@ -2,7 +2,7 @@
 
 The names of known rigs come first. If they leave joints open, the hierarchy suggests these, or all.
 A suggestion with nothing against it (`checks`) is used and noted; a doubtful one is only noted, and
-`find_joints` then refuses the rig.
+`find_joints` then refuses the rig. Doubts about a rig that names determine are noted, too.
 """
 
 from dataclasses import replace
@@ -16,6 +16,8 @@ from numpy_cae.motion.retarget.completed import completed, sampled
 from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig, with_joint_names
 from numpy_cae.motion.retarget.suggest import suggest_mapping
 from numpy_cae.motion.skeleton import Skeleton
+
+PERSON = "; is this a person? "
 
 
 def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
@@ -44,20 +46,21 @@ def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
     by_names = completed(motion)
     joints = _joints(by_names.skeleton)
     if len(joints) == len(JOINTS) and not order_problem(by_names.skeleton, joints):
-        return by_names
+        strange = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
+        return replace(by_names, unit_note=motion.unit_note + (strange and f"{PERSON}{strange}"))
     names = {joint: skeleton.names[index] for joint, index in match_rig(skeleton)[1].items()}
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     offsets = np.median(sampled(motion).translations, axis=0)
     suggested = suggest_mapping(replace(skeleton, offsets=offsets))
     problem = ""
-    for candidate in (suggested | names, names, suggested):
+    for candidate in filter(None, (suggested | names, names, suggested)):
         joint_names = candidate | skeleton.joint_names
         named = replace(motion, skeleton=replace(skeleton, joint_names=joint_names))
         proposed = completed(named, estimate=True)
         problem = _doubt(proposed)
         if not problem:
             return replace(proposed, unit_note=f"{motion.unit_note}; {_note(proposed, names)}")
-    note = f"; rig not recognised: {problem}" if suggested and len(joints) < len(JOINTS) else ""
+    note = f"; rig not recognised: {problem}" if problem and len(joints) < len(JOINTS) else ""
     return replace(by_names, unit_note=motion.unit_note + note)
 
 
