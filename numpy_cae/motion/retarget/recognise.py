@@ -17,8 +17,6 @@ from numpy_cae.motion.retarget.rigs import ADDED, Mappings, match_rig, with_join
 from numpy_cae.motion.retarget.suggest import suggest_mapping
 from numpy_cae.motion.skeleton import Skeleton
 
-PERSON = "; is this a person? "
-
 
 def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
     """The motion with names for the twenty joints of its rig, and with the missing ones added.
@@ -46,8 +44,9 @@ def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
     by_names = completed(motion)
     joints = _joints(by_names.skeleton)
     if len(joints) == len(JOINTS) and not order_problem(by_names.skeleton, joints):
-        strange = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
-        return replace(by_names, unit_note=motion.unit_note + (strange and f"{PERSON}{strange}"))
+        problem = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
+        note = f"; is this a person? {problem}" if problem else ""
+        return replace(by_names, unit_note=motion.unit_note + note)
     names = {joint: skeleton.names[index] for joint, index in match_rig(skeleton)[1].items()}
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     offsets = np.median(sampled(motion).translations, axis=0)
