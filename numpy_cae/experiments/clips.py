@@ -101,11 +101,11 @@ class Split:
         """Sentences that say on what the baselines were fitted and the network was trained."""
         takes = 1 + int(self.training.take.max())
         learned = self.training.manifold.settings.get("takes", takes)
-        other = ", which are not these: the baselines have an advantage"
         return (
             f"Baselines are fitted to {len(self.training)} windows of {takes} training takes; "
             "their settings are chosen on every fifth of these takes, held back. The network "
-            f"learned from {learned} takes{'' if learned == takes else other}."
+            f"learned from {learned} takes: if they are of another source, the baselines know this "
+            "one better."
         )
 
 
