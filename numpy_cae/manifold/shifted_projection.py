@@ -41,14 +41,17 @@ def project_shifted(
     plain projection, s = 0.
     """
     shifts = network.stride if average_shifts else 1
-    parts = [x[start : start + WINDOWS_AT_ONCE] for start in range(0, len(x), WINDOWS_AT_ONCE)]
+    together = WINDOWS_AT_ONCE // shifts
+    parts = [x[start : start + together] for start in range(0, len(x), together)]
     return np.concatenate([_mean_projection(network, part, shifts) for part in parts])
 
 
 def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np.ndarray:
     total, frames = network.project(x), x.shape[1]
-    for shift in range(1, shifts):
-        # Zeros, as the convolution's own padding, to a whole number of hidden frames.
-        around = ((0, 0), (shift, network.stride - shift), (0, 0))
-        total += network.project(np.pad(x, around))[:, shift : shift + frames]
+    # Zeros, as the convolution's own padding, to a whole number of hidden frames.
+    around = [((0, 0), (shift, network.stride - shift), (0, 0)) for shift in range(1, shifts)]
+    if around:
+        shifted = network.project(np.concatenate([np.pad(x, each) for each in around]))
+        for shift, part in enumerate(np.split(shifted, shifts - 1), start=1):
+            total += part[:, shift : shift + frames]
     return total / shifts
