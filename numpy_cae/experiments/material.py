@@ -16,16 +16,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from numpy_cae.motion import (
-    Coordinates,
-    Motion,
-    MotionFileError,
-    UnknownRigError,
-    find_motion_files,
-    load_body,
-    load_motion,
-)
-from numpy_cae.motion.read.load import is_test
+from numpy_cae.motion import Coordinates, Motion, MotionFileError, UnknownRigError
+from numpy_cae.motion.read.load import find_motion_files, is_test, load_body, load_motion
 from numpy_cae.motion.retarget.rigs import Mappings
 
 if TYPE_CHECKING:

@@ -7,15 +7,8 @@ import pytest
 from acclaim_files import FILES, write_acclaim
 
 from data_synth import make_take
-from numpy_cae.motion import (
-    Motion,
-    MotionFileError,
-    find_motion_files,
-    load_body,
-    load_motion,
-    load_windows,
-    write_bvh,
-)
+from numpy_cae.motion import Motion, MotionFileError, load_windows, write_bvh
+from numpy_cae.motion.read.load import find_motion_files, load_body, load_motion
 from numpy_cae.motion.read.many import read_bodies
 
 BVH = (FILES / "leg.bvh").read_text()

@@ -6,12 +6,7 @@ import pytest
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
 from numpy_cae.training import Stage
-from numpy_cae.training.corruption import (
-    LONGEST,
-    _damage,
-    corrupted_copy,
-    damage_stretches,
-)
+from numpy_cae.training.corruption import LONGEST, _damage, corrupted_copy, damage_stretches
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 

@@ -9,15 +9,7 @@ from numpy_cae.manifold.evidence.finding import BODY, Finding
 from numpy_cae.manifold.evidence.jumps import Curve, joint_names
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.curves import (
-    EVERY,
-    CurveAt,
-    channels_on_curves,
-    eased_everywhere,
-    over_holes,
-    rotations_over_holes,
-    unknown_channels,
-)
+from numpy_cae.motion.retarget import curves
 from numpy_cae.motion.retarget.rigs import find_joints
 
 ROTATIONS, PLACES = ("spike", "displaced", "frozen"), ("length", "root elsewhere")
@@ -31,7 +23,7 @@ def interpolated(curve: Curve, runs: Sequence[tuple[int, int]]) -> Curve:
     missing = np.zeros((len(curve.values), 1), bool)
     for first, end in runs:
         missing[first:end] = True
-    over = rotations_over_holes if curve.is_rotation else over_holes
+    over = curves.rotations_over_holes if curve.is_rotation else curves.over_holes
     return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])
 
 
@@ -51,7 +43,7 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
             turned[frames, joint] |= finding.kind not in PLACES
             moved[frames, joint] |= finding.kind not in ROTATIONS
     if missing.any():
-        of_rig = unknown_channels(motion, missing)
+        of_rig = curves.unknown_channels(motion, missing)
         turned, moved = turned | of_rig[0], moved | of_rig[1]
     return turned, moved & (np.ptp(motion.translations, axis=0).max(axis=-1) > 0)
 
@@ -78,9 +70,9 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
 def interpolate(
     motion: Motion,
     findings: Iterable[Finding],
-    curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
+    curve_at: curves.CurveAt = curves.eased_everywhere,
+    frames: np.ndarray | slice = curves.EVERY,
 ) -> Motion:
     """The motion, or some of its frames, with the damaged channels of findings interpolated
     (`motion.retarget.curves`)."""
-    return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)
+    return curves.channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)
