@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.manifold.detect import find_unlikely
+from numpy_cae.manifold.evidence.feet import is_path
 from numpy_cae.manifold.evidence.finding import BODY, Finding
 from numpy_cae.manifold.evidence.holes import POSITIONS, interpolate, missing_joints
 from numpy_cae.manifold.evidence.jumps import joint_names
@@ -26,12 +27,7 @@ from numpy_cae.manifold.trials import chosen
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.retarget.curves import (
-    CurveAt,
-    channels_on_curves,
-    eased_everywhere,
-    on_curves,
-)
+from numpy_cae.motion.retarget import curves
 
 UNKNOWN = 0.12
 """UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
@@ -111,14 +107,17 @@ def repair(
     kept = whole.at(slice(0 if preset.cut else first))
     if len(kept):
         mended = _joined(kept, mended)
-    moved = distances(whole.at(slice(first - len(kept), None)), mended)
+    before = whole.at(slice(first - len(kept), None))
+    moved = posed = distances(before, mended)
+    if any(is_path(finding) for finding in found):
+        posed = distances(before, mended, from_hips=True)
     touched = (moved > MOVED) | missing_joints(mended, _shifted(broken, len(kept) - first))
     found += [finding for finding in unlikely if preset.is_sure(finding)]
     left = [finding for finding in found if finding.evidence.endswith(LEFT)]
     found = [finding for finding in found if finding not in left]
     left += [finding for finding in unlikely if not preset.is_sure(finding)]
     known, left = distance <= UNKNOWN, _shifted(left, first)
-    found = pose + _shifted(with_centimetres(found, moved, len(kept)), first)
+    found = pose + _shifted(with_centimetres(found, moved, posed, len(kept)), first)
     return Repaired(mended, touched, moved, distance, known, tuple(found), tuple(left))
 
 
@@ -158,7 +157,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     """
     missing, body = checked_mask(missing, len(motion)), manifold.body(motion)
     curve_at, strength = chosen(manifold, body, missing)
-    start = on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
+    start = curves.on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
     holes = Holes(body, missing, start)
     filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
     return Repaired(filled, missing, distances(motion, filled))
@@ -188,7 +187,7 @@ def _filling(
         long = finding.frames[1] - finding.frames[0] >= least
         return finding.kind in POSITIONS or (finding.kind in FILLED and long)
 
-    def holes(findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
+    def holes(findings: list[Finding], curve_at: curves.CurveAt = curves.eased_everywhere) -> Holes:
         missing = missing_joints(motion, findings)
         there = np.asarray(missing.any(axis=1))
         return Holes(body, missing, interpolate(motion, findings, curve_at, there))
@@ -241,4 +240,4 @@ def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
     known = replace(motion, rotations=rotations, translations=translations)
     found = marked(wrong, joint_names(motion.skeleton), "not finite")
-    return channels_on_curves(known, wrong, wrong), found
+    return curves.channels_on_curves(known, wrong, wrong), found

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy_cae.manifold.evidence.feet import is_path
 from numpy_cae.manifold.evidence.finding import Finding
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
@@ -96,9 +97,10 @@ def _frames_of(mask: np.ndarray) -> str:
     return f"frame{'' if mask.sum() == 1 else 's'} {', '.join(texts)}{more}"
 
 
-def distances(before: Motion, after: Motion) -> np.ndarray:
+def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
     """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or the joint of
-    the rig that follows it (its fingers, the second bone of the neck) and moved furthest."""
+    the rig that follows it (its fingers, the second bone of the neck) and moved furthest; in the
+    world, or from the hips."""
     skeleton, joints = after.skeleton, find_joints(after.skeleton)
     followed = [
         next((joints.index(above) for above in skeleton.path(joint) if above in joints), 0)
@@ -109,21 +111,26 @@ def distances(before: Motion, after: Motion) -> np.ndarray:
     moved = np.zeros((len(after), len(joints)))
     for frames in blocks(np.flatnonzero(changed)):
         change = after.at(frames).positions() - before.at(frames).positions()
+        change -= from_hips * change[:, joints[:1]]
         distance = np.linalg.norm(change, axis=-1)
         for joint, of in enumerate(followed):
             moved[frames, of] = np.maximum(moved[frames, of], distance[:, joint])
     return moved
 
 
-def with_centimetres(findings: Sequence[Finding], moved: np.ndarray, offset: int) -> list[Finding]:
-    """The findings with the largest distance (m) in `moved` of their joint or one below it, in
-    centimetres; frame 0 of the findings is frame `offset` of `moved`."""
+def with_centimetres(
+    findings: Sequence[Finding], moved: np.ndarray, posed: np.ndarray, offset: int
+) -> list[Finding]:
+    """The findings with the largest distance (m) of their joint or one below it, in centimetres: in
+    `moved` for a path of the root, in `posed` for others. Frame 0 of the findings is frame `offset`
+    of both."""
     measured = []
     for finding in findings:
         below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
         for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
             if JOINTS[parent] in below:
                 below.add(joint)
-        there = moved[offset:][finding.stretch][:, [JOINTS.index(joint) for joint in below]]
-        measured.append(replace(finding, cm=100 * float(there.max(initial=0.0))))
+        there = (moved if is_path(finding) else posed)[offset:][finding.stretch]
+        cm = 100 * there[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
+        measured.append(replace(finding, cm=float(cm)))
     return measured

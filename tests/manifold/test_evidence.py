@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.manifold import PRESETS, Finding, Preset, find_unlikely, repair, starter
-from numpy_cae.manifold.evidence.feet import mend_feet
+from numpy_cae.manifold.evidence.feet import find_feet, is_path, mend_feet
 from numpy_cae.manifold.evidence.jitter import filter_motion, jumping_steps, strongly_filtered
 from numpy_cae.manifold.evidence.presets import fitting_preset
 from numpy_cae.manifold.evidence.steps import LEFT, mend
@@ -155,6 +155,21 @@ def test_feet_that_sink_or_slide_stand_still_on_the_floor(walk, way):
         heights = [np.abs((x - toes[0])[..., 1])[stands].mean() for x in toes[1:]]
         assert heights[1] < 0.02 < 0.06 < heights[0]
     assert not jumping_steps(repaired.motion).any()
+
+
+def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
+    still = replace(walk, translations=walk.translations[:1].repeat(len(walk), axis=0))
+    assert not repair(still, None).findings
+    repaired = repair(still, None, preset=Preset(feet=True))
+    true, after = body_positions(walk), body_positions(repaired.motion)
+    off = np.linalg.norm(after[:, 0] - after[0, 0] - true[:, 0] + true[0, 0], axis=-1)
+    assert is_path(repaired.findings[0])
+    assert off.max() < 0.05 < 4.0 < np.linalg.norm(true[-1, 0] - true[0, 0])
+    contacts = find_contacts(true, 60.0)
+    slides = np.linalg.norm(np.diff(after[:, FEET], axis=0), axis=-1)[contacts[1:]]
+    assert slides.mean() * 60.0 < 0.02
+    seated = turned(still, {"lfemur": -80.0, "rfemur": -80.0}, "x")
+    assert not any(map(is_path, find_feet(seated)))
 
 
 def test_feet_are_left_alone_where_they_would_slide_more(walk):

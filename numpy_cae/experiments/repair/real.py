@@ -24,10 +24,11 @@ from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
 BEFORE, REPAIR, FILTER = "as it is", "repair", "ten lines"
 METHODS = {REPAIR: Preset()} | {f"--from {name}": preset for name, preset in PRESETS.items()}
 JUMPS, NEW, FEET, CHANGE = "frames with a jump", "new", "planted feet, cm/s", "change elsewhere, cm"
-HEADER = (JUMPS, NEW, "acceleration, m/s²", FEET, "bone lengths, cm", CHANGE)
+PATH = "change of the hips' path, cm"
+HEADER = (JUMPS, NEW, "acceleration, m/s²", FEET, "bone lengths, cm", CHANGE, PATH)
 """New: frames with a jump further than `NEAR` from every jump of the file. Planted feet: the speed
 of the lower foot on the floor. Bone lengths: the root mean square deviation of the rig's bones from
-their median lengths. Elsewhere: further than `NEAR` from jumps."""
+their median lengths. Change elsewhere: of joints from the hips, further than `NEAR` from jumps."""
 Measures = dict[str, float]
 """Column to measure."""
 NEAR = 0.25
@@ -87,7 +88,8 @@ def measures_of(before: Motion, after: Motion) -> Measures:
     near = with_margin(jumping_steps(before), round(NEAR * before.rate))
     jumps, positions = jumping_steps(after), body_positions(after)
     lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)
-    change = np.linalg.norm(positions - body_positions(before), axis=-1)[~near]
+    moved = positions - body_positions(before)
+    change = np.linalg.norm(moved - moved[:, :1], axis=-1)[~near]
     values = (
         int(jumps.any(axis=1).sum()),
         int((jumps & ~near).any(axis=1).sum()),
@@ -95,6 +97,7 @@ def measures_of(before: Motion, after: Motion) -> Measures:
         foot_sliding(positions, after.rate),
         100 * float(np.sqrt(np.mean((lengths - np.median(lengths, axis=0)) ** 2))),
         100 * float(change.mean()) if change.size else np.nan,
+        100 * float(np.linalg.norm(moved[:, 0], axis=-1).mean()),
     )
     return dict(zip(HEADER, values, strict=True))
 
@@ -102,7 +105,7 @@ def measures_of(before: Motion, after: Motion) -> Measures:
 def verdict(before: Measures, after: Measures) -> str:
     """What `RULE` says of a repaired file: helped, harmed, or as before."""
     # Of a measure near 0, a tenth is rounding.
-    worse = any(after[name] > 1.1 * before[name] + 0.01 for name in before if name != CHANGE)
+    worse = any(after[name] > 1.1 * before[name] + 0.01 for name in HEADER[:-2])
     what, share = (JUMPS, 0.5) if before[JUMPS] else (FEET, 0.75)
     helped = 0 < before[what] and after[what] <= share * before[what]
     return "harmed" if after[NEW] or worse else "helped" if helped else "as before"

@@ -35,7 +35,8 @@ KINDS = (
 - not finite: values are no numbers
 - jumps: a joint jumps from frame to frame
 - jitter: noise in every frame
-- foot: a foot that stands slides, or is in the floor or above it
+- foot: a foot that stands slides, or is in the floor or above it; of the body, the root does not
+  move as the feet do
 - unlikely: the manifold has another pose there
 - marked: the user says so
 """
