@@ -17,14 +17,9 @@ from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
 from numpy_cae.motion.lengths import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH, cut_windows
-from numpy_cae.training import (
-    Checkpoint,
-    Schedule,
-    SequenceSchedule,
-    TrainingState,
-    train_autoencoder,
-    train_sequential,
-)
+from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState
+from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.sequential import train_sequential
 
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than

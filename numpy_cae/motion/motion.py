@@ -20,6 +20,9 @@ from numpy_cae.motion.skeleton import Skeleton
 
 RATE = 30.0
 """Frames a second of holden2015, section 4: every motion is resampled to it before a network."""
+MIN_RATE, MAX_RATE = 1.0, 10_000.0
+"""Other rates of files are refused. A few frames of a lower one would last hours and would fill the
+memory when they are resampled; no camera that records motions is faster."""
 
 
 @dataclass(frozen=True, repr=False)

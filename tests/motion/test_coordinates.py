@@ -7,20 +7,14 @@ import pytest
 
 from data_synth import make_take
 from data_synth.kinds import KINDS
-from numpy_cae.motion import (
-    Coordinates,
-    Skeleton,
-    body_positions,
-    find_motion_files,
-    load_motion,
-    positions_to_features,
-    read_bvh,
-    write_bvh,
-)
+from numpy_cae.motion import Coordinates, Skeleton, body_positions, positions_to_features
 from numpy_cae.motion.axes import TO_Y_UP, as_in_file
 from numpy_cae.motion.formats.amc import read_amc
+from numpy_cae.motion.formats.bvh import read_bvh
+from numpy_cae.motion.formats.write import write_bvh
 from numpy_cae.motion.formats.write_like import write_like
 from numpy_cae.motion.read.coordinates import in_y_up
+from numpy_cae.motion.read.load import find_motion_files, load_motion
 
 
 def in_file(motion, up, floor):

@@ -7,19 +7,15 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.motion import (
-    JOINTS,
-    PARENTS,
+from numpy_cae.motion import JOINTS, PARENTS, Motion, bone_lengths, change_lengths, cut_windows
+from numpy_cae.motion.features import (
     POSITIONS,
-    Motion,
-    bone_lengths,
-    change_lengths,
-    cut_windows,
+    TURN,
+    VELOCITY,
     features_to_positions,
     joint_slice,
     positions_to_features,
 )
-from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.motion.heading import heading, smoothed
 from numpy_cae.motion.retarget.fit import body_skeleton, fit_motion
 

@@ -7,26 +7,21 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import (
-    JOINTS,
-    PARENTS,
-    Motion,
-    Skeleton,
-    UnknownRigError,
-    body_positions,
-    find_joints,
-    load_motion,
-    read_mapping,
-    retarget,
-    write_bvh,
-)
+from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton, load_motion, retarget, write_bvh
 from numpy_cae.motion.lengths import bone_lengths
 from numpy_cae.motion.retarget.checks import doubt
 from numpy_cae.motion.retarget.completed import completed
 from numpy_cae.motion.retarget.fit import body_skeleton
 from numpy_cae.motion.retarget.recognise import recognised
 from numpy_cae.motion.retarget.rig_names import RIGS
-from numpy_cae.motion.retarget.rigs import joint_index, with_joint_names
+from numpy_cae.motion.retarget.rigs import (
+    UnknownRigError,
+    body_positions,
+    find_joints,
+    joint_index,
+    read_mapping,
+    with_joint_names,
+)
 
 
 def skeleton_of(names):

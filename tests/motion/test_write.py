@@ -249,13 +249,15 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
     np.testing.assert_allclose(again.positions(), after.positions(), atol=1e-6)
 
 
-def test_a_rotation_that_the_channels_do_not_allow_is_reported(tmp_path, caplog):
+def test_what_the_channels_do_not_allow_is_reported(tmp_path, caplog):
     (tmp_path / "02.asf").write_text(ASF)
     (tmp_path / "02_01.amc").write_text(AMC)
     motion = load_motion(tmp_path / "02_01.amc")
     after = turned(motion, motion.skeleton.index("tibia"), [1])  # which turns about x alone
     write_like(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
-    assert "rotations that the channels do not allow: tibia" in caplog.text
+    after = replace(after, translations=after.translations + 0.1)  # only the root has places
+    write_like(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
+    assert "the channels do not allow it: hip 17 cm, femur 17 cm, tibia 12°" in caplog.text
 
 
 def test_another_length_gives_a_whole_file_and_a_source_that_changed_is_refused(tmp_path):

@@ -11,17 +11,10 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import (
-    Checkpoint,
-    CheckpointError,
-    DivergedError,
-    Schedule,
-    SequenceSchedule,
-    Stage,
-    TrainingState,
-    train_autoencoder,
-    train_sequential,
-)
+from numpy_cae.training import Checkpoint, CheckpointError, DivergedError, TrainingState
+from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.schedule import Schedule, SequenceSchedule, Stage
+from numpy_cae.training.sequential import train_sequential
 
 WINDOWS = np.random.default_rng(0).normal(scale=0.3, size=(7, 8, 3)).astype(np.float32)
 # Three stages of two epochs of four steps.

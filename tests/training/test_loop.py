@@ -10,21 +10,17 @@ import pytest
 from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import (
-    RECIPES,
     DivergedError,
     ProgressPrinter,
-    Schedule,
-    SequenceSchedule,
-    Stage,
     TrainingState,
     layerwise,
     progress,
-    recipe,
     sgd,
     step,
-    train_autoencoder,
-    train_sequential,
 )
+from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.schedule import RECIPES, Schedule, SequenceSchedule, Stage, recipe
+from numpy_cae.training.sequential import train_sequential
 
 NO_EPOCH = Stage(epochs=0)
 MOMENTUM = Stage(epochs=2, rate=0.1, batch=4, rescaled=True, momentum=0.9)

@@ -34,7 +34,8 @@ TURN, PLACE = 20.0, 0.1
 """TURN, PLACE: jumps of less than this, in degrees and in metres, do not count."""
 LONGEST, OPPOSITE = 1.5, 0.5
 """LONGEST, OPPOSITE: rotations are interpolated between two jumps at most LONGEST (s) apart that
-lead back, or whose directions have a cosine of less than -OPPOSITE."""
+lead back, or, of joints other than the root, whose directions have a cosine of less than -OPPOSITE:
+a body that turns and turns back may kick."""
 NEXT = 6
 """NEXT: a jump is compared with this many later ones."""
 SPIKE = 3
@@ -138,7 +139,8 @@ def _returns(curve: Curve, first: int, end: int) -> bool:
     smaller = min(away, back)
     opposite = steps[0] @ steps[1] < -OPPOSITE * away * back and max(away, back) < 2 * smaller
     short = end - first <= LONGEST * curve.rate
-    return bool(short and smaller > _least(curve) and (opposite or there < CLOSES * smaller))
+    other = (opposite and not curve.is_root) or there < CLOSES * smaller
+    return bool(short and smaller > _least(curve) and other)
 
 
 def _left(curve: Curve, first: int, end: int) -> list[float]:

@@ -73,7 +73,9 @@ for a while, and standing feet slide faster than SLIDES (cm/s; docs/lab_book/evi
 def fitting_preset(motion: Motion) -> str | None:
     """The name of the preset that fits a motion: "video" if it shakes, or jumps and slides; "suit"
     if it begins with a pose of reference; else None."""
-    some = motion.at(slice(int(20 * motion.rate)))
+    t_pose = find_t_pose(motion)
+    first = t_pose[0].frames[1] + 1 if t_pose else 0
+    some = motion.at(slice(first, first + int(20 * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
     if len(some) > 4:
         body = body_positions(some)
@@ -83,4 +85,4 @@ def fitting_preset(motion: Motion) -> str | None:
             jumps and foot_sliding(body, some.rate) > SLIDES
         ):
             return "video"
-    return "suit" if find_t_pose(motion) else None
+    return "suit" if t_pose else None

@@ -25,6 +25,9 @@ the deviations of single frames, which is that of the noise."""
 BESIDE = 1.5
 """BESIDE: and by more than this times the larger step just before or after it, plus the first step
 within it."""
+SAME_WAY = 0.5
+"""SAME_WAY: a run is no spike if the cosine of the angle between the steps to it and from it is at
+least this: it is passed through, as by the elbow of a runner at 24 frames a second."""
 ROUNDS = 4
 """ROUNDS: how often the rest is searched again."""
 
@@ -69,6 +72,9 @@ def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, flo
         least = level[1 : len(steps) - length + 1] / (4 * sensitivity)
         first = 1 + np.flatnonzero(np.minimum(steps[:-length], steps[length:]) > least)
         first = first[(first >= 2) & (first + length + 1 < len(curve.values))]
+        into, out = first - 1, first + length - 1
+        turn = np.sum((values[into + 1] - values[into]) * (values[out + 1] - values[out]), axis=-1)
+        first = first[turn < SAME_WAY * steps[into] * steps[out]]
         size = _deviation(values, first, length)
         beside = np.maximum(steps[first - 2], steps[first + length])
         inside = steps[first] if length > 1 else 0.0

@@ -64,8 +64,9 @@ def _still(
         into = _score(steps[first - 1], steps[max(first - 4, 0) : first - 1], least) if first else 0
         score = _score(steps[end], steps[end + 1 : end + 4], least)
         if max(score, into) * 2 * sensitivity > 1:
-            # A jump into the run shows that its first frame is wrong too.
-            start = first if into > 1 else first + 1
+            # A jump into the run, or its start at that of the file, shows that its first frame is
+            # wrong too; of a whole body the first pose is a true one.
+            start = first if into > 1 or (least > 0 and first == 0) else first + 1
             moves = f"then moves by {100 * steps[end]:.1f} cm"
             why = f"stands still for {end - first + 1} frames, {moves}"
             sure = confidence(max(score, into))

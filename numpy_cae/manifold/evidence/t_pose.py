@@ -7,7 +7,7 @@ in a T-pose leaves it slowly.
 import numpy as np
 
 from numpy_cae.manifold.evidence.finding import BODY, Finding
-from numpy_cae.manifold.evidence.jumps import STILL, confidence, curves_of
+from numpy_cae.manifold.evidence.jumps import STILL, confidence
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.retarget.rigs import body_positions
@@ -34,10 +34,9 @@ def find_t_pose(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     """
     frames = min(len(motion), round(LONGEST * motion.rate) + 12)
     start = motion.at(slice(frames))
-    curves = [curve.steps() for curve in curves_of(start) if curve.is_rotation]
-    if frames < 4 or not curves:
+    if frames < 4:
         return []
-    steps = np.mean(curves, axis=0)
+    steps = np.linalg.norm(np.diff(body_positions(start), axis=0), axis=-1).mean(axis=1)
     jump = int(np.argmax(steps[: frames - 3]))
     after = float(steps[jump + 1 : jump + 11].max())
     before = float(steps[:jump].max(initial=0.0))

@@ -15,14 +15,12 @@ from numpy_cae.motion.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf,
 from numpy_cae.motion.formats.channels import Channels, read_pose
 from numpy_cae.motion.formats.text_file import (
     HEADER_SIZE,
-    MAX_RATE,
-    MIN_RATE,
     MotionFileError,
     TextFile,
     quoted,
     whole_number,
 )
-from numpy_cae.motion.motion import Motion, whole_step
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 from numpy_cae.motion.units import stated_unit, stature
 
 log = logging.getLogger(__name__)

@@ -12,15 +12,8 @@ import numpy as np
 
 from numpy_cae.motion.formats.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.motion.formats.channels import Channels, read_pose
-from numpy_cae.motion.formats.text_file import (
-    HEADER_SIZE,
-    MAX_RATE,
-    MIN_RATE,
-    TextFile,
-    quoted,
-    whole_number,
-)
-from numpy_cae.motion.motion import Motion, whole_step
+from numpy_cae.motion.formats.text_file import HEADER_SIZE, TextFile, quoted, whole_number
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 from numpy_cae.motion.skeleton import Skeleton
 from numpy_cae.motion.units import guess_unit, require_unit, stated_unit, stature
 

@@ -19,11 +19,6 @@ MAX_VALUE = 1e12
 and sums and products of smaller numbers are finite."""
 HEADER_SIZE = 1 << 22
 """HEADER_SIZE: the first bytes of a file, this many, contain its whole header."""
-MIN_RATE = 1.0
-"""MIN_RATE: a lower rate (frames a second) is refused. A few frames would last hours and would fill
-the memory when they are resampled."""
-MAX_RATE = 10_000.0
-"""MAX_RATE: a higher rate is refused; no camera that records motions is as fast."""
 MAX_BYTES = 1 << 30
 """MAX_BYTES: a longer file is refused."""
 MAX_LINE = 1_000_000

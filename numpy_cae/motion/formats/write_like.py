@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 _BLOCK = 4096
 """_BLOCK: the number of frames that are processed at a time."""
 _NOTICEABLE = 0.5
-"""_NOTICEABLE: a rotation that channels change by more than this (°) is reported."""
+"""_NOTICEABLE: a rotation or place that channels change by more than this (°, cm) is reported."""
 _FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
 """_FRAMES: the number of frames in the header of a BVH file."""
 _GAPS = re.compile(r"(\s+|#[^\r\n]*)")
@@ -45,8 +45,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
 
     Numbers are replaced where a joint's rotation or translation differs between the two. They have
     as many decimals as the file's, and angles continue those of neighbouring frames without
-    avoidable jumps. If a joint's channels do not allow its rotation, the nearest rotation that they
-    allow is written, with a warning. `FileMotion.save` calls this where it is possible.
+    avoidable jumps. If a joint's channels do not allow its rotation or translation, the nearest one
+    that they allow is written, with a warning. `FileMotion.save` calls this where it is possible.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     # Every line of the header of a BVH file begins with a keyword or a brace.
     begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
     numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
-    misses: dict[str, float] = {}
+    misses: dict[tuple[str, str], float] = {}
     cut, count = len(before) - len(after), 0
     before = before.at(slice(cut, None)) if cut else before
     with (
@@ -112,8 +112,8 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
         if count != len(before):
             raise MotionFileError(source, None, "has changed since it was read")
     if misses:
-        worst = ", ".join(f"{name} {miss:.0f}°" for name, miss in misses.items())
-        log.warning("%s: rotations that the channels do not allow: %s", path, worst)
+        worst = ", ".join(f"{name} {miss:.0f}{unit}" for (name, unit), miss in misses.items())
+        log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
 
 
 def _replaced(
@@ -123,14 +123,16 @@ def _replaced(
     after: Motion,
     channels: list[Channels],
     numbers: _Numbers,
-    misses: dict[str, float],
+    misses: dict[tuple[str, str], float],
 ) -> tuple[list[str], np.ndarray]:
     """The texts of a block of frames with new numbers, and the numbers of its last frame.
 
-    `last` are the numbers of the frame before the block, None if it is the first.
+    `last` are the numbers of the frame before the block, None if it is the first. `misses` gets
+    what channels do not allow: joint and unit, ° or cm, to the largest amount.
     """
     turned = np.any(before.rotations != after.rotations, axis=-1)
-    moved = np.any(before.translations != after.translations, axis=-1)
+    steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
+    moved = steps > 0
     changed = np.any(turned | moved, axis=1)
     after = as_in_file(after)
     # Changed frames, their neighbours and the last frame are parsed.
@@ -152,11 +154,14 @@ def _replaced(
         frames = np.flatnonzero(moved[:, joint]).tolist()
         place = np.ix_(frames, of_joint.columns("t"))
         values[place] = of_joint.position_values(after.translations[frames, joint])
+        name, turn, step = after.skeleton.names[joint], 0.0, 0.0
+        if len(of_joint.coordinates) < 3:
+            step = steps[:, joint].max()
         if turned[:, joint].any():
-            miss = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], of_joint)
+            turn = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], of_joint)
+        for key, miss in (((name, "°"), turn), ((name, " cm"), step)):
             if miss > _NOTICEABLE:
-                name = after.skeleton.names[joint]
-                misses[name] = max(miss, misses.get(name, 0.0))
+                misses[key] = max(miss, misses.get(key, 0.0))
     decimals = _decimals(texts, places_in)
     new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
     written = map(f"%.{decimals}f".__mod__, values[new].tolist())
