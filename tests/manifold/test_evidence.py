@@ -72,11 +72,7 @@ DAMAGE = {
     "turned": (lambda m: turned(m, {"lfemur": 50.0}, "z", slice(120, 200)), slice(120, 200), 0.05),
     "spike": (lambda m: turned(m, {"lhumerus": 60.0}, "z", SHOULDER), SHOULDER, 0.02),
     "frozen": (lambda m: held(m, ["lhumerus", "lradius"], slice(120, 180)), slice(121, 180), 0.6),
-    "frozen, at first": (
-        lambda m: held(m, ["lhumerus", "lradius"], slice(0, 60), REST),
-        slice(0, 60),
-        0.4,
-    ),
+    "frozen, at first": (lambda m: held(m, ["lhumerus"], slice(0, 60), REST), slice(0, 60), 0.4),
     "repeated": (lambda m: m.at(np.r_[:90, [89] * 15, 105:300]), slice(90, 105), 0.3),
     "root elsewhere": (lambda m: moved(m, [0.3, 0, 0.2], slice(90, None)), slice(90, None), 0.05),
 }

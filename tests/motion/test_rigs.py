@@ -171,3 +171,9 @@ def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
     assert f"rig not recognised: {problem}" in found.unit_note
     with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
         find_joints(found.skeleton)
+
+
+def test_a_doubtful_rig_without_shoulders_is_read(tmp_path):
+    names = dict(zip(JOINTS, names_in("Bandai"), strict=True))
+    write_bvh(person(lambda x: names[x].replace("Upper", ""), (), LENGTHS**3), tmp_path / "a.bvh")
+    assert "not recognised" in load_motion(tmp_path / "a.bvh").unit_note

@@ -40,7 +40,7 @@ class BvhJoint:
 
     `parent` is the index of the parent joint, or of the joint that an End Site ends. `channels` are
     names such as "tX" or "rZ", in the order of the file. `tip` is the offset of the joint's End
-    Site.
+    Site, of the first if a hand has one for each finger.
     """
 
     name: str
@@ -56,8 +56,7 @@ class BvhJoint:
         """The statements that may follow inside the block; "}" may follow only after OFFSET."""
         keywords = ["OFFSET" if self.offset is None else "}"]
         if not self.is_end_site:
-            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT"]
-            keywords += ["End Site"] * (self.tip is None)
+            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT", "End Site"]
         return keywords
 
 
@@ -93,7 +92,7 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, str]:
         elif keyword == "}":
             block = blocks.pop()
             if block.is_end_site:
-                joints[block.parent].tip = block.offset
+                joints[block.parent].tip = joints[block.parent].tip or block.offset
         elif keyword == "OFFSET":
             words = value.translate(_BRACKETS).split()
             blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")

@@ -90,13 +90,13 @@ def with_unit_of_limbs(motion: Motion) -> Motion:
     """The motion with its unit guessed again, from the twenty joints' legs and arms alone: props,
     hair and fingers do not count. The same motion if they were not found."""
     found = match_rig(motion.skeleton)[1]
-    if not set(_LIMBS) <= set(found):
+    starts = {end: JOINTS[PARENTS[JOINTS.index(end)]] for end in _LIMBS}
+    if not {*starts, *starts.values()} <= set(found):
         return motion
     lengths = np.linalg.norm(np.median(sampled(motion).translations, axis=0), axis=-1)
     total = 0.0
-    for end in _LIMBS:
-        path = motion.skeleton.path(found[end])
-        start = found[JOINTS[PARENTS[JOINTS.index(end)]]]
+    for end, above in starts.items():
+        path, start = motion.skeleton.path(found[end]), found[above]
         total += lengths[path[: path.index(start)]].sum() if start in path else 0.0
     unit, note = guess_unit(total / 2 / LIMBS / motion.unit)
     scale = unit / motion.unit
