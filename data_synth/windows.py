@@ -6,13 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from data_synth.series import Plan, plan_takes
-from numpy_cae.motion import (
-    body_of,
-    bone_lengths,
-    change_lengths,
-    cut_windows,
-    positions_to_features,
-)
+from numpy_cae.mocap import body_of
+from numpy_cae.motion import bone_lengths, change_lengths, cut_windows, positions_to_features
 
 _RATE = 30.0
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from data_synth.series import Plan
 from data_synth.take import Take
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.motion import MotionFileError, write_bvh
+from numpy_cae.mocap import MotionFileError, write_bvh
 
 _CENTIMETRE = 0.01
 _COLUMNS = ("file", "kind", "style", "person", "stature_m", "seconds", "rate_hz", "frames", "seed",

@@ -6,7 +6,7 @@
 
 Each model is followed by a folder of motions of a source that the model did not learn from. In
 takes of the source, spread over the folder, holes of each kind and length are filled by every
-candidate of `numpy_cae.manifold.trials`. The table that is written has the mean over the holes of
+candidate of `numpy_cae.repair.trials`. The table that is written has the mean over the holes of
 
     r_k = log e_k - log e_0
 
@@ -26,7 +26,12 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.experiments.material import evenly
 from numpy_cae.manifold import MotionManifold, load_manifold
-from numpy_cae.manifold.trials import (
+from numpy_cae.mocap import find_motion_files, load_motion
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion import JOINTS, RATE, Motion
+from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.key_curves import CURVES, Curve, mean_curve
+from numpy_cae.repair.trials import (
     LEAST,
     POWERS,
     Trials,
@@ -35,9 +40,6 @@ from numpy_cae.manifold.trials import (
     on_strengths,
     weights,
 )
-from numpy_cae.motion import JOINTS, RATE, Motion, find_motion_files, load_motion
-from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.retarget.key_curves import CURVES, Curve, mean_curve
 
 PARTS = {
     "end": [["left_wrist"], ["right_wrist"]],
@@ -63,7 +65,7 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
     for number, path in enumerate(evenly(find_motion_files(folder), TAKES)):
         motion = load_motion(path)
         motion = motion.at(slice(round(SECONDS * motion.rate)))
-        body = manifold.body(motion)
+        body = Body(motion, manifold.lengths)
         for part, mask in holes_in(motion, np.random.default_rng(number)):
             frames = np.flatnonzero(mask.any(axis=1))
             hole = Trials(np.where(mask, part[0], ""), [int(frames[0])], len(frames))

@@ -22,16 +22,19 @@ from scipy.signal import butter, savgol_filter, sosfiltfilt
 from numpy_cae.evaluation import PCA, foot_sliding
 from numpy_cae.experiments.material import LabelledTake, Material, evenly, features_of
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.manifold import MotionManifold, Preset, project_motion, repair
-from numpy_cae.manifold.evidence.holes import missing_joints
-from numpy_cae.manifold.evidence.jitter import filter_motion, strongly_filtered
-from numpy_cae.manifold.holes import Holes
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.models.linear_denoiser import TAPS, contexts
-from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion, body_positions
+from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.retarget.curves import on_curves
-from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES, Curve
-from numpy_cae.motion.retarget.to_rig import retarget
+from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
+from numpy_cae.repair import Preset, project_motion, repair
+from numpy_cae.repair.holes import Holes
+from numpy_cae.repair.interpolated import missing_joints
+from numpy_cae.repair.jitter import filter_motion, strongly_filtered
+from numpy_cae.repair.rotation_curves import on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 
 TAKES, HOLE_TAKES = 10, 16
@@ -314,7 +317,7 @@ def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
     size = int(np.searchsorted(explained, EXPLAINED)) + 1
 
     def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
-        holes = Holes(manifold.body(motion), mask)
+        holes = Holes(Body(motion, manifold.lengths), mask)
         features, missing = holes.features, holes.mask
         known = np.ones(features.shape, bool)
         known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)

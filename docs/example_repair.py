@@ -11,7 +11,8 @@ from pathlib import Path
 from make_readme_picture import COLOURS, SECONDS, damaged_walk
 
 from data_synth import make_take
-from numpy_cae.motion import RATE, Motion, load_motion, write_bvh
+from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import motion_actor
 from numpy_cae.viz.viewer import fragment, head
 

@@ -17,9 +17,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from data_synth import make_take
-from numpy_cae.manifold import repair, starter
-from numpy_cae.motion import JOINTS, PARENTS, RATE, body_positions
+from numpy_cae.manifold import starter
+from numpy_cae.mocap import body_positions
+from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.quaternions import product
+from numpy_cae.repair import repair
 from numpy_cae.viz.camera import bones, camera_view
 
 SECONDS, STEP, AZIMUTH = 6.0, 2, 60.0

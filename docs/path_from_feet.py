@@ -20,11 +20,12 @@ import numpy as np
 from numpy_cae.evaluation import foot_sliding
 from numpy_cae.evaluation import jitter as acceleration
 from numpy_cae.experiments.result import Result, Table
-from numpy_cae.manifold.evidence.feet import find_feet, mend_feet
-from numpy_cae.manifold.evidence.jitter import smooth_motion
-from numpy_cae.motion import Motion, body_positions, find_motion_files, load_motion, retarget
+from numpy_cae.mocap import body_positions, find_motion_files, load_motion, retarget
+from numpy_cae.motion import Motion
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.quaternions import from_vector, product
+from numpy_cae.repair.feet import find_feet, mend_feet
+from numpy_cae.repair.jitter import smooth_motion
 
 EVERY, SECONDS, RATE = 23, 8.0, 30.0
 DEGREES, CORRELATION = (1.0, 3.0), 0.7

@@ -21,8 +21,8 @@ from numpy_cae.experiments.repair.half_removed import PCA_WINDOWS, P
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
+from numpy_cae.mocap import load_body
 from numpy_cae.models.linear_denoiser import Moments
-from numpy_cae.motion import load_body
 from numpy_cae.training import recipe, zero_values
 
 RECIPE = "fast"

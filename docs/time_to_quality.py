@@ -27,8 +27,9 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
+from numpy_cae.mocap import body_of
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion import RATE, body_of, cut_clips, cut_windows, draw_clips
+from numpy_cae.motion import RATE, cut_clips, cut_windows, draw_clips
 from numpy_cae.training import (
     SEQUENCE_RECIPES,
     Schedule,

@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 from data_synth import make_takes
-from numpy_cae.manifold import learn_sequences, save_manifold
-from numpy_cae.motion import angles_of
+from numpy_cae.manifold import learn_sequences
+from numpy_cae.mocap import angles_of
 from numpy_cae.training import SequenceSchedule
 
 FILE = Path(__file__).parents[1] / "numpy_cae" / "course" / "longer_walks.npz"
@@ -33,5 +33,5 @@ if __name__ == "__main__":
         burn_in=0,
         frames=FRAMES,
     )
-    save_manifold(manifold, FILE, half=True)
+    manifold.save(FILE, half=True)
     print(f"{FILE}: {time.process_time() - began:.0f} s of processor time")

@@ -7,8 +7,8 @@ Two papers, implemented in NumPy without an automatic differentiation framework:
 - jang2018: Jang and Lee, "Latent Motion Manifold with Sequential Auto-Encoders", SCA 2018 posters.
 
 Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is. The
-functions `load`, `repair`, `fill`, `show` and `learn` are those of `numpy_cae.public`. They and the
-packages are imported when they are first used.
+functions `load`, `project`, `fill`, `show` and `learn` are those of `numpy_cae.public`, and
+`numpy_cae.repair` is a package that can be called. All are imported when they are first used.
 """
 
 from importlib import import_module as _import_module
@@ -16,13 +16,13 @@ from importlib import import_module as _import_module
 from numpy_cae import notebook as _notebook
 
 __version__ = "0.4.0"
-__all__ = ["fill", "learn", "load", "repair", "show"]
+__all__ = ["fill", "learn", "load", "project", "repair", "show"]
 
 _notebook.register()
 
 
 def __getattr__(name: str) -> object:
-    if name in __all__:
+    if name in __all__ and name != "repair":
         return getattr(_import_module("numpy_cae.public"), name)
     try:
         return _import_module(f"numpy_cae.{name}")

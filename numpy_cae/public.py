@@ -1,7 +1,7 @@
-"""The functions of `import numpy_cae`: load, repair, fill, show and learn, for whole motions.
+"""The functions of `import numpy_cae`: load, project, fill, show and learn, for whole motions.
 
-Everything that they do can be done with more options in `numpy_cae.motion`, `numpy_cae.manifold`
-and `numpy_cae.viz`.
+`numpy_cae.repair` is the package of that name, which can be called. Everything can be done with
+more options in `numpy_cae.mocap`, `numpy_cae.manifold`, `numpy_cae.repair` and `numpy_cae.viz`.
 """
 
 import tempfile
@@ -9,48 +9,45 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from numpy_cae import notebook, training, viz
-from numpy_cae.manifold import MotionManifold, Repaired, fill_motion, learn_manifold, starter
-from numpy_cae.manifold.repair import repair as repair_motion
-from numpy_cae.motion import JOINTS, Motion, find_motion_files
-from numpy_cae.motion import load_motion as load
+from numpy_cae import ipython, training, viz
+from numpy_cae.manifold import MotionManifold, learn_manifold, starter
+from numpy_cae.mocap import find_motion_files
+from numpy_cae.mocap import load_motion as load
+from numpy_cae.mocap.many import read_bodies
+from numpy_cae.mocap.rigs.rigs import joint_index
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.motion.read.many import read_bodies
-from numpy_cae.motion.retarget.rigs import joint_index
+from numpy_cae.repair import Repaired, fill_motion, project_motion
 from numpy_cae.viz.viewer import Player
 
-__all__ = ["fill", "learn", "load", "repair", "show"]
+__all__ = ["fill", "learn", "load", "project", "show"]
 
 
-def repair(motion: Motion, manifold: MotionManifold | None = None, **options) -> Repaired:
-    """Find what is damaged in a motion and fill it in; the rest of the motion is unchanged.
+def project(motion: Motion, manifold: MotionManifold) -> Motion:
+    """Project a whole motion onto the manifold, the repair of holden2015.
 
     Parameters
     ----------
     motion : Motion
         As `load` returns it.
-    manifold : MotionManifold, optional
-        As `learn` returns it; the starter model of the package where None.
-    **options
-        Of `numpy_cae.manifold.repair`: `damaged`, `preset`, `findings`.
+    manifold : MotionManifold
+        As `learn` returns it.
 
     Returns
     -------
-    Repaired
-        Its `motion` is the repaired one. Printed, it names the joints, frames and centimetres.
+    Motion
+        Φ†(Φ(X)) in the rig of `motion`; `numpy_cae.repair` changes only what is damaged.
 
     Examples
     --------
     >>> import numpy_cae
     >>> from data_synth import make_take
-    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
-    >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
-    >>> numpy_cae.repair(motion)
-    left_wrist: frame 30: moved 27.9 cm, at most 27.9
-    found:
-      left_elbow: frame 30: spike (73° from the frames before and after): 27.9 cm, confidence 0.94
+    >>> motion = make_take("walk", 0, seconds=1.0, rate=120.0).motion
+    >>> projected = numpy_cae.project(motion, numpy_cae.manifold.starter())
+    >>> len(projected), projected.rate
+    (120, 120.0)
     """
-    return repair_motion(motion, manifold or starter(), **options)
+    return project_motion(motion, manifold)
 
 
 def fill(
@@ -69,7 +66,7 @@ def fill(
     frames : (int, int), optional
         The first and the last frame of the file, counted from 0; all frames where None.
     manifold : MotionManifold, optional
-        As in `repair`.
+        As in `numpy_cae.repair`.
 
     Returns
     -------
@@ -117,7 +114,7 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
         viz.motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
         for number, motion in enumerate(motions)
     ]
-    if path is None and notebook.shell():
+    if path is None and ipython.shell():
         return viz.in_notebook(actors, rate)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
     viz.save_viewer(actors, page, rate)
@@ -142,7 +139,7 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
     Returns
     -------
     MotionManifold
-        `project` a motion onto it, give it to `repair` and `fill`, or `save` it.
+        Give it to `numpy_cae.project`, `repair` and `fill`, or `save` it.
 
     Raises
     ------

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from numpy_cae.mocap.units import CMU_UNIT
 from numpy_cae.motion import Motion, Skeleton
-from numpy_cae.motion.units import CMU_UNIT
 
 FILES = Path(__file__).with_name("files")
 ASF, AMC = ((FILES / name).read_text() for name in ("02.asf", "02_01.amc"))

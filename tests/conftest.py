@@ -79,7 +79,7 @@ def data_folder() -> Path:
 def walk_takes():
     """Fourteen walks, (F, 20, 3) each."""
     from data_synth import make_take
-    from numpy_cae.motion import body_of
+    from numpy_cae.mocap import body_of
 
     return [body_of(make_take("walk", seed, 2.0, 30.0).motion) for seed in range(14)]
 
@@ -99,7 +99,7 @@ def tiny_manifolds():
     """A manifold of each kind, trained for an epoch, and the motion that they are learned from."""
     from data_synth import make_take
     from numpy_cae.manifold import learn_manifold, learn_sequences
-    from numpy_cae.motion import angles_of, body_of
+    from numpy_cae.mocap import angles_of, body_of
     from numpy_cae.training import Schedule, SequenceSchedule, Stage
 
     motion = make_take("walk", 0, seconds=2.0, rate=50.0).motion
@@ -116,8 +116,9 @@ def untrained_manifold():
     """A manifold of random weights about the mean pose of one walk."""
     from data_synth import make_take
     from numpy_cae.manifold import MotionManifold
+    from numpy_cae.mocap import body_of
     from numpy_cae.models import ConvAutoencoder
-    from numpy_cae.motion import body_of, bone_lengths
+    from numpy_cae.motion import bone_lengths
 
     body = body_of(make_take("walk", 0, 2.0, 30.0).motion)
     network = ConvAutoencoder(filters=(8, 8), taps=5, rng=np.random.default_rng(0))

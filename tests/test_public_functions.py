@@ -10,9 +10,9 @@ import numpy_cae
 from data_synth import make_take
 from numpy_cae import notebook
 from numpy_cae.manifold import load_manifold
-from numpy_cae.motion import load_motion, write_bvh
+from numpy_cae.mocap import load_motion, write_bvh
 
-HEAVY = ("scipy", "matplotlib", "numpy_cae.manifold", "numpy_cae.motion")
+HEAVY = ("scipy", "matplotlib", "numpy_cae.manifold", "numpy_cae.mocap", "numpy_cae.motion")
 
 
 @pytest.fixture(scope="module")
@@ -71,10 +71,10 @@ def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkey
     manifold = numpy_cae.learn(take.parent)
     assert repr(manifold) == "manifold of layers with 64, 128, 256 filters, learned from 1 takes"
     motion = numpy_cae.load(take)
-    projected = manifold.project(motion)
+    projected = numpy_cae.project(motion, manifold)
     assert (len(projected), projected.rate) == (120, 60)
     manifold.save(tmp_path / "model.npz")
-    again = load_manifold(tmp_path / "model.npz").project(motion)
+    again = numpy_cae.project(motion, load_manifold(tmp_path / "model.npz"))
     np.testing.assert_array_equal(again.rotations, projected.rotations)
     with pytest.raises(ValueError, match="no recipe 'slow', expected one of paper"):
         numpy_cae.learn(take.parent, "slow")
@@ -82,7 +82,7 @@ def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkey
 
 def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
-    monkeypatch.setattr(notebook, "shell", lambda: shell)
+    monkeypatch.setattr("numpy_cae.ipython.shell", lambda: shell)
     notebook.register()
     motion = numpy_cae.load(take)
     repaired = numpy_cae.repair(motion)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import write_bvh
+from numpy_cae.mocap import write_bvh
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 QUICK_START = re.search(r"```python\n(.*?)```", README, re.DOTALL)[1]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.array_file import read_arrays
-from numpy_cae.motion.formats.amc import amc_values
+from numpy_cae.mocap.formats.amc import amc_values
 
 GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
 """Columns of the 59 that are hidden, from 0: the right leg, the upper body."""

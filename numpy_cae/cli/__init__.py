@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     argv = sys.argv[1:] if argv is None else list(argv)
     # The commands print the reader's notes themselves.
-    logging.getLogger("numpy_cae.motion.read").setLevel(logging.ERROR)
+    logging.getLogger("numpy_cae.mocap.load").setLevel(logging.ERROR)
     command = next((word for word in argv if not word.startswith("-")), None)
     try:
         args = _parser(command).parse_args(argv)  # imports for a second

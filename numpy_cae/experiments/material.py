@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from numpy_cae.motion import Coordinates, Motion, MotionFileError, UnknownRigError
-from numpy_cae.motion.read.load import find_motion_files, is_test, load_body, load_motion
-from numpy_cae.motion.retarget.rigs import Mappings
+from numpy_cae.mocap import Coordinates, MotionFileError, UnknownRigError
+from numpy_cae.mocap.load import find_motion_files, is_test, load_body, load_motion
+from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion import Motion
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold
@@ -107,7 +108,7 @@ def read_material(
     """Read and label every motion file below the folders.
 
     Files whose name matches one of the patterns are for testing, the others for training;
-    `mapping` and `coordinates` are arguments of `numpy_cae.motion.load_body`.
+    `mapping` and `coordinates` are arguments of `numpy_cae.mocap.load_body`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
     bodies = each_usable(folders, lambda path: load_body(path, mapping, coordinates)[0])

@@ -39,7 +39,9 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import hidden_units, starter
-    >>> features = starter().body(make_take("walk", 0, seconds=2.0, rate=30.0).motion).features
+    >>> from numpy_cae.mocap import body_of
+    >>> walk = body_of(make_take("walk", 0, seconds=2.0, rate=30.0).motion)
+    >>> features, _ = starter().features(walk)
     >>> len(features), hidden_units(starter(), features).shape
     (60, (8, 256))
     """

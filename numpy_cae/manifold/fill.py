@@ -14,7 +14,7 @@ Where X_0 comes from:
 
 - `fill_motion` and `repair` have a motion in a rig. X_0 is the motion whose unknown rotations are
   on curves (`on_curves`), and `corrected` returns X_0 + s (X_N - X_0) for each joint and hole.
-  `manifold.trials` chooses the curves and s in the known frames of the same motion. The differences
+  `repair.trials` chooses the curves and s in the known frames of the same motion. The differences
   X - P(X_n) are interpolated by a curve with the speed of the motion at both ends of the hole.
 - `fill` has only features, without a rig. X_0 is a spline (PCHIP) through positions in the body's
   frame, and in holes of a few frames the result is a mean of X_N and X_0.
@@ -27,11 +27,11 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import POSITIONS, local_positions
+from numpy_cae.motion.hole_curves import over_holes
 from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.key_curves import pchip
 from numpy_cae.motion.masks import run_lengths, runs_with
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.retarget.curves import over_holes
-from numpy_cae.motion.retarget.key_curves import pchip
 
 REPEATS = 3
 """REPEATS: leg joints are projected this many times, all others once; by `fill` only in holes of at
@@ -76,8 +76,10 @@ def fill(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) ->
 
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import starter
+    >>> from numpy_cae.mocap import body_of
     >>> manifold = starter()
-    >>> features = manifold.body(make_take("walk", 0, seconds=4.0, rate=30.0).motion).features
+    >>> walk = body_of(make_take("walk", 0, seconds=4.0, rate=30.0).motion)
+    >>> features, _ = manifold.features(walk)
     >>> missing = np.zeros((120, 20), bool)
     >>> missing[30:60, JOINTS.index("left_ankle")] = True
     >>> gap = (fill(manifold, features, missing) - features)[:, POSITIONS]

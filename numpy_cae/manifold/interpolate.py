@@ -51,9 +51,10 @@ def interpolate(
 
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import interpolate, starter
+    >>> from numpy_cae.mocap import body_of
     >>> manifold = starter()
     >>> walk, run = (
-    ...     manifold.body(make_take(kind, 0, seconds=2.0, rate=30.0).motion).features
+    ...     manifold.features(body_of(make_take(kind, 0, seconds=2.0, rate=30.0).motion))[0]
     ...     for kind in ("walk", "run")
     ... )
     >>> between = interpolate(manifold, walk, run, share=0.5)

@@ -85,7 +85,7 @@ def learn_manifold(
 
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import learn_manifold
-    >>> from numpy_cae.motion import body_of
+    >>> from numpy_cae.mocap import body_of
     >>> from numpy_cae.training import Schedule, Stage
     >>> takes = [body_of(make_take("walk", 0, seconds=4.0, rate=30.0).motion)]
     >>> schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(epochs=1, rate=0.1))
@@ -168,7 +168,7 @@ def learn_sequences(
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import learn_sequences
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> from numpy_cae.training import SequenceSchedule
     >>> sequences = [angles_of(make_take("walk", 0, seconds=4.0, rate=50.0).motion)]
     >>> schedule = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)

@@ -1,22 +1,34 @@
 """A trained convolutional autoencoder with the normalisation of its input: the motion manifold."""
 
+import json
 from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import blake2b
+from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar, overload
+from typing import TypeVar
 
 import numpy as np
 
+from numpy_cae.array_file import save_arrays
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.mixture import Project, mixture
+from numpy_cae.manifold.model_arrays import (
+    MAX_FRAMES,
+    MAX_LENGTH,
+    MAX_RATE,
+    SMALLEST,
+    integer,
+    json_object,
+    numbers,
+)
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.models.linear_denoiser import LinearDenoiser
-from numpy_cae.motion.features import RootTransform, positions_to_features
+from numpy_cae.models.linear_denoiser import TAPS, LinearDenoiser
+from numpy_cae.motion.features import FEATURES, RootTransform, positions_to_features
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
-from numpy_cae.motion.motion import RATE, Motion
-from numpy_cae.motion.retarget.body import Body
+from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH
 
 Network = TypeVar("Network")
@@ -29,6 +41,8 @@ def with_engine(network: Network, engine: str) -> Network:
     return accelerate(network) if engine == "fast" else network
 
 
+FORMAT = "numpy_cae convolutional manifold 3"
+"""FORMAT: the only format that is read; a file of another version has to be made again."""
 MAX_HIDDEN_FRAMES = 120
 """MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of this length, to bound memory."""
 MAX_PIECES = 400
@@ -66,8 +80,10 @@ class MotionManifold:
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import starter
+    >>> from numpy_cae.mocap import body_of
     >>> manifold = starter()
-    >>> features = manifold.body(make_take("walk", 0, seconds=2.0, rate=30.0).motion).features
+    >>> walk = body_of(make_take("walk", 0, seconds=2.0, rate=30.0).motion)
+    >>> features, _ = manifold.features(walk)
     >>> manifold.encode(features).shape, manifold.project(features).shape
     ((20, 256), (60, 63))
     """
@@ -87,10 +103,6 @@ class MotionManifold:
         filters = ", ".join(str(layer.b.size) for layer in self.network.layers)
         takes = self.settings.get("takes", "unknown")
         return f"manifold of layers with {filters} filters, learned from {takes} takes"
-
-    def body(self, motion: Motion) -> Body:
-        """A motion of any rig with its features on this manifold's mean skeleton."""
-        return Body(motion, self.lengths)
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """The features (F, 63) on the mean skeleton, and the first frame's root transform, of world
@@ -144,36 +156,25 @@ class MotionManifold:
         """Decode what `encode` returned for a clip of `frames` frames: (frames, 63), float64."""
         return self.denormalise(self.unpadded(self.network.decode(y[None]), frames)[0])
 
-    @overload
-    def project(self, motion: np.ndarray, average_shifts: bool = False) -> np.ndarray: ...
-
-    @overload
-    def project(self, motion: Motion, average_shifts: bool = False) -> Motion: ...
-
-    def project(self, motion, average_shifts=False):
-        """Φ†(Φ(X)), the projection of a clip or a motion of any length.
+    def project(self, features: np.ndarray, average_shifts: bool = False) -> np.ndarray:
+        """Φ†(Φ(X)), the projection of a clip of any length (holden2015, section 3).
 
         Where values of the clip are zero, and the manifold has a linear map, it is the `mixture`.
+        `numpy_cae.project` projects a whole motion in its own rig.
 
         Parameters
         ----------
-        motion : (F, 63) array of float, or Motion
-            Features on the mean skeleton, or a motion of any rig and rate.
+        features : (F, 63) array of float
+            On the mean skeleton.
         average_shifts : bool
-            Whether to average over all shifts of the pooling grid (`project_shifted`). A Motion is
-            always projected like this.
+            Whether to average over all shifts of the pooling grid (`project_shifted`).
 
         Returns
         -------
-        (F, 63) array of float64, or Motion
-            Features for features; a Motion, made by `project_motion`, for a Motion.
+        (F, 63) array of float64
         """
-        if isinstance(motion, Motion):
-            from numpy_cae.manifold.project_motion import project_motion  # imports this module
-
-            return project_motion(motion, self)
         project = partial(self._project_clip, average_shifts=average_shifts)
-        return self.denormalise(self._repaired(self.normalise(motion)[None], project)[0])
+        return self.denormalise(self._repaired(self.normalise(features)[None], project)[0])
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
@@ -185,11 +186,85 @@ class MotionManifold:
         change meanwhile."""
         return replace(self, _pieces={})
 
-    def save(self, path: str | Path) -> None:
-        """Write the manifold as `.npz`; `load_manifold` reads it."""
-        from numpy_cae.manifold.model_file import save_manifold  # imports this module
+    def save(self, path: str | Path, half: bool = False) -> None:
+        """Write the manifold, completely or not at all; `load_manifold` reads it.
 
-        save_manifold(self, path)
+        Parameters
+        ----------
+        path : path
+            The file to write, .npz.
+        half : bool
+            Whether to write the weights of the network as float16.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> from numpy_cae.manifold import load_manifold, starter
+        >>> starter().save("model.npz", half=True)
+        >>> load_manifold("model.npz").stride
+        8
+        """
+        save_arrays(self.arrays(half), path)
+
+    def arrays(self, half: bool = False) -> dict[str, np.ndarray]:
+        """The arrays of a model file; with `half` the weights are float16."""
+        layers = self.network.layers
+        arrays = {
+            "format": np.array(FORMAT),
+            "mean_pose": self.mean_pose,
+            "scale": self.scale,
+            "rate": np.array(self.rate),
+            "joints": np.array(JOINTS),
+            "lengths": self.lengths,
+            "bound": np.array(layers[0].bound),
+            "rescales": np.array(int(self.rescales)),
+            "window": np.array(self.window),
+        }
+        if self.linear is not None:
+            arrays["linear"] = self.linear.weights
+        for number, layer in enumerate(layers, start=1):
+            arrays[f"w{number}"], arrays[f"b{number}"] = layer.w, layer.b
+        if half:
+            weights = [name for name in arrays if name[1:].isdigit()]
+            arrays |= {name: arrays[name].astype(np.float16) for name in weights}
+        return arrays | {"settings": np.array(json.dumps(self.settings))}
+
+    @staticmethod
+    def from_arrays(arrays: dict[str, np.ndarray]) -> "MotionManifold":
+        """The manifold of a model file's arrays; ValueError or KeyError where they do not fit."""
+        if not np.array_equal(arrays["joints"], JOINTS):
+            raise ValueError("its twenty joints are not those of this version")
+        # Filters w and biases b of each layer; where one array is missing, this raises KeyError.
+        count = -(-sum(name[0] in "wb" and name[1:].isdigit() for name in arrays) // 2)
+        taps, filters = len(arrays["w1"]), [arrays[f"b{n}"].size for n in range(1, count + 1)]
+        # Before a network of these sizes is made:
+        for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
+            numbers(arrays, f"w{number}", (taps, below, above))
+            numbers(arrays, f"b{number}", (above,))
+        bound = numbers(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
+        network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
+        # The weights of the starter model are float16, to save space.
+        dtype = np.promote_types(arrays["w1"].dtype, np.float32)
+        for number, layer in enumerate(network.layers, start=1):
+            layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
+        linear = None
+        if "linear" in arrays:  # a model that was made without rescaling has none
+            linear = LinearDenoiser(numbers(arrays, "linear", (TAPS, FEATURES, FEATURES)))
+        return MotionManifold(
+            network,
+            numbers(arrays, "mean_pose", (FEATURES,)),
+            numbers(arrays, "scale", (FEATURES,), SMALLEST),
+            numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH),
+            float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
+            json_object(arrays, "settings"),
+            bool(integer(arrays, "rescales", 0, 1)),
+            integer(arrays, "window", 1, MAX_FRAMES),
+            linear,
+        )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
         """`project_shifted` of one normalised window (1, F, 63) that is `padded`, in pieces."""

@@ -1,16 +1,30 @@
 """A trained sequential autoencoder with the standardisation of its clips (jang2018)."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.array_file import save_arrays
+from numpy_cae.manifold.model_arrays import (
+    MAX_FRAMES,
+    MAX_LENGTH,
+    MAX_RATE,
+    SMALLEST,
+    integer,
+    json_object,
+    numbers,
+)
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.motion.angle_table import AngleTable
+from numpy_cae.motion.angle_table import TABLES, AngleTable
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
 from numpy_cae.motion.clips import CLIP
 from numpy_cae.motion.motion import Motion
 
+FORMAT = "numpy_cae sequential manifold 4"
+"""FORMAT: the only format that is read; a file of another version has to be made again."""
 MIN_LENGTH = 0.15
 """MIN_LENGTH: only bones longer than this (m) are compared by MAX_ANGLE."""
 MAX_ANGLE = 30.0
@@ -42,7 +56,7 @@ class SequenceManifold:
 
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import learn_sequences
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> from numpy_cae.training import SequenceSchedule
     >>> sequences = [angles_of(make_take("walk", 0, seconds=4.0, rate=50.0).motion)]
     >>> schedule = SequenceSchedule(epochs=1, steps=1, batch=4, directions=4)
@@ -76,6 +90,54 @@ class SequenceManifold:
     def sample(self, count: int, rng: np.random.Generator) -> list[Motion]:
         """New motions of a clip's length, decoded from draws of the prior."""
         return [self.motion(clip) for clip in self.network.sample(count, rng, self.frames)]
+
+    def save(self, path: str | Path) -> None:
+        """Write the manifold, completely or not at all; `load_manifold` reads it.
+
+        Raises FileError if the file cannot be written.
+        """
+        save_arrays(self.arrays(), path)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays of a model file."""
+        return {
+            "format": np.array(FORMAT),
+            "table": np.array(self.table.name),
+            "columns": np.array(self.table.columns),
+            "mean": self.mean,
+            "deviation": self.deviation,
+            "offsets": self.offsets,
+            "rate": np.array(self.rate),
+            "frames": np.array(self.frames),
+            "burn_in": np.array(self.network.burn_in),
+            **self.network.weights,
+            "settings": np.array(json.dumps(self.settings)),
+        }
+
+    @staticmethod
+    def from_arrays(arrays: dict[str, np.ndarray]) -> "SequenceManifold":
+        """The manifold of a model file's arrays; ValueError or KeyError where they do not fit."""
+        table = TABLES.get(str(arrays["table"]))
+        if table is None or not np.array_equal(arrays["columns"], table.columns):
+            raise ValueError("its table of columns is not one of this version")
+        latent, hidden = arrays["state_w"].shape
+        columns = len(table.columns)
+        if hidden**2 > sum(array.size for array in arrays.values()):
+            raise ValueError("its weights are fewer than the width of state_w requires")
+        network = SequentialAutoencoder(columns, hidden, latent)
+        network.burn_in = integer(arrays, "burn_in", 0, MAX_FRAMES)
+        for name, weight in network.weights.items():
+            weight[...] = numbers(arrays, name, weight.shape)
+        return SequenceManifold(
+            network,
+            numbers(arrays, "mean", (columns,)),
+            numbers(arrays, "deviation", (columns,), SMALLEST),
+            table,
+            numbers(arrays, "offsets", (len(table.joints), 3), -MAX_LENGTH, MAX_LENGTH),
+            json_object(arrays, "settings"),
+            float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
+            integer(arrays, "frames", 1, MAX_FRAMES),
+        )
 
 
 def common_bones(sequences: Sequence[AngleSequence]) -> tuple[AngleTable, np.ndarray]:

@@ -41,7 +41,7 @@ class AngleSequence:
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> walk = angles_of(make_take("walk", 1, seconds=2.0, rate=50.0).motion)
     >>> walk.numbers.shape, walk.table.columns[3]
     ((50, 54), 'hips x')
@@ -75,7 +75,7 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> walk = angles_of(make_take("walk", 1, seconds=2.0, rate=50.0).motion)
     >>> motion = motion_of(walk.numbers, walk.table, walk.offsets)
     >>> len(motion), motion.rate

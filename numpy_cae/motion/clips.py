@@ -39,7 +39,7 @@ def draw_clips(
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> walk = angles_of(make_take("walk", 1, seconds=4.0, rate=50.0).motion)
     >>> clips = draw_clips([walk], 8, np.random.default_rng(0))
     >>> clips.shape
@@ -84,7 +84,7 @@ def cut_clips(
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import angles_of
+    >>> from numpy_cae.mocap import angles_of
     >>> walk = angles_of(make_take("walk", 1, seconds=4.0, rate=50.0).motion)
     >>> cut_clips([walk]).shape  # they begin at frames 0, 25 and 50 of 100
     (3, 50, 54)

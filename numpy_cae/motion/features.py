@@ -87,7 +87,8 @@ def positions_to_features(positions: np.ndarray, rate: float) -> tuple[np.ndarra
     Someone who walks moves forwards, along his own z, at some 1.5 m/s:
 
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import RATE, body_of
+    >>> from numpy_cae.mocap import body_of
+    >>> from numpy_cae.motion import RATE
     >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
     >>> features, start = positions_to_features(walk, RATE)
     >>> features.shape
@@ -143,7 +144,8 @@ def features_to_positions(features: np.ndarray, start: RootTransform | None = No
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import RATE, body_of
+    >>> from numpy_cae.mocap import body_of
+    >>> from numpy_cae.motion import RATE
     >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
     >>> features, start = positions_to_features(walk, RATE)
     >>> bool(np.allclose(features_to_positions(features, start), walk))

@@ -39,7 +39,7 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import body_of
+    >>> from numpy_cae.mocap import body_of
     >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
     >>> float(bone_lengths(walk)[JOINTS.index("left_knee")].round(2))  # the thigh
     0.44
@@ -90,7 +90,7 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
     Examples
     --------
     >>> from data_synth import make_take
-    >>> from numpy_cae.motion import body_of
+    >>> from numpy_cae.mocap import body_of
     >>> walk = body_of(make_take("walk", 1, seconds=2.0, rate=30.0).motion)
     >>> lengths = bone_lengths(walk)
     >>> taller = change_lengths(walk, lengths, 1.1 * lengths)

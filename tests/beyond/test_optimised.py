@@ -4,7 +4,8 @@ from data_synth import make_take
 from numpy_cae.beyond import constraints, project_constrained
 from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import starter
-from numpy_cae.motion import body_of, features_to_positions
+from numpy_cae.mocap import body_of
+from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import find_contacts
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import write_bvh
+from numpy_cae.mocap import write_bvh
 
 TINY = "--epochs 2 --rate 0.05 --window 32 --filters 6 8 --quiet".split()
 

@@ -16,7 +16,7 @@ from numpy_cae.cli import SUBCOMMANDS, main
 from numpy_cae.cli.commands import demo
 from numpy_cae.cli.shared.output import working
 from numpy_cae.manifold import load_manifold
-from numpy_cae.motion import write_bvh
+from numpy_cae.mocap import write_bvh
 from numpy_cae.training import Schedule, Stage, recipe
 
 

@@ -8,8 +8,7 @@ from acclaim_files import FILES
 
 from data_synth import make_take
 from numpy_cae.cli import SUBCOMMANDS, main
-from numpy_cae.manifold import save_manifold
-from numpy_cae.motion import write_bvh
+from numpy_cae.mocap import write_bvh
 
 NAMES = list(SUBCOMMANDS)
 
@@ -28,7 +27,7 @@ def things(tiny_manifolds, tmp_path_factory):
         motion = make_take("walk", seed, seconds=2.0, rate=50.0).motion
         write_bvh(motion, base / "motions" / f"walk_{seed}.bvh", unit=0.01)
     for name, kind in (("model", "conv"), ("sequences", "sequence")):
-        save_manifold(tiny_manifolds[0][kind], base / f"{name}.npz")
+        tiny_manifolds[0][kind].save(base / f"{name}.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
     for number, mask in enumerate(["{", "[]", '[{"joint": 3}]', '[{}, {"limb": "tail"}]']):

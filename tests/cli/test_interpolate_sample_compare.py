@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import JOINTS, load_motion, write_bvh
+from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.motion import JOINTS
 
 
 @pytest.fixture(scope="module")

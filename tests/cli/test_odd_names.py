@@ -11,8 +11,7 @@ from acclaim_files import AMC, ASF, write_acclaim
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import save_manifold
-from numpy_cae.motion import load_motion, write_bvh
+from numpy_cae.mocap import load_motion, write_bvh
 
 HOSTILE = "a\x1b[2J\u202e.bvh"
 NOT_UTF8 = os.fsdecode(b"caf\xe9.bvh")
@@ -22,7 +21,7 @@ FORMULA = "=cmd|'|C calc'!A0.bvh"
 @pytest.fixture(scope="module")
 def model(untrained_manifold, tmp_path_factory):
     path = tmp_path_factory.mktemp("model") / "model.npz"
-    save_manifold(untrained_manifold, path)
+    untrained_manifold.save(path)
     return path
 
 

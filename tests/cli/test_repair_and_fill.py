@@ -10,8 +10,7 @@ from acclaim_files import write_acclaim
 
 from data_synth import make_take
 from numpy_cae.cli import main
-from numpy_cae.manifold import save_manifold
-from numpy_cae.motion import load_motion, write_bvh
+from numpy_cae.mocap import load_motion, write_bvh
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +25,7 @@ def folder(take, untrained_manifold, tmp_path_factory):
     write_bvh(take, folder / "walk.bvh", unit=0.0254)
     write_acclaim(take, folder / "walk.amc")
     write_bvh(take.at(slice(0, 1)), folder / "one.bvh", unit=0.0254)
-    save_manifold(untrained_manifold, folder / "model.npz")
+    untrained_manifold.save(folder / "model.npz")
     return folder
 
 
@@ -120,7 +119,7 @@ def test_repair_of_a_folder_lists_what_could_not_be_used(takes, tmp_path, capsys
 
 
 def test_what_the_model_does_not_know_stays_as_it_is(folder, tmp_path, capsys, monkeypatch, run):
-    monkeypatch.setattr(sys.modules["numpy_cae.manifold.repair"], "UNKNOWN", 0.0)
+    monkeypatch.setattr(sys.modules["numpy_cae.repair.repair"], "UNKNOWN", 0.0)
     out = tmp_path / "out.bvh"
     words = ["repair", folder / "walk.bvh", "-m", folder / "model.npz", "-o", out]
     assert main([*map(str, words)]) == 4

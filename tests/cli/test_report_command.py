@@ -7,7 +7,7 @@ import pytest
 
 from data_synth import plan_takes, write_series
 from numpy_cae.cli import main
-from numpy_cae.manifold import load_manifold, save_manifold
+from numpy_cae.manifold import load_manifold
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def test_takes_of_the_training_are_refused(folder, model, tmp_path, error_of):
     silent, out = tmp_path / "silent.npz", tmp_path / "out"
     manifold = load_manifold(model)
     manifold.settings.pop("test")
-    save_manifold(manifold, silent)
+    manifold.save(silent)
     for words, message in (
         (["-m", silent], "--test"),
         (["-m", model, "--test", "*_02.bvh"], "may be ones that it has seen"),

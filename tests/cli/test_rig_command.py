@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import JOINTS, find_joints, write_bvh
+from numpy_cae.mocap import find_joints, write_bvh
+from numpy_cae.motion import JOINTS
 
 WALK = make_take("walk", 5, 3.0, 30.0).motion
 

@@ -7,7 +7,7 @@ import pytest
 
 import data_synth.__main__ as command_line
 from data_synth import KINDS, Plan, make_takes, plan_cmu_scale, plan_takes, write_series
-from numpy_cae.motion import load_motion
+from numpy_cae.mocap import load_motion
 
 
 @pytest.mark.parametrize("minutes", [0.05, 1.0, 30.0])

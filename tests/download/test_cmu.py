@@ -11,7 +11,7 @@ from acclaim_files import write_amc, write_asf
 
 from data_synth import make_take
 from numpy_cae.download import download_cmu
-from numpy_cae.motion import find_motion_files, load_motion
+from numpy_cae.mocap import find_motion_files, load_motion
 
 pytest.importorskip("pooch", reason="needs the extra `download`")
 PAGE = b"""<A HREF="subjects/07/07.asf">asf</A> <a href="subjects/07/07_01.amc">amc</a>

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae import evaluation, motion
+from numpy_cae import evaluation, mocap, motion
 from numpy_cae.evaluation.retrieval import average_precision
 from numpy_cae.evaluation.samples import clip_distances
+from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.motion import JOINTS
-from numpy_cae.motion.retarget.fit import body_skeleton
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
@@ -18,7 +18,7 @@ LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
 
 @pytest.fixture(scope="module")
 def walk() -> np.ndarray:
-    return motion.body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
+    return mocap.body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])

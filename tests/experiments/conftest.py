@@ -13,7 +13,7 @@ from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake, Material
 from numpy_cae.experiments.registry import EXPERIMENTS
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.motion import body_of, write_bvh
+from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")

@@ -9,7 +9,8 @@ from kinds_of_damage import DAMAGES, WRONG
 
 from data_synth import make_take
 from numpy_cae.experiments.material import LabelledTake
-from numpy_cae.motion import JOINTS, body_of, body_positions
+from numpy_cae.mocap import body_of, body_positions
+from numpy_cae.motion import JOINTS
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from numpy_cae.experiments.interpolation import ALONG, ENDS, LINEAR
 from numpy_cae.experiments.material import LabelledTake, Material, unlabelled
 from numpy_cae.experiments.repair import half_removed, repair_sweep
 from numpy_cae.experiments.repair.repair_sweep import CORRUPTED_ROW, RESCALED
-from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES
+from numpy_cae.motion.key_curves import ROTATION_CURVES
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 

@@ -5,7 +5,7 @@ from kinds_of_damage import twisted_limb
 
 from data_synth import make_take
 from numpy_cae.experiments.repair import real
-from numpy_cae.motion import write_bvh
+from numpy_cae.mocap import write_bvh
 
 
 def test_a_damaged_a_clean_and_a_broken_file(tmp_path, small_manifold):

@@ -10,7 +10,7 @@ from numpy_cae.evaluation import angle_distance
 from numpy_cae.experiments.sequences import samples, sequential, study
 from numpy_cae.experiments.sequences.samples import FITTED, PRIOR, REAL
 from numpy_cae.experiments.sequences.sequential import HELD, LINEAR, MEAN, NETWORK, SQUARED
-from numpy_cae.motion import angles_of
+from numpy_cae.mocap import angles_of
 from numpy_cae.training import SequenceSchedule
 
 SHORT = SequenceSchedule(epochs=1, steps=2, batch=8, directions=4)

@@ -18,6 +18,7 @@ from numpy_cae.manifold import (
 )
 from numpy_cae.manifold.interpolate import TRANSITION, shares
 from numpy_cae.manifold.sample import NEIGHBOURS, encode_windows
+from numpy_cae.mocap import body_of
 
 UNITS = st.integers(1, 6).flatmap(
     lambda frames: arrays(np.float64, (frames, 3), elements=st.floats(-1, 1))
@@ -28,7 +29,7 @@ UNITS = st.integers(1, 6).flatmap(
 def features(walk_manifold):
     actions = ("walk", "press_ups", "run", "walk", "press_ups", "run")
     motions = [make_take(action, seed, 4.0, 30.0).motion for seed, action in enumerate(actions)]
-    return [walk_manifold.body(motion).features for motion in motions]
+    return [walk_manifold.features(body_of(motion))[0] for motion in motions]
 
 
 @pytest.mark.parametrize("frames", [1, 13, 70])

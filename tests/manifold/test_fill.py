@@ -8,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae.manifold import fill, fill_motion, keyframe_mask
-from numpy_cae.motion import JOINTS, POSITIONS, body_positions
+from numpy_cae.manifold import fill, keyframe_mask
+from numpy_cae.mocap import body_positions
+from numpy_cae.motion import JOINTS, POSITIONS
+from numpy_cae.repair import fill_motion
 
 
 def walk(seed, rate=30.0, frames=None):

@@ -6,8 +6,10 @@ import json
 import numpy as np
 import pytest
 
-from numpy_cae.manifold import ModelFileError, load_manifold, save_manifold
-from numpy_cae.motion import angles_of, cut_clips
+from numpy_cae.manifold import ModelFileError, load_manifold
+from numpy_cae.mocap import angles_of
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion import cut_clips
 
 TYPES = pytest.mark.parametrize("kind", ["conv", "sequence"])
 
@@ -18,7 +20,7 @@ def models(tiny_manifolds, tmp_path_factory):
     file = tmp_path_factory.mktemp("models") / "m.npz"
     saved = {}
     for kind, manifold in tiny_manifolds[0].items():
-        save_manifold(manifold, file)
+        manifold.save(file)
         assert [each.name for each in file.parent.iterdir()] == ["m.npz"]
         saved[kind] = file.read_bytes()
     return saved
@@ -37,7 +39,7 @@ def test_a_manifold_comes_back(tiny_manifolds, models, file, kind, engine):
     assert loaded.settings == json.loads(json.dumps(saved.settings))
     if kind == "conv":
         assert (loaded.rate, loaded.rescales, loaded.window) == (30.0, True, 16)
-        features = saved.body(tiny_manifolds[1]).features
+        features = Body(tiny_manifolds[1], saved.lengths).features
         results = [each.project(features) for each in (loaded, saved)]
     else:
         assert (loaded.rate, loaded.frames, loaded.table) == (25.0, 30, saved.table)
@@ -133,7 +135,7 @@ def test_what_is_wrong_is_named(models, file, kind, name, array, message):
 
 def test_half_precision_is_a_smaller_file_of_nearly_the_same_model(untrained_manifold, tmp_path):
     for half in (False, True):
-        save_manifold(untrained_manifold, tmp_path / f"{half}.npz", half=half)
+        untrained_manifold.save(tmp_path / f"{half}.npz", half=half)
     smaller, larger = ((tmp_path / f"{half}.npz").stat().st_size for half in (True, False))
     assert smaller < 0.7 * larger
     x = np.random.default_rng(0).normal(size=(40, 63))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.manifold import learn_sequences, save_manifold
-from numpy_cae.motion import angles_of, cut_clips, load_motion
+from numpy_cae.manifold import learn_sequences
+from numpy_cae.mocap import angles_of, load_motion
+from numpy_cae.motion import cut_clips
 from numpy_cae.training import SequenceSchedule
 
 SHORT = SequenceSchedule(epochs=1, steps=3, batch=4, directions=4)
@@ -61,7 +62,7 @@ def test_sampled_clips_stand_on_the_floor_and_are_written(manifold, tmp_path, ru
         assert motion.rate == 25.0 and len(motion) == 50
         assert abs(motion.positions()[..., 1].min()) < 1e-9
     model, file = tmp_path / "m.npz", tmp_path / "o.bvh"
-    save_manifold(manifold, model)
+    manifold.save(model)
     run("sample", "-m", model, "-o", file)
     assert len(load_motion(file)) == 50
     assert "no --data" in error_of("sample", "-m", model, "-o", file, "--seconds", 3)

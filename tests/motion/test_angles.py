@@ -9,21 +9,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from data_synth import JANG2018_KINDS, make_take
-from numpy_cae.motion import (
-    angles_of,
-    body_positions,
-    cut_clips,
-    draw_clips,
-    load_angles,
-    load_motion,
-    motion_of,
-)
+from numpy_cae.mocap import angles_of, body_positions, load_angles, load_motion
+from numpy_cae.mocap.formats.expmap import read_expmap
+from numpy_cae.mocap.formats.expmap_rigs import HUMAN36M
+from numpy_cae.mocap.retarget.to_angles import without_t_pose
+from numpy_cae.mocap.rigs.rigs import with_joint_names
+from numpy_cae.motion import cut_clips, draw_clips, motion_of
 from numpy_cae.motion.angle_table import ANGLES, HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
 from numpy_cae.motion.angles import shortest_clips, unwrapped
-from numpy_cae.motion.expmap_rigs import HUMAN36M
-from numpy_cae.motion.formats.expmap import read_expmap
-from numpy_cae.motion.retarget.rigs import with_joint_names
-from numpy_cae.motion.retarget.to_angles import without_t_pose
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,11 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.motion import JOINTS
+from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.joints import joint_mask
+from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.motion.retarget.curves import over_holes, rotations_over_holes, unknown_channels
-from numpy_cae.motion.retarget.key_curves import CURVES
+from numpy_cae.repair.rotation_curves import unknown_channels
 
 LEG = "right_knee right_ankle right_toe", "rfemur rtibia rfoot"
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.motion import PARENTS, body_positions
+from numpy_cae.mocap import body_positions
+from numpy_cae.motion import PARENTS
 from numpy_cae.viz import PROJECTED, Actor, Chart, Curve, slider_figure
 
 X = np.linspace(-1.0, 1.0, 5)

@@ -15,7 +15,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
-from numpy_cae.motion import find_motion_files
+from numpy_cae.mocap import find_motion_files
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 

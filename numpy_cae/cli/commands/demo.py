@@ -12,9 +12,11 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae.cli.shared import arguments
-from numpy_cae.manifold import learn_manifold, repair, save_manifold, starter
-from numpy_cae.motion import RATE, body_of, write_bvh
+from numpy_cae.manifold import learn_manifold, starter
+from numpy_cae.mocap import body_of, write_bvh
+from numpy_cae.motion import RATE
 from numpy_cae.motion.quaternions import from_vector, product
+from numpy_cae.repair import repair
 from numpy_cae.training import ProgressPrinter, recipe
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
@@ -96,7 +98,7 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
         half.append(body_of(take.motion))
     report = ProgressPrinter() if show_progress else None
     manifold = learn_manifold(training, SCHEDULE, seed, report=report)
-    save_manifold(manifold, folder / "model.npz")
+    manifold.save(folder / "model.npz")
     material = unlabelled(training, testing)
     print(f"\n{half_removed.run(manifold, material, seed).text()}\n")
     figure = half_removed.figure_1(manifold, material, seed)

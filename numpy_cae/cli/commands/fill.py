@@ -10,8 +10,9 @@ examples:
 import argparse
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
-from numpy_cae.manifold import fill_motion, keyframe_mask
-from numpy_cae.manifold.evidence.holes import missing_joints
+from numpy_cae.manifold import keyframe_mask
+from numpy_cae.repair import fill_motion
+from numpy_cae.repair.interpolated import missing_joints
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

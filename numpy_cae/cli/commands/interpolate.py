@@ -12,8 +12,9 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
-from numpy_cae.motion import body_of, load_body
-from numpy_cae.motion.formats.write import require_bvh
+from numpy_cae.mocap import body_of, load_body
+from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.viz import PROJECTED, TRUTH
 
 
@@ -38,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     require_bvh(args.output)
     manifold, reading = one_motion.load_model(args), arguments.reading(args)
     motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
-    first, second = map(manifold.body, motions)
+    first, second = (Body(motion, manifold.lengths) for motion in motions)
     between = interpolate(manifold, first.features, second.features, args.share)
     made, frames = first.to_rig(between), len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")

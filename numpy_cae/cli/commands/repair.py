@@ -21,10 +21,11 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
-from numpy_cae.manifold import PRESETS, MotionManifold, Preset, Repaired, project_motion, repair
-from numpy_cae.manifold.evidence.presets import fitting_preset
-from numpy_cae.manifold.repaired import distances
+from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
+from numpy_cae.repair import PRESETS, Preset, Repaired, project_motion, repair
+from numpy_cae.repair.presets import fitting_preset
+from numpy_cae.repair.repaired import distances
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -23,8 +23,8 @@ from numpy_cae.experiments.page import page
 from numpy_cae.experiments.registry import EXPERIMENTS, FILES, MODULES, run_experiment
 from numpy_cae.experiments.result import Result
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.motion import find_motion_files
-from numpy_cae.motion.read.load import is_test
+from numpy_cae.mocap import find_motion_files
+from numpy_cae.mocap.load import is_test
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

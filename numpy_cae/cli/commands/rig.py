@@ -31,9 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print how the file is understood, and write the mapping."""
     from numpy_cae.atomic_write import atomic_write
-    from numpy_cae.motion import JOINTS, load_motion
-    from numpy_cae.motion.retarget.rigs import match_rig, with_joint_names
-    from numpy_cae.motion.retarget.suggest import suggest_mapping
+    from numpy_cae.mocap import load_motion
+    from numpy_cae.mocap.rigs.rigs import match_rig, with_joint_names
+    from numpy_cae.mocap.rigs.suggest import suggest_mapping
+    from numpy_cae.motion import JOINTS
 
     mapping, coordinates = arguments.reading(args)
     motion = load_motion(args.file, mapping=mapping, **vars(coordinates))

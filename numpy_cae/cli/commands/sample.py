@@ -13,11 +13,12 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.motion import Motion, body_of, features_to_positions, find_motion_files, load_body
+from numpy_cae.mocap import body_of, find_motion_files, load_body
+from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.retarget.body import Body, hold_first_pose
+from numpy_cae.mocap.retarget.fit import fit_motion
+from numpy_cae.motion import Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform
-from numpy_cae.motion.formats.write import require_bvh
-from numpy_cae.motion.retarget.body import hold_first_pose
-from numpy_cae.motion.retarget.fit import fit_motion
 from numpy_cae.viz import PROJECTED
 
 MOST_SHOWN, SECONDS = 5, 5.0
@@ -79,7 +80,7 @@ def _draw(
     like = load_body(args.like, *reading)[1] if args.like else None
     drawn = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
     if like:
-        body = manifold.body(hold_first_pose(like, frames))
+        body = Body(hold_first_pose(like, frames), manifold.lengths)
         return [body.to_rig(features, RootTransform()) for features in drawn]
     positions = map(features_to_positions, drawn)
     return [fit_motion(each, manifold.lengths, manifold.rate) for each in positions]

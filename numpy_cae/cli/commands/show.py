@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the files, draw them and print what was drawn."""
-    from numpy_cae.motion import load_motion
+    from numpy_cae.mocap import load_motion
     from numpy_cae.viz import save_figure, save_viewer, strip_figure
 
     pictures = {source: args.output / f"{source.stem}.png" for source in args.files}

@@ -17,7 +17,6 @@ from numpy_cae.cli.shared.output import write_texts
 from numpy_cae.experiments.page import page
 from numpy_cae.experiments.sequences.sequential import sequential
 from numpy_cae.experiments.sequences.study import Action, read_action, synthetic_action
-from numpy_cae.manifold import save_manifold
 from numpy_cae.training import ProgressPrinter
 from numpy_cae.viz import save_figure, save_viewer
 
@@ -72,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
         if moving := result.animation:
             save_viewer(moving.actors, args.output / f"{name}.html", moving.rate)
     for name, manifold in manifolds.items():
-        save_manifold(manifold, args.output / f"{name}.npz")
+        manifold.save(args.output / f"{name}.npz")
     print(text, end="")
     return 0
 

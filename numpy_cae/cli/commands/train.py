@@ -21,10 +21,10 @@ from numpy_cae.cli.shared.output import note, require_place
 from numpy_cae.cli.shared.takes import minutes_of, read_takes
 from numpy_cae.experiments.material import unlabelled
 from numpy_cae.experiments.result import Result
-from numpy_cae.manifold import learn_manifold, learn_sequences, save_manifold
-from numpy_cae.motion import find_motion_files
+from numpy_cae.manifold import learn_manifold, learn_sequences
+from numpy_cae.mocap import find_motion_files
+from numpy_cae.mocap.load import is_test
 from numpy_cae.motion.angles import ANGLE_RATE
-from numpy_cae.motion.read.load import is_test
 from numpy_cae.training import Checkpoint, ProgressPrinter
 
 MEASURES = {
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
         }
         manifold, source, measure = learn(args, settings)
         manifold.settings["test"] = args.test
-        save_manifold(manifold, args.output, half=args.recipe == "starter")
+        manifold.save(args.output, **{"half": True} if args.recipe == "starter" else {})
         checkpoint.remove()
     text = f"{args.output}: learned from {source}"
     try:

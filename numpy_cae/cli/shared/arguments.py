@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from numpy_cae.motion import Coordinates
-    from numpy_cae.motion.retarget.rigs import Mappings
+    from numpy_cae.mocap import Coordinates
+    from numpy_cae.mocap.rigs.rigs import Mappings
 
 
 def _number(
@@ -70,7 +70,7 @@ def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
 def reading(args: argparse.Namespace) -> "tuple[Mappings, Coordinates]":
     """How motion files are read: the mappings in the files that `--mapping` names (None, one or
     several), and what `--unit`, `--up` and `--floor` say."""
-    from numpy_cae.motion import Coordinates, read_mapping
+    from numpy_cae.mocap import Coordinates, read_mapping
 
     mappings = [read_mapping(path) for path in getattr(args, "mapping", [])]
     mapping = mappings if len(mappings) > 1 else next(iter(mappings), None)

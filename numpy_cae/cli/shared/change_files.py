@@ -10,11 +10,12 @@ from textwrap import indent
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import require_one_target_each, with_progress, working
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.manifold import Repaired, write_findings
-from numpy_cae.motion import JOINTS, PARENTS, Motion, UnknownRigError
-from numpy_cae.motion.formats.write import require_bvh
-from numpy_cae.motion.read.load import KEPT, FileMotion, find_motion_files, load_motion
-from numpy_cae.motion.retarget.rigs import find_joints
+from numpy_cae.mocap import UnknownRigError
+from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.load import KEPT, FileMotion, find_motion_files, load_motion
+from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.motion import JOINTS, PARENTS, Motion
+from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
 
 READING = 1 / 4

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.manifold import Finding
-from numpy_cae.manifold.repair import marked
-from numpy_cae.motion import JOINTS, Motion, MotionFileError
+from numpy_cae.mocap import MotionFileError
+from numpy_cae.mocap.retarget.to_rig import moves_alone
+from numpy_cae.mocap.rigs.rigs import joint_index
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.retarget.rigs import joint_index
-from numpy_cae.motion.retarget.to_rig import moves_alone
+from numpy_cae.repair import Finding
+from numpy_cae.repair.repair import marked
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 

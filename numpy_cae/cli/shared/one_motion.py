@@ -8,7 +8,8 @@ import numpy as np
 from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion, write_bvh
+from numpy_cae.mocap import write_bvh
+from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion
 from numpy_cae.viz import Actor, save_viewer
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.motion import Coordinates
-from numpy_cae.motion.read.load import is_test
-from numpy_cae.motion.read.many import ReadResult, read_bodies
-from numpy_cae.motion.retarget.rigs import Mappings
+from numpy_cae.mocap import Coordinates
+from numpy_cae.mocap.load import is_test
+from numpy_cae.mocap.many import ReadResult, read_bodies
+from numpy_cae.mocap.rigs.rigs import Mappings
 
 
 def read_takes(

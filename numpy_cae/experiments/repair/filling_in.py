@@ -16,10 +16,12 @@ from numpy_cae.experiments.material import Material, evenly
 from numpy_cae.experiments.result import Claim, Result, Table, moving
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
-from numpy_cae.motion import Motion, body_positions, features_to_positions, joint_slice
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion import Motion, features_to_positions, joint_slice
+from numpy_cae.motion.key_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.retarget.curves import on_curves
-from numpy_cae.motion.retarget.key_curves import ROTATION_CURVES
+from numpy_cae.repair.rotation_curves import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 
 EVERY = 15
@@ -83,7 +85,7 @@ def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
     """The features (F, 63) of a motion at `RATE`, up to its last key, by every method."""
     frames = np.arange((len(motion) - 1) // EVERY * EVERY + 1)
     motion = motion.at(frames)
-    truth, mask = manifold.body(motion).features, keyframe_mask(len(motion), EVERY)
+    truth, mask = Body(motion, manifold.lengths).features, keyframe_mask(len(motion), EVERY)
     held = truth[frames - frames % EVERY]
     filled = {HELD: held, REPEATED: manifold.project(held)}
     for name, curve in ROTATION_CURVES.items():

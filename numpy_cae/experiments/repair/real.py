@@ -14,11 +14,13 @@ import numpy as np
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.evaluation import foot_sliding, jitter
 from numpy_cae.experiments.result import Claim, Result, Table
-from numpy_cae.manifold import PRESETS, MotionManifold, Preset, repair
-from numpy_cae.manifold.evidence.jitter import filter_motion, jumping_steps, strongly_filtered
-from numpy_cae.manifold.evidence.presets import fitting_preset
-from numpy_cae.motion import PARENTS, Motion, body_positions, find_motion_files, load_motion
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.mocap import body_positions, find_motion_files, load_motion
+from numpy_cae.motion import PARENTS, Motion
 from numpy_cae.motion.masks import with_margin
+from numpy_cae.repair import PRESETS, Preset, repair
+from numpy_cae.repair.jitter import filter_motion, jumping_steps, strongly_filtered
+from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
 
 BEFORE, REPAIR, FILTER = "as it is", "repair", "ten lines"

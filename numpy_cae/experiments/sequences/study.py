@@ -22,10 +22,11 @@ from numpy_cae.experiments.material import each_usable
 from numpy_cae.experiments.result import Claim, Result, Table
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
-from numpy_cae.motion import Coordinates, angles_of, body_positions, cut_clips, draw_clips
+from numpy_cae.mocap import Coordinates, angles_of, body_positions
+from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion import cut_clips, draw_clips
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
-from numpy_cae.motion.read.load import is_test, load_angles
-from numpy_cae.motion.retarget.rigs import Mappings
 from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
 
 if TYPE_CHECKING:

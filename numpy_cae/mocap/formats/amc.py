@@ -1,0 +1,182 @@
+"""Read an Acclaim motion (.amc) with its skeleton (.asf): in each frame, one line for each bone.
+
+Angles are about fixed axes in the order of the skeleton's `dof` (the root's: in that of `order`).
+`rx ry rz` is therefore R = R_z · R_y · R_x; the module `asf` defines the axes.
+"""
+
+import logging
+from array import array
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.mocap.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf, statements
+from numpy_cae.mocap.formats.channels import Channels, read_pose
+from numpy_cae.mocap.formats.text_file import (
+    HEADER_SIZE,
+    MotionFileError,
+    TextFile,
+    quoted,
+    whole_number,
+)
+from numpy_cae.mocap.units import stated_unit, stature
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
+
+log = logging.getLogger(__name__)
+
+CMU_RATE = 120.0
+
+
+def read_amc(
+    path: str | Path,
+    skeleton_path: str | Path | None = None,
+    unit: float | None = None,
+    max_rate: float | None = None,
+) -> Motion:
+    r"""Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
+
+    The format does not state the number of frames. A file that has been cut off is therefore
+    noticed only if its last frame is incomplete.
+
+    Parameters
+    ----------
+    path, skeleton_path : paths of the .amc and .asf file; by default `find_skeleton` finds the .asf
+    unit, max_rate : float, optional
+        As in `read_bvh`; by default the unit is the skeleton's. The rate is stated by
+        `:SAMPLES-PER-SECOND`; few files have this, and 120, CMU's rate, is assumed in the others.
+
+    Returns
+    -------
+    Motion
+        In metres and in the axes of the file.
+
+    Raises
+    ------
+    MotionFileError
+        If either file is damaged or the two do not fit; a motion is never truncated or padded.
+
+    Examples
+    --------
+    >>> _ = Path("01.asf").write_text(
+    ...     ":root\n position 0 0 0\n:bonedata\n"
+    ...     "begin\n name arm\n direction 1 0 0\n length 5\n axis 0 0 0 XYZ\n dof rx\n end\n"
+    ...     ":hierarchy\n root arm\n"
+    ... )
+    >>> _ = Path("01_01.amc").write_text("1\nroot 0 35 0 0 0 0\narm 90\n")
+    >>> motion = read_amc("01_01.amc")
+    >>> motion.rate, motion.positions()[0, 0].round(3)
+    (120.0, array([0.   , 0.889, 0.   ]))
+    """
+    file = TextFile.read(path)
+    if skeleton_path is None:
+        skeleton_path = find_skeleton(path)
+        log.info("%s: skeleton from %s", path, skeleton_path)
+    acclaim = read_asf(skeleton_path, unit)
+    channels, rate, header = _read_header(file, acclaim)
+    step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
+    rate = rate if step == 1 or max_rate is None else max_rate
+    values = _frames(file, acclaim, header, step, rate)
+    rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
+    source = ":units of the skeleton" if unit is None else "as given"
+    note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
+    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
+
+
+def amc_channels(path: str | Path, unit: float) -> list[Channels]:
+    """The channels of each joint of an Acclaim motion; `unit` is metres in its unit of length."""
+    file = TextFile.read(path, size=HEADER_SIZE)
+    return _read_header(file, read_asf(find_skeleton(path), unit))[0]
+
+
+def amc_values(path: str | Path) -> np.ndarray:
+    """The values of an Acclaim motion, unchanged, as a table (frames, channels) with its columns in
+    the order of the skeleton's joints."""
+    file, acclaim = TextFile.read(path), read_asf(find_skeleton(path))
+    _, rate, header = _read_header(file, acclaim)
+    return _frames(file, acclaim, header, 1, rate)
+
+
+def find_skeleton(path: str | Path) -> Path:
+    """The skeleton of an .amc file: an .asf file in the same folder.
+
+    It has the same name or, if there is no such file, the longest name that is a prefix of the
+    motion's up to an underscore (`02.asf` for `02_01.amc`). If no name fits, it is the only .asf
+    file. Raises MotionFileError if there is none, or if there are several and no name fits.
+    """
+    path = Path(path)
+    skeletons = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
+    fitting = [asf for asf in skeletons if f"{path.stem}_".startswith(f"{asf.stem}_")]
+    if fitting:
+        return max(fitting, key=lambda asf: len(asf.stem))
+    if len(skeletons) == 1:
+        return skeletons[0]
+    found = ", ".join(asf.name for asf in skeletons) or "no .asf file"
+    raise MotionFileError(
+        path,
+        None,
+        f"it is not clear which skeleton it has: the folder contains {found}, expected "
+        f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name",
+    )
+
+
+def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channels], float, int]:
+    """The channels in the angles of this file, the rate, and the last line before the frames."""
+    rate, channels = CMU_RATE, acclaim.channels
+    for line, words in statements(file):
+        keyword = words[0].lower()
+        if not keyword.startswith(":"):
+            return channels, rate, line - 1
+        if keyword[1:] in ANGLE_UNITS:
+            channels = [replace(c, angle_unit=ANGLE_UNITS[keyword[1:]]) for c in channels]
+        elif keyword == ":samples-per-second":
+            (rate,) = file.numbers(line, words[1:], 1, keyword)
+            if not MIN_RATE <= rate <= MAX_RATE:
+                expected = f"expected {MIN_RATE:g} to {MAX_RATE:g}"
+                raise file.error(line, f"{keyword} {rate:g}, {expected}")
+    raise file.error(file.count, "the file ends before the first frame")
+
+
+def _frames(
+    file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int, rate: float
+) -> np.ndarray:
+    """A table of every `step`-th frame, with its columns in the order of the skeleton's joints.
+
+    `rate` is the rate of these frames. Comments, blanks and the order of the bones do not matter.
+    """
+    names = acclaim.skeleton.names
+    channels = {name: bone.names for name, bone in zip(names, acclaim.channels, strict=True)}
+    moving = [name for name in names if channels[name]]
+    rows = array("d")
+    frame: dict[str, tuple[int, list[str]]] = {}
+    count = number = frame_line = 0
+
+    def finish(last: bool = False) -> None:
+        missing = [name for name in moving if name not in frame]
+        if missing:
+            raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
+        kept = (count - 1) % step == 0
+        if kept or last:  # the last frame may be cut off
+            values = [value for name in moving for value in file.numbers(*frame[name])]
+        if kept:
+            rows.extend(values)
+            file.require_frames((count - 1) // step + 1, len(names), rate)
+
+    for line, (name, *values) in statements(file, header):
+        if name in channels:
+            expected = channels[name]
+            if not count or name in frame or len(values) != len(expected):
+                problem = f"bone {name!r} with {len(values)} values, expected it once in each frame"
+                raise file.error(line, f"{problem}, with {len(expected)} ({' '.join(expected)})")
+            frame[name] = line, values
+            continue
+        following = whole_number(name)
+        if following is None or values or (count and following != number + 1):
+            after = f"frame {number + 1}" if count else "the first frame"
+            wanted = f"expected the number of {after} or a bone of the skeleton and its values"
+            raise file.error(line, f"{quoted(' '.join([name, *values]))}, {wanted}")
+        if count:
+            finish()
+        number, frame_line, frame, count = following, line, {}, count + 1
+    finish(last=True)
+    return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)

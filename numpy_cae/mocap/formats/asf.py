@@ -1,0 +1,230 @@
+"""Read an Acclaim skeleton (.asf): bones with a direction and a length, and their rotation axes.
+
+The format is that of Schafer, Acclaim Skeleton File Definition V1.10 (1994), and of Vicon's notes
+on it, as CMU's database uses them. Each bone has axes of its own, which the rotation C (its `axis`)
+turns away from the world's. Its angles are about these axes:
+
+    R_bone = C · R(angles) · C⁻¹
+
+is the same rotation expressed in the world's axes. `Motion` needs this form, because in the rest
+pose the local axes of all its joints are the world's. A joint here is named for its bone and is at
+the bone's base: lfemur is at the hip, ltibia at the knee.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.mocap.formats.channels import Channels
+from numpy_cae.mocap.formats.text_file import TextFile, quoted
+from numpy_cae.mocap.units import INCH, require_unit
+from numpy_cae.motion.skeleton import Skeleton, depth_first
+
+MAX_BYTES = 1_000_000
+"""MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""
+ANGLE_UNITS = {"deg": np.radians(1.0), "degrees": np.radians(1.0), "rad": 1.0, "radians": 1.0}
+"""ANGLE_UNITS: radians in one unit of the angles of a file, by the name of the unit."""
+_ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class AcclaimSkeleton:
+    """The content of an .asf file.
+
+    `skeleton` is in metres, and its joint 0 is "root". `channels` are those of each joint in an
+    .amc file; a rigid bone has none. `unit` is metres in one unit of the file.
+    """
+
+    skeleton: Skeleton
+    channels: list[Channels]
+    unit: float
+
+
+@dataclass
+class _Block:
+    """A section, or a bone from `begin` to `end`; `line` is its first line.
+
+    `statements` are keyword -> (line number, words after the keyword).
+    """
+
+    file: TextFile
+    line: int
+    statements: dict[str, tuple[int, list[str]]]
+
+    def words(self, keyword: str, default: str | None = None) -> tuple[int, list[str]]:
+        """The statement with a keyword, or else `default`; MotionFileError if there is neither."""
+        if keyword in self.statements:
+            return self.statements[keyword]
+        if default is None:
+            raise self.file.error(self.line, f"the bone that begins here has no {keyword}")
+        return self.line, default.split()
+
+    def numbers(self, keyword: str, count: int, default: str | None = None) -> list[float]:
+        """The `count` numbers of a statement."""
+        return self.file.numbers(*self.words(keyword, default), count, keyword)
+
+    def rotation(self, angles: list[float], order: list[str], angle_unit: float) -> np.ndarray:
+        """The rotation by three angles about the world's x, y and z, applied in `order`."""
+        letters = "".join(order).lower()
+        if sorted(letters) != ["x", "y", "z"]:
+            problem = f"axis order {quoted(letters.upper())}, expected X, Y and Z, such as XYZ"
+            raise self.file.error(self.words("axis", "")[0], problem)
+        names = tuple("r" + letter for letter in letters)
+        values = np.array([[angles["xyz".index(letter)] for letter in letters]])
+        return Channels(names, 0, 1.0, angle_unit=angle_unit).rotations(values)[0]
+
+    def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
+        """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
+        order."""
+        line, words = self.words(keyword, default)
+        names = tuple(word.lower() for word in words)
+        if not set(names) <= set(known) or len(set(names)) < len(names):
+            expected = f"expected each of {' '.join(known)} at most once: bones only rotate"
+            raise self.file.error(line, f"{keyword} {quoted(' '.join(words))}, {expected}")
+        return names
+
+
+def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
+    """(line number, words) of each line below line `after`, without comments, which # begins."""
+    for line, text in file.numbered(after):
+        words = text.partition("#")[0].split()
+        if words:
+            yield line, words
+
+
+def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
+    r"""Read an Acclaim skeleton.
+
+    Parameters
+    ----------
+    path : path of the .asf file
+    unit : float, optional
+        Metres in one unit of the file. The default is 0.0254 / length: a value in the file
+        divided by the `length` of `:units` is in inches.
+
+    Returns
+    -------
+    AcclaimSkeleton
+
+    Raises
+    ------
+    MotionFileError
+        If the file is damaged, or a bone may stretch or slide (dof l, tx, ty, tz).
+
+    Examples
+    --------
+    A root and one bone, five inches long, that turns about x:
+
+    >>> _ = Path("01.asf").write_text(
+    ...     ":root\n position 0 0 0\n:bonedata\n"
+    ...     "begin\n name arm\n direction 1 0 0\n length 5\n axis 0 0 0 XYZ\n dof rx\n end\n"
+    ...     ":hierarchy\n root arm\n"
+    ... )
+    >>> acclaim = read_asf("01.asf")
+    >>> acclaim.skeleton.names, acclaim.channels[1].names, acclaim.unit
+    (('root', 'arm'), ('rx',), 0.0254)
+    """
+    file = TextFile.read(path, MAX_BYTES)
+    units, root, bones, hierarchy = _read_sections(file)
+    (length,) = units.numbers("length", 1, "1")
+    if length < 1e-9:
+        raise file.error(units.words("length")[0], f"length {length:g}, expected a number above 0")
+    line, words = units.words("angle", "deg")
+    angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
+    if angle_unit is None:
+        raise file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
+    unit = INCH / length if unit is None else require_unit(unit)
+
+    names = root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
+    angles = root.numbers("orientation", 3, "0 0 0")
+    orientation = root.rotation(angles, root.words("axis", "XYZ")[1], angle_unit)
+    channels = {"root": Channels(names, 0, unit, orientation=orientation, angle_unit=angle_unit)}
+    tips = {"root": np.zeros(3)}
+    for bone in bones:
+        name = " ".join(bone.words("name")[1])
+        if name in tips:
+            raise file.error(bone.line, f"bone name {name!r} appears a second time")
+        tips[name] = unit * bone.numbers("length", 1)[0] * np.array(bone.numbers("direction", 3))
+        line, words = bone.words("axis")
+        axes = bone.rotation(file.numbers(line, words[:3], 3, "axis"), words[3:], angle_unit)
+        names = bone.channels("dof", _ROOT_CHANNELS[3:], "")
+        channels[name] = Channels(names, 0, unit, axes=axes, angle_unit=angle_unit)
+
+    parent_of = _parents(file, list(tips), hierarchy)
+    children = defaultdict(list)
+    for name, parent in parent_of.items():
+        children[parent].append(name)
+    joints = depth_first("root", children)
+    for name, bone in zip(list(tips)[1:], bones, strict=True):
+        if name not in joints:
+            raise file.error(bone.line, f"bone {name!r} is not below the root")
+    position = unit * np.array(root.numbers("position", 3, "0 0 0"))
+    offsets = [position, *(tips[parent_of[name]] for name in joints[1:])]
+    parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
+    end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in children}
+    placed, first = [], 0
+    for name, offset in zip(joints, offsets, strict=True):
+        # The root's translation is added to its preset position, which is its offset.
+        placed.append(replace(channels[name], first=first, offset=offset))
+        first += len(channels[name].names)
+    skeleton = Skeleton(tuple(joints), parents, np.array(offsets), end_sites)
+    return AcclaimSkeleton(skeleton, placed, unit)
+
+
+_SEPARATORS = str.maketrans(",()", "   ")
+
+
+def _read_sections(
+    file: TextFile,
+) -> tuple[_Block, _Block, list[_Block], list[tuple[int, list[str]]]]:
+    """The sections `:units` and `:root`, the bones, and the lines of `:hierarchy`."""
+    sections: dict[str, _Block] = {}
+    bones: list[_Block] = []
+    hierarchy = []
+    section, bone = _Block(file, 0, {}), None
+    for line, statement in statements(file):
+        words = " ".join(statement).translate(_SEPARATORS).split()
+        if not words:
+            continue
+        keyword, rest = words[0].lower(), words[1:]
+        if keyword.startswith(":"):
+            section = sections.setdefault(keyword, _Block(file, line, {}))
+        elif section is sections.get(":hierarchy"):
+            if rest or keyword not in ("begin", "end"):
+                hierarchy.append((line, words))
+        elif section is not sections.get(":bonedata"):
+            section.statements[keyword] = line, rest
+        elif keyword == "begin" and bone is None:
+            bone = _Block(file, line, {})
+            bones.append(bone)
+        elif bone is None or keyword == "begin":
+            expected = "begin" if bone is None else f"the end of the bone on line {bone.line}"
+            raise file.error(line, f"expected {expected}, found {quoted(words[0])}")
+        elif keyword == "end":
+            bone = None
+        else:
+            bone.statements[keyword] = line, rest
+    if bone is not None or not {":bonedata", ":hierarchy"} <= set(sections):
+        line = file.count if bone is None else bone.line
+        expected = ":bonedata with the end of each bone and :hierarchy"
+        raise file.error(line, f"expected {expected}: is the file cut off, or no .asf file?")
+    missing = _Block(file, 0, {})
+    return sections.get(":units", missing), sections.get(":root", missing), bones, hierarchy
+
+
+def _parents(
+    file: TextFile, names: list[str], hierarchy: list[tuple[int, list[str]]]
+) -> dict[str, str]:
+    """The parent of each bone in the lines of `:hierarchy`, in their order."""
+    parent_of: dict[str, str] = {}
+    for line, (parent, *children) in hierarchy:
+        for place, name in enumerate((parent, *children)):
+            if name not in names or (place and name in ("root", *parent_of)):
+                expected = "expected bones of :bonedata, each as a child of one other"
+                raise file.error(line, f":hierarchy, {quoted(name)}: {expected}")
+            if place:
+                parent_of[name] = parent
+    return parent_of

@@ -1,0 +1,151 @@
+"""The first half of a BVH file, HIERARCHY: joints in a tree, each with its own channels.
+
+Lines that begin with none of the format's words, such as comments, are skipped and counted.
+
+HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Chest
+  { ...
+    End Site
+    {
+      OFFSET 0 10 0
+    }
+  }
+}
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
+
+CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
+CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
+"""CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
+_LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
+_KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
+_BRACKETS = str.maketrans("[](),", "     ")
+"""_BRACKETS: what scripts write around and between the numbers of a vector."""
+_SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
+"""_SKIPPABLE: a line that may be skipped has no brace and is no row of numbers."""
+
+
+@dataclass
+class BvhJoint:
+    """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
+
+    `parent` is the index of the parent joint, or of the joint that an End Site ends. `channels` are
+    names such as "tX" or "rZ", in the order of the file. `tip` is the offset of the joint's End
+    Site, of the first if a hand has one for each finger.
+    """
+
+    name: str
+    parent: int
+    line: int
+    offset: list[float] | None = None
+    channels: list[str] | None = None
+    tip: list[float] | None = None
+    is_end_site: bool = False
+
+    @property
+    def may_follow(self) -> list[str]:
+        """The statements that may follow inside the block; "}" may follow only after OFFSET."""
+        keywords = ["OFFSET" if self.offset is None else "}"]
+        if not self.is_end_site:
+            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT", "End Site"]
+        return keywords
+
+
+def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, str]:
+    """The joints, parents before children, the number of the line MOTION, and a note on the lines
+    that were skipped, "" if none were.
+
+    Raises MotionFileError if the block is not valid BVH.
+    """
+    joints: list[BvhJoint] = []
+    indices: dict[str, int] = {}
+    blocks: list[BvhJoint] = []  # the blocks that are open, the root's first
+    announced: BvhJoint | None = None  # the block whose { must follow
+    skipped: list[int] = []
+    for line, keyword, value in _statements(file, skipped):
+        if announced is not None:
+            expected = ["{"]
+        elif blocks:
+            expected = blocks[-1].may_follow
+        else:
+            expected = ["MOTION"] if joints else ["ROOT"]
+        if keyword not in expected:
+            where = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
+            found = quoted(f"{keyword} {value}".strip())
+            raise file.error(line, f"expected {' or '.join(expected)}{where}, found {found}")
+        if keyword == "MOTION":
+            lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
+            note = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
+            return joints, line, note
+        if keyword == "{" and announced is not None:
+            blocks.append(announced)
+            announced = None
+        elif keyword == "}":
+            block = blocks.pop()
+            if block.is_end_site:
+                joints[block.parent].tip = joints[block.parent].tip or block.offset
+        elif keyword == "OFFSET":
+            words = value.translate(_BRACKETS).split()
+            blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")
+        elif keyword == "CHANNELS":
+            blocks[-1].channels = _channels(file, line, value)
+        elif keyword == "End Site":
+            joint = blocks[-1].name
+            name, parent = f"End Site of {joint}", indices[_plain(joint)]
+            announced = BvhJoint(name, parent, line, is_end_site=True)
+        else:
+            parent = indices[_plain(blocks[-1].name)] if blocks else -1
+            announced = BvhJoint(value, parent, line)
+            if not value or _plain(value) in indices:
+                problem = "expected a name that is unique without its prefix up to a colon"
+                raise file.error(line, f"{keyword} {value!r}: {problem}")
+            if len(joints) == MAX_JOINTS:
+                raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+            indices[_plain(value)] = len(joints)
+            joints.append(announced)
+    inside = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
+    raise file.error(file.count, f"the file ends{inside} without MOTION: is it cut off?")
+
+
+def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:
+    """(line number, keyword, value) of each statement; a brace is one anywhere in a line.
+
+    The numbers of the lines that hold no statement are added to `skipped`.
+    """
+    started = False
+    for line, text in file.numbered():
+        for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
+            keyword, value = [*statement.split(maxsplit=1), ""][:2]
+            if not started and statement.upper() != "HIERARCHY":
+                problem = "expected HIERARCHY, as every BVH file begins, found"
+                raise file.error(line, f"{problem} {quoted(statement)}")
+            if re.match(r"END\s*SITE\b", statement, re.IGNORECASE):
+                yield line, "End Site", ""
+            elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
+                skipped.append(line)
+            elif started:
+                yield line, keyword.upper(), value
+            started = True
+
+
+def _channels(file: TextFile, line: int, value: str) -> list[str]:
+    count, *names = value.split() or [""]
+    channels = [_LOWER_CASE.get(name.lower(), "") for name in names]
+    if "" in channels or len(set(channels)) < len(names) or whole_number(count) != len(names):
+        expected = f"the number of channels and different names of {', '.join(CHANNELS)}"
+        raise file.error(line, f"CHANNELS {quoted(value)}: expected {expected}")
+    return channels
+
+
+def _plain(name: str) -> str:
+    """The part of a name after the last colon; the whole name if there is none."""
+    return name.rsplit(":", 1)[-1]

@@ -1,0 +1,256 @@
+"""Write a changed motion as a copy of its file in which only the changed numbers are replaced.
+
+The header, the order of channels, line ends, spaces and all other numbers are unchanged. The
+text is processed in blocks of frames, so that a long file needs little memory.
+"""
+
+import logging
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.mocap.axes import as_in_file
+from numpy_cae.mocap.formats.amc import amc_channels
+from numpy_cae.mocap.formats.bvh import bvh_channels
+from numpy_cae.mocap.formats.channels import Channels
+from numpy_cae.mocap.formats.text_file import MotionFileError
+from numpy_cae.mocap.formats.write import require_writable
+from numpy_cae.motion.masks import runs
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import angle, inverse, product
+
+log = logging.getLogger(__name__)
+
+_BLOCK = 4096
+"""_BLOCK: the number of frames that are processed at a time."""
+_NOTICEABLE = 0.5
+"""_NOTICEABLE: a rotation or place that channels change by more than this (°, cm) is reported."""
+_FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
+"""_FRAMES: the number of frames in the header of a BVH file."""
+_GAPS = re.compile(r"(\s+|#[^\r\n]*)")
+"""_GAPS: white space and comments, which separate words."""
+
+
+_Numbers = Callable[[list[str]], Sequence[int]]
+"""A function from the words of a frame to the indices of its numbers among them, in the order of
+the columns of `Channels`."""
+
+
+def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
+    """Write `after`, a changed version of `before`, with the text of the file `before` came from.
+
+    Numbers are replaced where a joint's rotation or translation differs between the two. They have
+    as many decimals as the file's, and angles continue those of neighbouring frames without
+    avoidable jumps. If a joint's channels do not allow its rotation or translation, the nearest one
+    that they allow is written, with a warning. `FileMotion.save` calls this where it is possible.
+
+    Parameters
+    ----------
+    source : path of a .bvh or .amc file
+    before : Motion
+        The motion that `load_motion(source)` returns.
+    after : Motion
+        The changed motion, on the same skeleton; of its frames some may be cut off at the start.
+    path : path of the file
+        Of the same suffix. Replaced if it exists; it may be `source`.
+
+    Raises
+    ------
+    MotionFileError
+        If the source cannot be read again or has changed.
+    ValueError
+        If `after` has values that are not finite.
+    FileError
+        If the file cannot be written.
+
+    Examples
+    --------
+    If the motion is unchanged, the file that is written has the same bytes:
+
+    >>> from data_synth import make_take
+    >>> from numpy_cae.mocap import load_motion, write_bvh
+    >>> write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.bvh", unit=0.01)
+    >>> motion = load_motion("walk.bvh")
+    >>> write_like("walk.bvh", motion, motion, "same.bvh")
+    >>> Path("same.bvh").read_bytes() == Path("walk.bvh").read_bytes()
+    True
+    """
+    source = Path(source)
+    require_writable(after)
+    is_bvh = source.suffix.lower() == ".bvh"
+    channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
+    # Every line of the header of a BVH file begins with a keyword or a brace.
+    begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
+    numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
+    misses: dict[tuple[str, str], float] = {}
+    cut, count = len(before) - len(after), 0
+    before = before.at(slice(cut, None)) if cut else before
+    with (
+        atomic_write(path) as temporary,
+        _text(source, "r") as lines,
+        _text(temporary, "w") as output,
+    ):
+        last = None
+        parts = _parts(lines, begins)
+        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", next(parts)) if cut else next(parts))
+        next(islice(parts, cut, cut), None)  # leaves the first frames out
+        while texts := list(islice(parts, _BLOCK)):
+            frames = slice(count, count + len(texts))
+            count += len(texts)
+            if count > len(before):
+                break
+            block = before.at(frames), after.at(frames)
+            texts, last = _replaced(texts, last, *block, channels, numbers, misses)
+            if cut and not is_bvh:  # an .amc file numbers its frames
+                numbered = enumerate(texts, frames.start + 1)
+                texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
+            output.writelines(texts)
+        if count != len(before):
+            raise MotionFileError(source, None, "has changed since it was read")
+    if misses:
+        worst = ", ".join(f"{name} {miss:.0f}{unit}" for (name, unit), miss in misses.items())
+        log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
+
+
+def _replaced(
+    texts: list[str],
+    last: np.ndarray | None,
+    before: Motion,
+    after: Motion,
+    channels: list[Channels],
+    numbers: _Numbers,
+    misses: dict[tuple[str, str], float],
+) -> tuple[list[str], np.ndarray]:
+    """The texts of a block of frames with new numbers, and the numbers of its last frame.
+
+    `last` are the numbers of the frame before the block, None if it is the first. `misses` gets
+    what channels do not allow: joint and unit, ° or cm, to the largest amount.
+    """
+    turned = np.any(before.rotations != after.rotations, axis=-1)
+    steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
+    moved = steps > 0
+    changed = np.any(turned | moved, axis=1)
+    after = as_in_file(after)
+    # Changed frames, their neighbours and the last frame are parsed.
+    parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
+    parsed[-1] = True
+    width = sum(len(of_joint.names) for of_joint in channels)
+    values = np.zeros((len(texts), width))
+    places_in: dict[int, list[int]] = {}  # frame -> the places of its numbers among its pieces
+    for frame in np.flatnonzero(parsed).tolist():
+        # Frames are split a second time below: the words of all of them do not fit in the cache.
+        pieces, words = _split(texts[frame])
+        order = numbers([pieces[word] for word in words])
+        places_in[frame] = [words[index] for index in order]
+        if len(order) != width:
+            raise ValueError(f"a frame has {len(order)} numbers, but had {width} when it was read")
+        values[frame] = [float(pieces[place]) for place in places_in[frame]]
+    old = values.copy()
+    for joint, of_joint in enumerate(channels):
+        frames = np.flatnonzero(moved[:, joint]).tolist()
+        place = np.ix_(frames, of_joint.columns("t"))
+        values[place] = of_joint.position_values(after.translations[frames, joint])
+        name, turn, step = after.skeleton.names[joint], 0.0, 0.0
+        if len(of_joint.coordinates) < 3:
+            step = steps[:, joint].max()
+        if turned[:, joint].any():
+            turn = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], of_joint)
+        for key, miss in (((name, "°"), turn), ((name, " cm"), step)):
+            if miss > _NOTICEABLE:
+                misses[key] = max(miss, misses.get(key, 0.0))
+    decimals = _decimals(texts, places_in)
+    new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
+    written = map(f"%.{decimals}f".__mod__, values[new].tolist())
+    for frame in np.flatnonzero(changed).tolist():
+        pieces, _ = _split(texts[frame])
+        for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
+            pieces[places_in[frame][column]] = text
+        texts[frame] = "".join(pieces)
+    return texts, values[-1]
+
+
+def _split(text: str) -> tuple[list[str], Sequence[int]]:
+    """A text as pieces, which are words and gaps in turn, and the places of the words among the
+    pieces."""
+    body, words = text.strip(), text.split()
+    if " ".join(words) == body and "#" not in body:  # most lines; ten times as fast
+        pieces = [" "] * (2 * len(words) + 1)
+        pieces[1::2] = words
+        pieces[0], _, pieces[-1] = text.partition(body)
+        return pieces, range(1, len(pieces), 2)
+    pieces = _GAPS.split(text)
+    return pieces, [place for place in range(0, len(pieces), 2) if pieces[place]]
+
+
+def _put_angles(
+    values: np.ndarray,
+    last: np.ndarray | None,
+    rotations: np.ndarray,
+    turned: np.ndarray,
+    channels: Channels,
+) -> float:
+    """Put the angles of a joint's changed frames into `values`; return the largest error (°)."""
+    columns = channels.columns("r")
+    miss = 0.0
+    for first, end in runs(turned):
+        before = values[first - 1, columns] if first else None
+        before = last[columns] if first == 0 and last is not None else before
+        after = values[end, columns] if end < len(values) else None
+        wanted, present = rotations[first:end], values[first:end, columns]
+        angles = channels.rotation_values(wanted, present, before, after)
+        values[first:end, columns] = angles
+        if len(columns) < 3:
+            off = angle(product(inverse(channels.rotations(angles)), wanted))
+            miss = max(miss, float(np.degrees(off.max())))
+    return miss
+
+
+def _decimals(texts: list[str], places_in: dict[int, list[int]]) -> int:
+    """The largest number of decimals in a sample of the frames."""
+    words = []
+    for frame in islice(places_in, 0, None, max(1, len(places_in) // 50)):
+        pieces, _ = _split(texts[frame])
+        words += [pieces[place] for place in places_in[frame]]
+    plain = (word for word in words if "e" not in word.lower())
+    return max((len(word.partition(".")[2]) for word in plain), default=6)
+
+
+def _text(path: Path, mode: str):
+    # Line ends are not translated, and bytes that are not UTF-8 are written as they were read.
+    return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
+
+
+def _parts(lines: Iterable[str], begins: re.Pattern[str]) -> Iterator[str]:
+    """The text above the first frame, then the text of each frame."""
+    part: list[str] = []
+    for line in lines:
+        if begins.match(line):
+            yield "".join(part)
+            part = []
+        part.append(line)
+    yield "".join(part)
+
+
+def _all(words: list[str]) -> range:
+    return range(len(words))
+
+
+def _amc_numbers(channels: list[Channels], names: Sequence[str]) -> _Numbers:
+    """Of a frame of an .amc file: its number, then for each bone the name and the values."""
+    index = {name: joint for joint, name in enumerate(names)}
+
+    def numbers(words: list[str]) -> list[int]:
+        places = [0] * sum(len(of_joint.names) for of_joint in channels)
+        place = 1
+        while place < len(words):
+            of_joint = channels[index[words[place]]]
+            first, count = of_joint.first, len(of_joint.names)
+            places[first : first + count] = range(place + 1, place + 1 + count)
+            place += 1 + count
+        return places
+
+    return numbers

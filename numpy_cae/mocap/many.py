@@ -1,0 +1,103 @@
+"""Read many motion files in parallel, as the takes that a network learns from."""
+
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.mocap.coordinates import Coordinates
+from numpy_cae.mocap.formats.text_file import MotionFileError
+from numpy_cae.mocap.load import load_body
+from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
+from numpy_cae.motion.motion import RATE
+
+WORTHWHILE = 20e6
+"""WORTHWHILE: files of fewer bytes in all are read faster by one process than by several."""
+MAX_STEP = 30.0
+"""MAX_STEP: a take in which the hips move further (m) in a 30th of a second, or a joint is further
+from the hips, is refused."""
+
+
+@dataclass(frozen=True)
+class ReadResult:
+    """The result of reading one file.
+
+    World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; a note on the
+    unit that was assumed; the problem if there is one.
+    """
+
+    path: Path
+    positions: np.ndarray | None
+    note: str = ""
+    problem: MotionFileError | UnknownRigError | None = None
+
+
+def read_bodies(
+    paths: Sequence[Path],
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
+    processes: int | None = None,
+) -> Iterator[ReadResult]:
+    """Each file as twenty joints at 30 frames a second, in the order of `paths`.
+
+    Frames that are not needed for that rate are not parsed. `processes` are by default one, or the
+    number of processors for `WORTHWHILE` bytes or more; the rest is as in `load_body`.
+    """
+    read = partial(_read, mapping=mapping, coordinates=coordinates)
+    if processes is None:
+        total = sum(path.stat().st_size for path in paths if path.exists())
+        processes = (os.cpu_count() or 1) if total >= WORTHWHILE else 1
+    if processes == 1:
+        yield from map(read, paths)
+        return
+    ends_at_sigterm = partial(signal.signal, signal.SIGTERM, signal.SIG_DFL)
+    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=ends_at_sigterm)
+    try:
+        with _blocked_interrupts():
+            bodies = pool.map(read, paths, chunksize=4)
+        yield from bodies
+    except BrokenProcessPool:
+        raise OSError("a process that read motion files was ended from outside") from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _blocked_interrupts() -> Iterator[None]:
+    """Leave Ctrl-C to this process: the processes that it starts here inherit the block."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _read(path: Path, mapping: Mappings, coordinates: Coordinates | None) -> ReadResult:
+    try:
+        positions, motion = load_body(path, mapping, coordinates, RATE)
+        _require_steady(path, positions)
+    except (MotionFileError, UnknownRigError) as problem:
+        return ReadResult(path, None, "", problem)
+    return ReadResult(path, positions, motion.unit_note)
+
+
+def _require_steady(path: Path, positions: np.ndarray) -> None:
+    """Raise MotionFileError if positions (F, 20, 3) jump so far that a network which learns from
+    them would learn nothing else."""
+    hips = positions[:, 0]
+    steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
+    apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
+    for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
+        if far.size and not far.max() <= MAX_STEP:
+            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} (at 30 a second)"
+            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")

@@ -1,0 +1,188 @@
+"""Conversion of a motion of any rig to the features of a network, and back to the rig.
+
+file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.mocap.rigs.rigs import body_positions
+from numpy_cae.motion.features import RootTransform, features_to_positions, positions_to_features
+from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.motion import RATE, Motion, blocks
+
+
+def body_of(motion: Motion) -> np.ndarray:
+    """World positions of the twenty joints at thirty frames a second (`RATE`).
+
+    Parameters
+    ----------
+    motion : Motion
+        Any rate, and any rig in which the twenty joints can be found.
+
+    Returns
+    -------
+    (F, 20, 3) array of float64
+        Metres.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing, or the bones are not a person's.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> body_of(make_take("walk", 1, seconds=2.0, rate=120.0).motion).shape
+    (60, 20, 3)
+    """
+    return body_positions(motion.resampled(RATE))
+
+
+def at_rate_of(
+    motion: Motion, positions: np.ndarray, frames: np.ndarray | None = None
+) -> np.ndarray:
+    """Positions at `RATE` resampled to the frames of a motion: the inverse of `body_of` in time.
+
+    The interpolation is Akima's modified cubic, smooth and local: poses at rest stay at rest.
+    Frames after the last pose, less than 1/30 s, are extrapolated linearly.
+
+    Parameters
+    ----------
+    motion : Motion
+    positions : (F', N, 3) array of float
+        As many poses as `body_of(motion)` has.
+    frames : (F,) array of int, optional
+        Frames of the motion, ascending; all by default.
+
+    Returns
+    -------
+    (F, N, 3) array of float64
+
+    Raises
+    ------
+    ValueError
+        If `positions` has another number of poses.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
+    >>> positions = body_of(walk)
+    >>> len(positions), len(at_rate_of(walk, positions))
+    (60, 240)
+    """
+    from scipy.interpolate import Akima1DInterpolator  # a slow import, seldom needed
+
+    times = motion.source_frames(RATE)
+    if len(positions) != len(times):
+        raise ValueError(
+            f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
+        )
+    frames = np.arange(len(motion)) if frames is None else frames
+    resampled = np.empty((len(frames), *positions.shape[1:]))
+    if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
+        resampled[:] = positions[0 if len(times) == 1 else frames]
+        return resampled
+    step, done = times[1], 0
+    for part in blocks(frames):
+        # The curve in these frames depends on three poses before and three poses after them.
+        first, end = (part[[0, -1]] / step).astype(int) + [-3, 5]
+        near = positions[max(first, 0) : end]
+        if end > len(times):
+            near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
+        near_times = step * (max(first, 0) + np.arange(len(near)))
+        curve = Akima1DInterpolator(near_times, near, method="makima")
+        resampled[done : done + len(part)] = curve(part)
+        done += len(part)
+    return resampled
+
+
+@dataclass(frozen=True)
+class Body:
+    """The twenty joints of a motion as features on the mean skeleton, and the conversion back.
+
+    Quantities are computed lazily and cached. The first use raises `UnknownRigError` if joints are
+    missing from the rig. (F, ...) means thirty frames a second, (frames, ...) the file's frames.
+
+    Parameters
+    ----------
+    motion : Motion
+        Any rate, and any rig in which the twenty joints can be found.
+    mean_lengths : (20,) array of float
+        Bone lengths of the mean skeleton, in metres; the features describe a person with these.
+    """
+
+    motion: Motion
+    mean_lengths: np.ndarray
+
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """World positions at 30 frames a second on the motion's own bones, (F, 20, 3) in metres."""
+        return body_of(self.motion)
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Mean length of each of the motion's own bones, (20,) in metres."""
+        return bone_lengths(self.positions)
+
+    @property
+    def features(self) -> np.ndarray:
+        """The features at 30 frames a second on the mean skeleton, (F, 63)."""
+        return self._features_and_root[0]
+
+    @property
+    def root(self) -> RootTransform:
+        """The root transform of the first frame, on the mean skeleton."""
+        return self._features_and_root[1]
+
+    @cached_property
+    def _features_and_root(self) -> tuple[np.ndarray, RootTransform]:
+        normalised = change_lengths(self.positions, self.lengths, self.mean_lengths)
+        return positions_to_features(normalised, RATE)
+
+    def positions_of(self, features: np.ndarray, root: RootTransform | None = None) -> np.ndarray:
+        """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres.
+
+        `root` is the transform of the first frame; None means the motion's own.
+        """
+        on_mean_bones = features_to_positions(features, root or self.root)
+        return change_lengths(on_mean_bones, self.mean_lengths, self.lengths)
+
+    def to_rig(self, features: np.ndarray, root: RootTransform | None = None) -> Motion:
+        """The motion, changed so that its twenty joints follow features.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+            At 30 frames a second on the mean skeleton. If they have fewer frames than the motion,
+            the motion is truncated; they may not have more.
+        root : RootTransform, optional
+            The root transform of the first frame; by default the motion's own.
+
+        Returns
+        -------
+        Motion
+            With the skeleton, rate and unit of the motion. Joints beyond the twenty keep their
+            rotation relative to their parent.
+        """
+        source, motion = self.motion.source_frames(RATE), self.motion
+        if len(features) != len(source):
+            motion = motion.at(slice(int(np.ceil(source[len(features)]))))
+        # Below 30 frames a second the last pose can lie after the last frame.
+        poses = self.positions_of(features, root)[: len(motion.source_frames(RATE))]
+        return retarget_poses(motion, poses)
+
+
+def retarget_poses(motion: Motion, poses: np.ndarray) -> Motion:
+    """The motion, changed so that its twenty joints follow poses (F, 20, 3) at `RATE`."""
+    return retarget(motion, partial(at_rate_of, motion, poses))
+
+
+def hold_first_pose(motion: Motion, frames: int) -> Motion:
+    """The first pose of a motion, held for at least `frames` frames at 30 a second."""
+    held = np.zeros(int(np.ceil((frames + 1) * motion.rate / RATE)) + 1, dtype=int)
+    return motion.at(held)

@@ -1,0 +1,306 @@
+"""Retargeting: change a motion of any rig so that its twenty joints reach new positions.
+
+A network changes positions, but the user's file has a rig with fingers, several joints in its neck
+and rotations of its own. We start from the rotations of the original motion and change them as
+little as possible. From the root down, each joint on a path between two of the twenty gets an extra
+rotation Q_j,
+
+    G'_j = Q_j · G'_parent · R_j
+
+that points its bones at their targets. One bone gets the smallest rotation, which keeps its twist;
+several bones of one joint (hips, chest) get one rotation that fits all. The n joints in between (a
+second spine, a neck) share the rotation equally: joint i, counted from 0, makes 1 / (n - i) of the
+remaining rotation, so a long spine bends evenly. No bone changes its length. Where the targets are
+the present positions, nothing changes. All other joints keep R_j.
+
+If a mask of touched joints is given, the targets of the other joints are their present positions.
+A descendant of a touched joint is thus corrected to stay where it is, and frames without touched
+joints are unchanged. Where a wrist or an ankle has to be reached exactly, the target of the elbow
+or the knee is moved to the nearest point from which the wrist or ankle can be reached. These points
+are a circle about the line from the beginning to the end of the limb.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from numpy_cae.mocap.retarget.rotations import fit_fan, swing
+from numpy_cae.mocap.retarget.seams import without_seams
+from numpy_cae.mocap.rigs.rigs import UnknownRigError, find_joints
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.quaternions import angle, inverse, product, rotate
+
+_ROUNDING = 1e-9
+"""_ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
+_MOVED = 1e-6
+"""_MOVED: if the hips or an ancestor are further than this from their offset (m), their position
+channels move the whole body."""
+
+_FLEXIBLE_WEIGHT = 0.3
+"""_FLEXIBLE_WEIGHT: weight in the fit of a bone with intermediate joints, as these can correct the
+rest."""
+
+_TAU = 0.03
+"""τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
+line, about which an error of a centimetre would rotate the chest by a right angle. A larger τ
+suppresses requested rotations (docs/lab_book/retargeting.md)."""
+
+
+_MIDDLES = [
+    JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("elbow", "knee")
+]
+"""Joints in the middle of a limb; the joint after each in `JOINTS` is the end of its limb."""
+
+
+_Bone = tuple[int, ...]
+"""The path along the rig from one of the twenty joints to the next, as indices of the rig."""
+_Bones = dict[int, list[_Bone]]
+"""For each joint of the rig that may rotate, the bones that begin at it or pass through it."""
+
+
+def retarget(
+    motion: Motion,
+    positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
+    touched: np.ndarray | None = None,
+    start: Motion | None = None,
+    original: Motion | None = None,
+) -> Motion:
+    """The motion, changed as little as its twenty joints need to reach new positions.
+
+    The hips reach their targets; other joints come as near as bones of constant length allow.
+    Frames without touched joints and rotations that no touched joint needs are unchanged.
+
+    Parameters
+    ----------
+    motion : Motion
+        Any rate, and any rig in which the twenty joints can be found.
+    positions : (frames, 20, 3) array of float
+        Target world positions in metres, one pose for each frame of the motion at its own rate
+        (`at_rate_of` resamples positions at 30 frames a second); or a function from frames
+        (N,) to their poses (N, 20, 3): all poses of an hour would take 0.2 GB.
+    touched : (frames, 20) array of bool, optional
+        Joints that move to their targets; the others keep their positions as far as bones of
+        constant length allow. Wrists and ankles keep theirs exactly, if necessary at the cost of
+        the elbow or the knee. By default all joints are touched.
+    start : Motion, optional
+        The frames that have touched joints, with the rotations and translations that are changed as
+        little as the positions need, such as those of `on_curves`; by default those of `motion`.
+    original : Motion, optional
+        The arrays of `motion` that it does not share with this motion are overwritten: copies of
+        those of an hour would take 0.75 GB. By default none is.
+
+    Returns
+    -------
+    Motion
+        With the skeleton, rate and unit of `motion`.
+
+    Raises
+    ------
+    ValueError
+        If positions of touched joints are not finite or a shape does not fit the motion.
+    UnknownRigError
+        If joints are missing, or one of the twenty descends from none of the others.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.mocap import body_positions
+    >>> walk = make_take("walk", 1, seconds=1.0, rate=30.0).motion
+    >>> higher = retarget(walk, body_positions(walk) + [0.0, 0.1, 0.0])
+    >>> (higher.positions() - walk.positions())[0, 0].round(3)
+    array([0. , 0.1, 0. ])
+    """
+    joints = find_joints(motion.skeleton)
+    shape = len(motion), len(JOINTS)
+    touched = np.ones(shape, dtype=bool) if touched is None else touched
+    if not callable(positions) and np.shape(positions) != (*shape, 3):
+        raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
+    if touched.shape != shape:
+        raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
+    bones = bones_through(motion, joints)
+    carrier = _carrier(motion, joints[0])
+    there = np.asarray(touched.any(axis=1))
+    unchanged, row = motion, np.arange(len(motion))  # the row of a frame in `unchanged`
+    if original is not None:
+        unchanged, row = motion.at(there), np.cumsum(there) - 1
+    shared = original or motion
+    rotations, translations = _own(motion.rotations, shared.rotations), motion.translations
+    moved = start is not None and np.any(start.translations != translations[there])
+    if touched[:, 0].any() or moved:
+        translations = _own(translations, shared.translations)
+    if start is not None:
+        rotations[there] = start.rotations
+        if moved:
+            translations[there] = start.translations
+    for joint, passing in bones.items():
+        ends = touched[:, [joints.index(end) for *_, end in passing]]
+        damaged = ends.any(axis=1)
+        if start is not None:  # where every bone is damaged, `on_curves` has interpolated
+            damaged &= ~ends.all(axis=1)
+        rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
+    for frames in blocks(np.flatnonzero(there)):
+        targets = positions(frames) if callable(positions) else positions[frames]
+        if not np.all(np.isfinite(targets).all(axis=-1) | ~touched[frames]):
+            raise ValueError("positions hold values that are not finite")
+        if not touched[frames].all():
+            present = unchanged.at(row[frames]).positions(joints)
+            targets = np.where(touched[frames][..., None], targets, present)
+        part = replace(motion, rotations=rotations, translations=translations).at(frames)
+        before, rotations_before = part.forward_kinematics()
+        if touched[frames, 0].any():
+            step = targets[:, 0] - before[:, joints[0]]
+            if carrier > 0:
+                above = rotations_before[:, motion.skeleton.parents[carrier]]
+                step = rotate(inverse(above), step)
+            translations[frames, carrier] += step
+            part = replace(part, translations=translations[frames])
+        by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
+        kept = ~touched[frames]  # where a wrist or ankle keeps its position exactly
+        limbs = {joints[mid]: (joints[mid + 1], kept[:, mid + 1]) for mid in _MIDDLES}
+        rotations[frames] = _rotated(part, by_joint, limbs, bones, (before, rotations_before))
+    return replace(motion, rotations=rotations, translations=translations)
+
+
+def _own(values: np.ndarray, shared: np.ndarray) -> np.ndarray:
+    """The values, copied if they are in the memory of others."""
+    return values.copy() if np.may_share_memory(values, shared) else values
+
+
+def _rotated(
+    motion: Motion,
+    targets: dict[int, np.ndarray],
+    limbs: dict[int, tuple[int, np.ndarray]],
+    bones: _Bones,
+    unchanged: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """The rotations (F, J, 4) that point the bones at their targets, from the root down.
+
+    `targets` (F, 3) are by joints of the rig; `limbs` gives for an elbow or a knee the wrist or
+    ankle and the frames (F) in which it is reached exactly; `unchanged` is `forward_kinematics`.
+    """
+    before, rotations_before = unchanged
+    rotations = motion.rotations.copy()
+    after, turned = motion.translations.copy(), motion.rotations.copy()
+    for joint, parent in enumerate(motion.skeleton.parents):
+        if parent >= 0:
+            above = turned[:, parent]
+            turned[:, joint] = product(above, turned[:, joint])
+            after[:, joint] = after[:, parent] + rotate(above, after[:, joint])
+        if joint in bones:
+            ends = [end for *_, end in bones[joint]]
+            if ends[0] in limbs and len(bones[joint]) == 1:
+                end, exact = limbs[ends[0]]
+                chain = before[:, [joint, ends[0], end]]
+                middle = bent(after[:, joint], chain, targets[ends[0]], targets[end])
+                targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
+            bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
+            target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
+            free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
+            rotation = turned[:, joint]
+            corrected = _corrected(rotation, rotations_before[:, joint], bone, target, free)
+            changes = angle(product(corrected, inverse(rotation))) > _ROUNDING
+            turned[changes, joint] = corrected[changes]
+            local = corrected if parent < 0 else product(inverse(above), corrected)
+            rotations[changes, joint] = local[changes]
+    return rotations
+
+
+def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
+
+    Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the
+    change, and d the distance from `start` to `end`. The points are a circle about the line from
+    start to end, at x = (a² - b² + d²) / 2d along the line, with radius √(a² - x²). Where the end
+    is too far away or too near, the circle is a point on the line.
+    """
+    a, b = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
+    d = np.linalg.norm(end - start, axis=-1)
+    line = (end - start) / np.maximum(d, 1e-12)[:, None]
+    x = np.clip((a**2 - b**2 + d**2) / np.maximum(2 * d, 1e-12), -a, a)
+
+    def off_line(vectors: np.ndarray) -> np.ndarray:
+        return vectors - np.sum(vectors * line, axis=-1, keepdims=True) * line
+
+    outward = off_line(middle - start)
+    near_line = np.linalg.norm(outward, axis=-1, keepdims=True) < 1e-6
+    outward = np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward)
+    outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12)
+    bent = start + x[:, None] * line + np.sqrt(a**2 - x**2)[:, None] * outward
+    unchanged = np.abs(np.stack([start, middle, end], axis=1) - chain).max(axis=(1, 2)) < _ROUNDING
+    return np.where(unchanged[:, None], middle, bent)
+
+
+def _corrected(
+    rotation: np.ndarray, before: np.ndarray, bone: np.ndarray, target: np.ndarray, free: list[int]
+) -> np.ndarray:
+    """The global rotation of a joint that points its bones at their targets.
+
+    `rotation` is the joint's after the changes of its ancestors, `before` the unchanged one; `bone`
+    and `target` (F, N, 3) are the unchanged bones and the vectors from the joint to the targets;
+    `free` is the number of joints that share the rotation of each bone.
+    """
+    now = rotate(product(rotation, inverse(before))[:, None], bone)
+    if len(free) == 1:
+        return product(swing(now[:, 0], target[:, 0], 1 / free[0]), rotation)
+    flexible = np.array(free) > 0
+    weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
+    fitted = product(fit_fan(now * weights, target, _TAU), rotation)
+    # Where the targets are the unchanged bones, restore their rotation exactly.
+    unchanged = np.all(np.abs(target - bone) < _ROUNDING, axis=(1, 2))
+    fitted = np.where(unchanged[:, None], before, fitted)
+    # If only flexible bones miss, keep this joint's rotation: the joints inside these bones correct
+    # them. If all bones are flexible, it rotates.
+    decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
+    misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
+    return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
+
+
+def moves_alone(motion: Motion, joint: str) -> bool:
+    """Whether one of the twenty joints can move while all the others keep their positions.
+
+    It can if some joint of the rig rotates only for the bone that ends at `joint`, and if at most
+    one bone begins at `joint`. The hips and the chest cannot, as several bones begin there.
+    Nor can a collar or a hip whose bone comes straight from them.
+    """
+    joints = find_joints(motion.skeleton)
+    bones = bones_through(motion, joints)
+    index = joints[JOINTS.index(joint)]
+    outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]
+    incoming = [bone for group in bones.values() for bone in group if bone[-1] == index]
+    return len(outgoing) < 2 and any(_free_joints(bone, bone[0], bones) for bone in incoming)
+
+
+def bones_through(motion: Motion, joints: list[int]) -> _Bones:
+    bones: _Bones = {}
+    for name, joint in zip(JOINTS[1:], joints[1:], strict=True):
+        path = motion.skeleton.path(joint)
+        start = next((n for n, ancestor in enumerate(path) if n and ancestor in joints), 0)
+        if not start:
+            raise UnknownRigError(
+                f"{name} ({motion.skeleton.names[joint]!r} in the rig) descends from none of the "
+                "twenty joints: is another joint of the rig its hips? Name it in a mapping"
+            )
+        bone = tuple(path[start::-1])
+        for passed in bone[:-1]:
+            # A joint that never rotates (CMU's lhipjoint) is part of a rigid bone.
+            rotates = np.abs(motion.rotations[:, passed, :3]).max() >= _ROUNDING
+            if passed == bone[0] or rotates:
+                bones.setdefault(passed, []).append(bone)
+    return bones
+
+
+def _free_joints(bone: _Bone, joint: int, bones: _Bones) -> int:
+    """The number of joints from `joint` to the end of the bone that rotate for it alone."""
+    return sum(bones.get(passed) == [bone] for passed in bone[bone.index(joint) : -1])
+
+
+def _carrier(motion: Motion, hips: int) -> int:
+    """The joint whose translation moves the whole body: the hips, or the nearest ancestor whose
+    translation differs from its offset. A root at rest stays at rest."""
+    for joint in motion.skeleton.path(hips):
+        distance = motion.translations[:, joint] - motion.skeleton.offsets[joint]
+        if np.abs(distance).max() > _MOVED:
+            return joint
+    return 0

@@ -1,0 +1,85 @@
+"""Channels of a motion that are damaged, interpolated over the frames of findings."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.motion.hole_curves import (
+    EVERY,
+    CurveAt,
+    eased_everywhere,
+    over_holes,
+    rotations_over_holes,
+)
+from numpy_cae.motion.joints import JOINTS, joint_mask
+from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.finding import BODY, Finding
+from numpy_cae.repair.jumps import Curve, joint_names
+from numpy_cae.repair.rotation_curves import channels_on_curves, unknown_channels
+
+ROTATIONS, PLACES = ("spike", "displaced", "frozen"), ("length", "root elsewhere")
+"""Kinds of findings of which the joint's rotation is damaged, and its translation."""
+POSITIONS = ("marked", "unlikely")
+"""Kinds of findings that say that one of the twenty joints is at a wrong position."""
+
+
+def interpolated(curve: Curve, runs: Sequence[tuple[int, int]]) -> Curve:
+    """A curve interpolated over runs of frames, each with its first frame and its end."""
+    missing = np.zeros((len(curve.values), 1), bool)
+    for first, end in runs:
+        missing[first:end] = True
+    over = rotations_over_holes if curve.is_rotation else over_holes
+    return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])
+
+
+def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.ndarray, np.ndarray]:
+    """The rotations and the translations that are damaged: two masks (frames, J) of the rig."""
+    names = joint_names(motion.skeleton)
+    turned, moved = (np.zeros((len(motion), len(names)), bool) for _ in range(2))
+    missing = np.zeros((len(motion), len(JOINTS)), bool)
+    for finding in findings:
+        frames = finding.stretch
+        if finding.joint == BODY:
+            missing[frames] = True
+        elif finding.kind in POSITIONS and finding.joint in JOINTS:
+            missing |= joint_mask(len(motion), [finding.joint], frames)
+        else:
+            joint = names.index(finding.joint)
+            turned[frames, joint] |= finding.kind not in PLACES
+            moved[frames, joint] |= finding.kind not in ROTATIONS
+    if missing.any():
+        of_rig = unknown_channels(motion, missing)
+        turned, moved = turned | of_rig[0], moved | of_rig[1]
+    return turned, moved & (np.ptp(motion.translations, axis=0).max(axis=-1) > 0)
+
+
+def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
+    """Which of the twenty joints are displaced by the damaged channels of findings, (frames, 20).
+
+    A rotation displaces the joints below its joint, a translation also the joint itself. Of the
+    kinds `POSITIONS` only the joints named count.
+    """
+    missing = np.zeros((len(motion), len(JOINTS)), bool)
+    names, rig = joint_names(motion.skeleton), find_joints(motion.skeleton)
+    for finding in findings:
+        frames = finding.stretch
+        for column, joint in enumerate(rig):
+            path = [names[above] for above in motion.skeleton.path(joint)]
+            itself = finding.kind in (*POSITIONS, *PLACES) or finding.joint == BODY
+            above = path[0:1] if finding.kind in POSITIONS else path[not itself :]
+            if finding.joint in (BODY, *above):
+                missing[frames, column] = True
+    return missing
+
+
+def interpolate(
+    motion: Motion,
+    findings: Iterable[Finding],
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
+) -> Motion:
+    """The motion, or some of its frames, with the damaged channels of findings interpolated
+    (`repair.rotation_curves`)."""
+    return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)

@@ -1,0 +1,217 @@
+"""Trial holes: which curve, and how strong a correction, is best in this motion?
+
+Each hole, a run of frames in which joints are missing, is imitated in the known frames of its own
+motion, where the truth is known: the same joints are hidden in as many frames, and every candidate
+k fills them in. With e_ik the mean error of candidate k in trial i of I, for the joints of one kind
+(`fill.kinds_of_holes`), and r_k the mean of log e_k in holes of that kind and length of other
+sources (`fill_strengths.json`, which
+docs/choose_fill_strengths.py makes), the candidates' mean is
+
+    X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + PRIOR r_k) / (I + PRIOR)
+
+So w_k falls with the p-th power of the error. The candidates are first the `CURVES` of the rig's
+rotations. Then, on their mean X_0, they are X_0 + s (X_N - X_0) for each s of `STRENGTHS`, with
+X_N the correction of `manifold.fill`; their mean has the strength s = Σ_k w_k s_k. A hole for which
+no trial fits into the file has the weights of other sources, I = 0.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
+
+import numpy as np
+
+from numpy_cae.manifold.fill import corrected, kinds_of_holes
+from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion.hole_curves import CurveAt
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.key_curves import CURVES, Curve, eased, mean_curve
+from numpy_cae.motion.masks import at_thirty, run_numbers, runs
+from numpy_cae.motion.motion import RATE
+from numpy_cae.repair.holes import Holes
+from numpy_cae.repair.rotation_curves import on_curves
+
+STRENGTHS = np.linspace(0.0, 1.0, 5)
+"""s of the module's equation."""
+POWERS = {"curves": 8.0, "strengths": 16.0}
+PRIOR = 2.0
+"""p of the module's equation, and the number of trials that other sources count as: chosen on
+sources left out of training (docs/lab_book/filling.md)."""
+NEAR = 5.0
+"""NEAR: trials are in so many seconds before and after a hole."""
+MARGIN, APART = 0.2, 0.5
+"""MARGIN, APART: the least time (s) between a trial and an unknown frame, and between two trials;
+two trials are also at least as far apart as they are long."""
+MOST = 40
+"""MOST: the longest holes, so many of them, have trials; all others have the prior's weights. The
+trials of a hole take a tenth to half of a second."""
+LEAST = 2e-4
+"""LEAST: smaller errors (m) count as this."""
+
+
+class Trials(NamedTuple):
+    """Holes that are imitated in known frames.
+
+    Parameters
+    ----------
+    kinds : (frames, 20) array of str
+        The kinds of the joints that are hidden (`fill.kinds_of_holes`), else "".
+    starts : list of int
+        The first frame of each trial.
+    size : int
+        The frames of a trial.
+    """
+
+    kinds: np.ndarray
+    starts: list[int]
+    size: int
+
+
+def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[CurveAt, np.ndarray]:
+    """The curve of each hole, and the strength of the correction of each missing joint.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    body : Body
+        The body of the motion.
+    missing : (frames, 20) array of bool
+        In the frames of the file.
+
+    Returns
+    -------
+    CurveAt, (F, 20) array of float
+        For a joint and a frame in which it is missing, the mean of `CURVES`; s of the module's
+        equation at thirty frames a second, 0 where nothing is missing.
+    """
+    source, number = body.motion.source_frames(RATE), run_numbers(missing)
+    kinds, at_rate = map(kinds_of_holes, (missing, at_thirty(body.motion, missing)))
+    strength, curves = np.zeros(at_rate.shape), dict[int, Curve]()
+    always = np.asarray(missing.all(axis=0))
+    holes = runs(np.asarray((missing & ~always).any(axis=1)))
+    for rank, hole in enumerate(holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]):
+        frames, near = slice(*hole), slice(*np.searchsorted(source, hole + [-1, 1]))
+        best = chosen_for(manifold, body, kinds, always, frames, rank < MOST)
+        for kind, (curve, s) in best.items():
+            strength[near][at_rate[near] == kind.encode()] = s
+            alike = number[frames][kinds[frames] == kind.encode()]
+            curves |= dict.fromkeys(np.unique(alike), curve)
+    return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
+
+
+def chosen_for(
+    manifold: MotionManifold,
+    body: Body,
+    kinds: np.ndarray,
+    always: np.ndarray,
+    hole: slice,
+    tried: bool,
+) -> dict[str, tuple[Curve, float]]:
+    """The curve and the strength for each kind in a hole, which is a run of frames.
+
+    `kinds` (frames, 20) are those of the missing joints, else b""; `always` (20,) says which joints
+    are missing in all frames. Only if `tried` there are trials.
+    """
+    rate, pattern = body.motion.rate, np.where(always, "", kinds[hole].astype(str))
+    near = slice(max(hole.start - round(NEAR * rate), 0), hole.stop + round(NEAR * rate))
+    clip, missing = replace(body, motion=body.motion.at(near)), kinds[near] != b""
+    known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
+    trials = trials_in(known & tried, pattern, rate)
+    hidden = missing | (trials.kinds != "")
+    prior = {
+        str(kind): priors(kind, np.count_nonzero((pattern == kind).any(axis=1)) / rate)
+        for kind in np.unique(pattern[pattern != ""])
+    }
+
+    def weights_of(name: str, candidates: Iterable[np.ndarray]) -> dict[str, np.ndarray]:
+        errors = errors_in(clip, trials, candidates) if trials.starts else {}
+        return {k: weights(r[name], errors.get(k), POWERS[name]) for k, r in prior.items()}
+
+    on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
+    curves = {kind: mean_curve(w) for kind, w in weights_of("curves", on_curve).items()}
+    corrections = on_strengths(
+        manifold, clip, hidden, lambda joint, frame: curves.get(trials.kinds[frame, joint], eased)
+    )
+    strengths = weights_of("strengths", corrections)
+    return {kind: (curves[kind], float(strengths[kind] @ STRENGTHS)) for kind in prior}
+
+
+def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
+    """The positions (F, 20, 3) with all unknown rotations on one curve."""
+    return replace(body, motion=on_curves(body.motion, missing, lambda *_: curve)).positions
+
+
+def on_strengths(
+    manifold: MotionManifold, body: Body, missing: np.ndarray, curve_at: CurveAt
+) -> Iterator[np.ndarray]:
+    """The positions (F, 20, 3) for each of `STRENGTHS`."""
+    start = on_curves(body.motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
+    holes = Holes(body, missing, start)
+    full = corrected(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
+    x0, xn = map(holes.positions_of, (holes.features, full))
+    yield from (x0 + s * (xn - x0) for s in STRENGTHS)
+
+
+def errors_in(
+    body: Body, trials: Trials, candidates: Iterable[np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The mean errors (m) of candidates (F, 20, 3) in trials, (I, K), for each kind of hole."""
+    distances = [np.linalg.norm(each - body.positions, axis=-1) for each in candidates]
+    source = body.motion.source_frames(RATE)
+    errors: dict[str, list[list[float]]] = defaultdict(list)
+    for kind in np.unique(trials.kinds[trials.kinds != ""]):
+        mask = at_thirty(body.motion, trials.kinds == kind)
+        for start in trials.starts:
+            frames = slice(*np.searchsorted(source, [start, start + trials.size]))
+            if mask[frames].any():
+                errors[str(kind)].append([x[frames][mask[frames]].mean() for x in distances])
+    return {kind: np.array(rows) for kind, rows in errors.items()}
+
+
+def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.ndarray:
+    """w of the module's equation, (K,), from r (K,) and the errors of trials (I, K), if any."""
+    logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST))
+    logs -= logs[:, :1]  # trials that are hard for all candidates weigh no more
+    score = (logs.sum(axis=0) + PRIOR * prior) / (len(logs) + PRIOR)
+    weight = np.exp(-power * (score - score.min()))
+    return weight / weight.sum()
+
+
+def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
+    """As many trials as fit into the runs of known frames (frames,), evenly spread over each.
+
+    `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
+    """
+    margin, size = round(MARGIN * rate), len(pattern)
+    kinds, starts = np.zeros((len(known), len(JOINTS)), "U4"), list[int]()
+    apart = size + max(size, round(APART * rate))
+    for first, end in runs(known) + [margin, -margin - size]:
+        if end >= first:
+            starts += np.linspace(first, end, (end - first) // apart + 1).astype(int).tolist()
+    for start in starts:
+        kinds[start : start + size] = pattern
+    return Trials(kinds, starts, size)
+
+
+def priors(kind: str, seconds: float) -> dict[str, np.ndarray]:
+    """r of the module's equation for "curves" and "strengths", by the kind and duration of a hole,
+    interpolated over the logarithm of the duration."""
+    table = fill_table()
+    at = np.log(seconds * RATE), np.log(table["lengths"])
+    return {
+        name: np.array([np.interp(*at, column) for column in np.transpose(table[name][kind])])
+        for name in POWERS
+    }
+
+
+@cache
+def fill_table() -> dict:
+    """Lengths of holes, in frames at 30 a second, and r for each kind of hole, length and candidate
+    relative to the first candidate."""
+    text = files("numpy_cae.repair").joinpath("fill_strengths.json").read_text("utf-8")
+    return json.loads(text)

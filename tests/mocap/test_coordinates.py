@@ -1,0 +1,118 @@
+"""The up axis and the floor of a file are found, changed to Y and 0, and restored by the writer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from data_synth.kinds import KINDS
+from numpy_cae.mocap import Coordinates, body_positions
+from numpy_cae.mocap.axes import TO_Y_UP, as_in_file
+from numpy_cae.mocap.coordinates import in_y_up
+from numpy_cae.mocap.formats.amc import read_amc
+from numpy_cae.mocap.formats.bvh import read_bvh
+from numpy_cae.mocap.formats.write import write_bvh
+from numpy_cae.mocap.formats.write_like import write_like
+from numpy_cae.mocap.load import find_motion_files, load_motion
+from numpy_cae.motion import Skeleton, positions_to_features
+
+
+def in_file(motion, up, floor):
+    """The motion as a file with this axis up and this floor has it."""
+    return as_in_file(replace(motion, up=up, floor=floor))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
+    motion = make_take(kind, 3, 4.0, 30.0).motion
+    found = in_y_up(motion, Coordinates())
+    assert found.rotations is motion.rotations and found.translations is motion.translations
+    assert (found.up, found.floor, found.unit_note) == ("y", 0.0, motion.unit_note)
+
+
+@pytest.mark.parametrize("up", TO_Y_UP)
+@pytest.mark.parametrize("floor", [0.0, 1.0, -0.9, 0.27])
+def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(up, floor, tmp_path):
+    walk = make_take("walk", 1, 4.0, 30.0).motion
+    path, again = tmp_path / "a.bvh", tmp_path / "b.bvh"
+    write_bvh(in_file(walk, up, floor), path)
+    motion = load_motion(path, unit=walk.unit)
+    assert motion.up == up and motion.floor == pytest.approx(floor, abs=0.06)
+    moved = motion.positions() - walk.positions() - [0, floor - motion.floor, 0]
+    assert np.abs(moved).max() < 1e-5
+    write_bvh(motion, again)
+    same, plain = read_bvh(again, unit=walk.unit), read_bvh(path, unit=walk.unit)
+    assert np.abs(same.positions() - plain.positions()).max() < 1e-5
+    given = load_motion(path, unit=walk.unit, up=up, floor=floor)
+    assert np.abs(given.positions() - walk.positions()).max() < 1e-5
+
+
+def test_a_changed_file_of_another_axis_keeps_the_text_of_its_other_frames(tmp_path):
+    path, out = tmp_path / "a.bvh", tmp_path / "b.bvh"
+    write_bvh(in_file(make_take("walk", 1, 2.0, 30.0).motion, "z", 1.0), path, unit=0.01)
+    motion = load_motion(path)
+    translations = motion.translations.copy()
+    translations[20:30, 0] += [0.1, 0.2, 0.3]
+    write_like(path, motion, replace(motion, translations=translations), out)
+    own, changed = path.read_text().splitlines(), out.read_text().splitlines()
+    assert [n for n, line in enumerate(own[-60:]) if changed[n - 60] != line] == list(range(20, 30))
+    moved = load_motion(out, up="z", floor=motion.floor).positions() - motion.positions()
+    np.testing.assert_allclose(moved[20:30], np.tile([0.1, 0.2, 0.3], (10, 31, 1)), atol=1e-5)
+
+
+def test_a_floor_above_and_below_stairs_stays():
+    walk = make_take("walk", 1, 8.0, 30.0).motion
+    for rise in (1.5, -1.5):
+        translations = walk.translations.copy()
+        translations[len(walk) // 2 :, 0, 1] += rise
+        assert in_y_up(replace(walk, translations=translations), Coordinates()).floor == 0
+
+
+def test_a_body_that_hangs_in_most_frames_is_turned():
+    """A pose estimator whose image axis points down, and which loses the body for some frames."""
+    hung = in_file(make_take("walk", 1, 4.0, 30.0).motion, "-y", 0.0)
+    hung.rotations[10:45, 0] = [1.0, 0.0, 0.0, 0.0]
+    assert in_y_up(hung, Coordinates()).up == "-y"
+
+
+def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
+    """A body that stands at 0 rests on both axes' floors; the rest pose decides."""
+    idle = make_take("idle", 2, 4.0, 30.0).motion
+    turned = in_file(idle, "z", 0.0)
+    matrix = np.transpose(TO_Y_UP["z"])
+    offsets = idle.skeleton.offsets @ matrix.T
+    names, parents = idle.skeleton.names, idle.skeleton.parents
+    rest = Skeleton(names, parents, offsets, idle.skeleton.end_sites)
+    assert in_y_up(replace(turned, skeleton=rest), Coordinates()).up == "z"
+
+
+def test_coordinates_that_are_none():
+    with pytest.raises(ValueError, match="up is 'w', expected one of y, z"):
+        Coordinates(up="w")
+    with pytest.raises(ValueError, match="floor is nan"):
+        Coordinates(floor=float("nan"))
+    for unit in (0, -1, np.nan, np.inf):
+        with pytest.raises(ValueError, match="unit is"):
+            Coordinates(unit=unit)
+
+
+READERS = {".amc": read_amc, ".bvh": read_bvh}
+
+
+@pytest.mark.parametrize("step", [48, pytest.param(1, marks=pytest.mark.thorough)])
+def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_folder, step):
+    paths = [path for path in find_motion_files(data_folder) if path.suffix in READERS]
+    for path in paths[::step]:
+        plain = READERS[path.suffix](path, max_rate=30.0)
+        motion = load_motion(path, max_rate=30.0)
+        np.testing.assert_array_equal(plain.rotations, motion.rotations)
+        np.testing.assert_array_equal(plain.translations, motion.translations)
+        if len(plain) < 10:
+            continue  # a pose at the origin rests on two floors
+        features, _ = positions_to_features(body_positions(plain), 30.0)
+        for up in TO_Y_UP:
+            found = in_y_up(in_file(plain, up, 0.0), Coordinates())
+            assert (found.up, found.floor) == (up, 0.0), path
+            turned, _ = positions_to_features(body_positions(found), 30.0)
+            np.testing.assert_allclose(turned, features, atol=1e-9)

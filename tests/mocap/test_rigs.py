@@ -1,0 +1,180 @@
+"""The twenty joints in a rig: by its names, a mapping or its hierarchy; joints that a rig lacks."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.mocap import load_motion, retarget, write_bvh
+from numpy_cae.mocap.retarget.fit import body_skeleton
+from numpy_cae.mocap.rigs.checks import doubt
+from numpy_cae.mocap.rigs.completed import completed
+from numpy_cae.mocap.rigs.recognise import recognised
+from numpy_cae.mocap.rigs.rig_names import RIGS
+from numpy_cae.mocap.rigs.rigs import (
+    UnknownRigError,
+    body_positions,
+    find_joints,
+    joint_index,
+    read_mapping,
+    with_joint_names,
+)
+from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
+from numpy_cae.motion.lengths import bone_lengths
+
+
+def skeleton_of(names):
+    """A person whose joints have these names, in the order of `JOINTS`."""
+    return person(dict(zip(JOINTS, names, strict=True)).get).skeleton
+
+
+def names_in(rig, which=0):
+    """The names of the twenty joints in a rig; a rig may leave its spine's open."""
+    return [RIGS[rig].get(joint, (f"{joint} bone",))[which] for joint in JOINTS]
+
+
+@pytest.mark.parametrize("which", [0, -1])
+@pytest.mark.parametrize("dress", [str, str.upper, lambda name: f"ann:{name.replace('_', ' ')}"])
+@pytest.mark.parametrize("rig", RIGS)
+def test_each_rig_is_found(rig, dress, which):
+    names = [dress(name) for name in names_in(rig, which)]
+    skeleton = skeleton_of(names)
+    assert [skeleton.names[index] for index in find_joints(skeleton)] == names
+
+
+def test_a_missing_joint_lists_what_the_rig_has_and_what_its_hierarchy_suggests():
+    names = [name if name != "Hand_L" else "paw" for name in names_in("Bandai")]
+    with pytest.raises(UnknownRigError) as error:
+        find_joints(skeleton_of(names))
+    assert "no left_wrist (as 'Hand_L')" in str(error.value)
+    assert '"left_wrist": "paw"' in str(error.value) and "UpperArm_R" in str(error.value)
+
+
+def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
+    names = [name if name != "Hand_L" else "paw" for name in names_in("Bandai")]
+    file = tmp_path / "rig.json"
+    file.write_text(json.dumps({"left_wrist": "paw"}))
+    skeleton = skeleton_of(names)
+    for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
+        found = find_joints(with_joint_names(skeleton, mapping))
+        assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
+    with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
+        find_joints(with_joint_names(skeleton, {"left_wrist": "claw"}))
+    known = skeleton_of(names_in("Mixamo"))
+    assert find_joints(with_joint_names(known, [{"head": "x"}, {"head": "y"}])) == find_joints(
+        known
+    )
+
+
+def test_a_joint_is_named_as_ours_or_as_the_rigs():
+    skeleton = skeleton_of([f"mixamorig:{name}" for name in names_in("Mixamo")])
+    named = {
+        "left_shoulder": "left_shoulder",
+        "LeftShoulder": "left_collar",  # the rig's own, which is not ours of nearly that name
+        "mixamorig:LeftLeg": "left_knee",
+        "rightleg": "right_knee",
+    }
+    for name, joint in named.items():
+        assert JOINTS[joint_index(name, skeleton)] == joint
+    with pytest.raises(UnknownRigError, match=r"no joint 'tail'.*left_knee \(mixamorig:LeftLeg\)"):
+        joint_index("tail", skeleton)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{", "[1]", '{"hips": 3}', '{"tail": "x"}', '{"spine": "a", "chest": "a"}']
+    + ['{"hips":' + "[" * 100_000],
+)
+def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
+    file = tmp_path / "rig.json"
+    file.write_text(text)
+    with pytest.raises(
+        UnknownRigError, match=r"rig\.json: (not JSON|expected an obj|not among|a stands)"
+    ):
+        read_mapping(file)
+
+
+@pytest.mark.parametrize("file", ["asfamc/02/02_01.amc", "bvh/02_03_first_frames.bvh"])
+def test_the_joints_of_real_rigs_are_beyond_doubt(data_folder, file):
+    motion = load_motion(data_folder / "cmu" / file)
+    unnamed = replace(motion.skeleton, names=tuple(map(str, range(len(motion.skeleton.names)))))
+    joints = find_joints(motion.skeleton)
+    assert doubt(unnamed, joints, motion.positions(joints)) == ""
+    assert find_joints(recognised(replace(motion, skeleton=unnamed)).skeleton) == joints
+
+
+WALK = make_take("walk", 1, 2.0, 30.0).motion
+
+
+LENGTHS = bone_lengths(body_positions(WALK))
+TOES, COLLARS = ["left_toe", "right_toe"], ["left_collar", "right_collar"]
+
+
+def person(name, lacking=(), lengths=LENGTHS):
+    """Someone in a T-pose whose rig lacks some of the twenty joints and End Sites; `name` maps a
+    joint to its name in the rig."""
+    kept = [joint for joint in range(20) if JOINTS[joint] not in lacking]
+    nearest = [joint if joint in kept else PARENTS[joint] for joint in range(20)] + [-1]
+    parents = [nearest[PARENTS[joint]] for joint in kept]
+    places = body_skeleton(lengths).rest_positions()
+    offsets = places[kept] - places[np.maximum(parents, 0)]
+    parents = [-1 if parent < 0 else kept.index(parent) for parent in parents]
+    skeleton = Skeleton(tuple(name(JOINTS[joint]) for joint in kept), tuple(parents), offsets)
+    still = np.tile([0.0, 0.0, 0.0, 1.0], (4, len(kept), 1))
+    return Motion(skeleton, 30.0, still, np.tile(offsets, (4, 1, 1)), 0.01)
+
+
+def bone(joint):
+    return f"bone {JOINTS.index(joint)}"
+
+
+def swapped(joint):
+    """Names of a known rig in the wrong order, which are not believed."""
+    return {"left_shoulder": "left_elbow", "left_elbow": "left_shoulder"}.get(joint, joint)
+
+
+def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_path):
+    lacking = ("spine", *COLLARS, *TOES)
+    own = (file := person(str, lacking)).skeleton.names
+    file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
+    for side in ("left", "right"):
+        file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
+    found = completed(file)
+    assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
+    at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
+    np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)
+    np.testing.assert_allclose(at["spine"], (at["hips"] + at["chest"]) / 2, atol=1e-12)
+    targets = body_positions(found) + [0.1, 0.0, 0.0]
+    write_bvh(retarget(found, targets), tmp_path / "moved.bvh")
+    again = body_positions(load_motion(tmp_path / "moved.bvh", unit=0.01, up="y", floor=0))
+    np.testing.assert_allclose(again, targets, atol=1e-5)
+
+
+INCOMPLETE = [(str, ["head", *TOES]), (str, TOES), (bone, ["spine", *COLLARS]), (swapped, [])]
+DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh to shin is 2")]
+
+
+@pytest.mark.parametrize(("name", "lacking"), INCOMPLETE)
+def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
+    found = recognised(person(name, lacking))
+    names = [found.skeleton.names[joint] for joint in find_joints(found.skeleton)]
+    assert names == [f"{j} (added)" if j in lacking else name(j) for j in JOINTS]
+    assert "`numpy-cae rig` lists the joints" in found.unit_note
+    np.testing.assert_allclose(body_positions(found)[0], body_positions(person(str))[0], atol=0.2)
+
+
+@pytest.mark.parametrize(("lacking", "scale", "problem"), DOUBTS)
+def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
+    lengths = LENGTHS * np.where([joint.endswith("knee") for joint in JOINTS], scale, 1)
+    found = recognised(person(bone, lacking, lengths=lengths))
+    assert f"rig not recognised: {problem}" in found.unit_note
+    with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
+        find_joints(found.skeleton)
+
+
+def test_a_doubtful_rig_without_shoulders_is_read(tmp_path):
+    names = dict(zip(JOINTS, names_in("Bandai"), strict=True))
+    write_bvh(person(lambda x: names[x].replace("Upper", ""), (), LENGTHS**3), tmp_path / "a.bvh")
+    assert "not recognised" in load_motion(tmp_path / "a.bvh").unit_note

@@ -1,0 +1,307 @@
+"""Damage that the file shows is found and mended; what shows nothing is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
+
+from data_synth import make_take
+from numpy_cae.manifold import starter
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion import JOINTS
+from numpy_cae.motion.contacts import FEET, find_contacts
+from numpy_cae.repair import PRESETS, Finding, Preset, find_unlikely, repair
+from numpy_cae.repair.feet import find_feet, is_path, mend_feet
+from numpy_cae.repair.jitter import filter_motion, jumping_steps, strongly_filtered
+from numpy_cae.repair.presets import fitting_preset
+from numpy_cae.repair.steps import LEFT, mend
+from numpy_cae.repair.t_pose import find_t_pose
+
+LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
+ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
+REST = [0.0, 0.0, 0.0, 1.0]
+
+
+@pytest.fixture(scope="module")
+def manifold():
+    return starter()
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return make_take("walk", 77, seconds=5.0, rate=60.0).motion
+
+
+def turned(motion, degrees, axis, frames=slice(None)):
+    """The motion with joints of the rig, by name, turned about their own axis in some frames."""
+    rotations = motion.rotations.copy()
+    for joint, angle in degrees.items():
+        index = motion.skeleton.index(joint)
+        turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1)), degrees=True)
+        rotations[frames, index] = (Rotation.from_quat(rotations[frames, index]) * turn).as_quat()
+    return replace(motion, rotations=rotations)
+
+
+def held(motion, joints, frames, value=None):
+    """The rotations of joints of the rig held in some frames, at a value or at the first one's."""
+    rotations = motion.rotations.copy()
+    for joint in joints:
+        index = motion.skeleton.index(joint)
+        rotations[frames, index] = rotations[frames.start, index] if value is None else value
+    return replace(motion, rotations=rotations)
+
+
+def moved(motion, step, frames):
+    translations = motion.translations.copy()
+    translations[frames, 0] += step
+    return replace(motion, translations=translations)
+
+
+def error(motion, truth, frames, joints):
+    off = body_positions(motion)[frames][:, joints] - body_positions(truth)[frames][:, joints]
+    return np.linalg.norm(off, axis=-1).mean()
+
+
+def assert_other_frames_are_kept(repaired, motion):
+    untouched = ~repaired.touched.any(axis=1)
+    np.testing.assert_array_equal(repaired.motion.rotations[untouched], motion.rotations[untouched])
+
+
+SHOULDER, ALL = slice(101, 103), slice(None)
+DAMAGE = {
+    "turned": (lambda m: turned(m, {"lfemur": 50.0}, "z", slice(120, 200)), slice(120, 200), 0.05),
+    "spike": (lambda m: turned(m, {"lhumerus": 60.0}, "z", SHOULDER), SHOULDER, 0.02),
+    "frozen": (lambda m: held(m, ["lhumerus", "lradius"], slice(120, 180)), slice(121, 180), 0.6),
+    "frozen, at first": (lambda m: held(m, ["lhumerus"], slice(0, 60), REST), slice(0, 60), 0.4),
+    "repeated": (lambda m: m.at(np.r_[:90, [89] * 15, 105:300]), slice(90, 105), 0.3),
+    "root elsewhere": (lambda m: moved(m, [0.3, 0, 0.2], slice(90, None)), slice(90, None), 0.05),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damage_is_found_and_mended_without_a_model(walk, kind):
+    damage, frames, share = DAMAGE[kind]
+    damaged = damage(walk)
+    repaired = repair(damaged, None)
+    assert kind.split(",")[0] in {finding.kind for finding in repaired.findings}
+    for finding in repaired.findings:
+        last = len(walk) if frames.stop is None else frames.stop
+        assert frames.start - 2 <= finding.frames[0] <= finding.frames[1] <= last + 1
+        assert 0.5 <= finding.confidence <= 1
+        assert finding.cm > 0
+    every = slice(None)
+    assert error(repaired.motion, walk, frames, every) < share * error(damaged, walk, frames, every)
+    assert_other_frames_are_kept(repaired, damaged)
+
+
+def test_a_leg_turns_two_frames_after_a_step_of_its_own():
+    """A step as long as the shortest jump, and the first jump of the turn, are no spike."""
+    motion = make_take("walk", 0, seconds=5.0, rate=30.0).motion
+    damaged = turned(motion, {"rfemur": 50.0}, "z", slice(50, 95))
+    (finding,) = (found for found in mend(damaged)[1] if found.joint == "right_hip")
+    assert (finding.kind, finding.frames) == ("turned", (50, 94))
+
+
+def test_a_clean_motion_is_left_as_it_is(manifold, walk):
+    for preset in (Preset(), Preset(feet=True)):
+        repaired = repair(walk, manifold, preset=preset)
+        assert repaired.known
+        assert not repaired.findings
+        assert repaired.motion is walk
+    assert fitting_preset(walk) is None
+
+
+def test_fast_motion_is_no_damage(walk):
+    """The elbow of a runner at 24 frames a second; hips that turn for a kick."""
+    swing = [0, -19, -24, -13, -6, -7, -21, -44, -63, -58, -22, 32, 25, 4, 0]
+    degrees = np.r_[np.zeros(100), swing, np.zeros(len(walk) - 115)]
+    assert not mend(turned(walk, {"lradius": degrees}, "x"))[1]
+    kick = np.r_[np.zeros(120), np.linspace(60, 85, 40), np.full(len(walk) - 160, 39.0)]
+    assert "displaced" not in {f.kind for f in mend(turned(walk, {"root": kick}, "y"))[1]}
+
+
+def test_findings_passed_back_are_mended_and_nothing_else(manifold, walk):
+    damaged = turned(turned(walk, {"lhumerus": 60.0}, "z", SHOULDER), {"rfemur": 40}, "x", [200])
+    findings = repair(damaged, manifold).findings
+    assert {finding.joint for finding in findings} >= {"left_shoulder", "right_hip"}
+    chosen = [finding for finding in findings if finding.joint == "left_shoulder"]
+    repaired = repair(damaged, manifold, findings=chosen)
+    assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [101, 102]
+    with pytest.raises(ValueError, match="no joint 'tail'"):
+        repair(walk, manifold, findings=[Finding("tail", (3, 4), "spike")])
+    with pytest.raises(ValueError, match="frames 0 to 299"):
+        repair(walk, manifold, findings=[Finding("hips", (3, 300), "spike")])
+
+
+@pytest.mark.parametrize("frames", [1, 30])
+def test_a_t_pose_at_the_start_is_kept_or_cut_and_not_smeared(walk, frames):
+    rotations, translations = walk.rotations.copy(), walk.translations.copy()
+    rotations[:frames, 1:], translations[:frames] = REST, translations[0]
+    damaged = replace(walk, rotations=rotations, translations=translations)
+    kept = repair(damaged, None, preset=Preset(smooth=True))
+    assert (kept.findings[0].kind, kept.findings[0].frames) == ("T-pose", (0, frames - 1))
+    np.testing.assert_array_equal(kept.motion.rotations[:frames], rotations[:frames])
+    assert error(kept.motion, damaged, slice(frames, frames + 10), ALL) < 0.01
+    cut = repair(damaged, None, preset=Preset(cut=True))
+    np.testing.assert_array_equal(cut.motion.rotations, rotations[frames:])
+    assert fitting_preset(damaged) == "suit"
+    # A file that was filtered eases out of the pose after the root has turned.
+    share = np.linspace(0.4, 0.0, 6)[:, None, None]
+    rotations[frames : frames + 6, 1:] += share * (REST - rotations[frames : frames + 6, 1:])
+    eases = turned(replace(damaged, rotations=rotations), {"root": 90.0}, "y", slice(frames))
+    assert find_t_pose(eases)[0].frames == (0, frames - 1)
+
+
+@pytest.mark.parametrize("way", [[0.0, -0.08, 0.0], [0.25, 0.0, 0.1]])
+def test_feet_that_sink_or_slide_stand_still_on_the_floor(walk, way):
+    """The body sinks into the floor, or slides there and back, without a jump."""
+    frames = np.arange(len(walk))
+    share = np.clip(np.minimum(frames - 90, 210 - frames) / 50, 0.0, 1.0)[:, None]
+    translations = walk.translations.copy()
+    translations[:, 0] += share * share * (3 - 2 * share) * way
+    damaged = replace(walk, translations=translations)
+    assert not repair(damaged, None).findings
+    repaired = repair(damaged, None, preset=Preset(feet=True))
+    assert {finding.kind for finding in repaired.findings} == {"foot"}
+    contacts = find_contacts(body_positions(walk), 60.0)
+    stands = contacts & (share == 1)
+    toes = [body_positions(m)[:, FEET] for m in (walk, damaged, repaired.motion)]
+    off = [np.linalg.norm(np.diff(x - toes[0], axis=0), axis=-1)[contacts[1:]] for x in toes[1:]]
+    assert way[1] or off[1].mean() < 0.5 * off[0].mean()
+    if way[1]:
+        heights = [np.abs((x - toes[0])[..., 1])[stands].mean() for x in toes[1:]]
+        assert heights[1] < 0.02 < 0.06 < heights[0]
+    assert not jumping_steps(repaired.motion).any()
+
+
+def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
+    still = replace(walk, translations=walk.translations[:1].repeat(len(walk), axis=0))
+    assert not repair(still, None).findings
+    repaired = repair(still, None, preset=Preset(feet=True))
+    true, after = body_positions(walk), body_positions(repaired.motion)
+    off = np.linalg.norm(after[:, 0] - after[0, 0] - true[:, 0] + true[0, 0], axis=-1)
+    assert is_path(repaired.findings[0])
+    assert off.max() < 0.05 < 4.0 < np.linalg.norm(true[-1, 0] - true[0, 0])
+    contacts = find_contacts(true, 60.0)
+    slides = np.linalg.norm(np.diff(after[:, FEET], axis=0), axis=-1)[contacts[1:]]
+    assert slides.mean() * 60.0 < 0.02
+    seated = turned(still, {"lfemur": -80.0, "rfemur": -80.0}, "x")
+    assert not any(map(is_path, find_feet(seated)))
+
+
+def test_feet_that_make_no_steps_are_held_at_one_place():
+    wave = make_take("wave", 1, seconds=15.0, rate=30.0).motion
+    still = replace(wave, translations=wave.translations[:1].repeat(len(wave), axis=0))
+    noise = np.random.default_rng(0).normal(0.0, 15.0, size=(2, len(wave)))
+    legs = dict(zip(["lfemur", "rfemur"], gaussian_filter1d(noise, 3.0), strict=True))
+    after = repair(turned(still, legs, "x"), None, preset=Preset(feet=True))
+    assert is_path(after.findings[0])
+    assert np.ptp(body_positions(after.motion)[:, 0, [0, 2]], axis=0).max() < 0.35
+
+
+def test_feet_are_left_alone_where_they_would_slide_more(walk):
+    """A finding that says that a foot stands while it swings."""
+    toe = body_positions(walk)[:, FEET[0]]
+    speed = np.linalg.norm(np.gradient(toe, axis=0), axis=-1)
+    swing = 60 + int(np.argmax(speed[60:240]))
+    wrong = [Finding("left_toe", (swing - 6, swing + 6), "foot")]
+    assert mend_feet(walk, wrong) is walk
+    repaired = repair(walk, None, findings=wrong)
+    assert not repaired.touched.any()
+    assert [finding.evidence for finding in repaired.proposed] == [f"; {LEFT}"]
+
+
+def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk):
+    rng = np.random.default_rng(1)
+    noise = np.zeros(len(walk))
+    noise[100:130] = 40 * rng.normal(size=30)
+    noisy = turned(walk, {"lhumerus": noise}, "z")
+    repaired = repair(noisy, None)
+    assert {"jumps"} == {finding.kind for finding in repaired.findings} - {"spike"}
+    ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
+    assert jumping_steps(noisy).sum() > 10
+    assert jumping_steps(repaired.motion).sum() <= jumping_steps(ten_lines).sum()
+    moved = repaired.touched.any(axis=1)
+    assert not moved[:70].any()
+    assert not moved[160:].any()
+    assert not repaired.touched[:, LEG].any()
+
+
+def test_a_joint_that_returns_to_its_limit_is_not_frozen(walk):
+    knees = held(held(walk, ["ltibia"], slice(60, 90)), ["ltibia"], slice(200, 203), REST)
+    assert {"frozen"} == {f.kind for f in repair(knees, None).findings} & {"frozen"}
+    value = knees.rotations[60, walk.skeleton.index("ltibia")]
+    at_limit = held(knees, ["ltibia"], slice(230, 240), value)
+    assert "frozen" not in {f.kind for f in repair(at_limit, None).findings if f.frames[0] < 95}
+
+
+def test_a_bone_of_no_length_gets_its_length_back(walk):
+    wrist, translations = walk.skeleton.index("lwrist"), walk.translations.copy()
+    translations[100:160, wrist] = 0.0
+    translations[200, wrist, 0] += 0.01  # so that the bone has a channel: no damage
+    repaired = repair(replace(walk, translations=translations), None)
+    assert [finding.frames for finding in repaired.findings] == [(100, 159)]
+    np.testing.assert_allclose(repaired.motion.translations[100:160], walk.translations[100:160])
+
+
+def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
+    """Someone kneels down, stays and stands up again: no model of walks knows it."""
+    motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
+    degrees = 100 * np.interp(np.arange(len(motion)), [60, 80, 150, 170], [0, 1, 1, 0])
+    kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
+    repaired = repair(kneels, manifold)
+    assert not repaired.touched.any()
+    assert all("at neither end" in finding.evidence for finding in repaired.proposed)
+    assert find_unlikely(manifold, Body(kneels, manifold.lengths)) == list(repaired.proposed)
+
+
+def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
+    lying = make_take("idle", 1, seconds=3.0, rate=30.0).motion
+    slow = np.linspace(0.0, 1.0, len(lying))[:, None, None]
+    directions = np.random.default_rng(0).normal(size=(len(lying.skeleton.names), 3))
+    turns = Rotation.from_rotvec((directions * (1 + 0.1 * slow)).reshape(-1, 3)).as_quat()
+    strange = replace(lying, rotations=turns.reshape(lying.rotations.shape))
+    repaired = repair(strange, manifold)
+    assert not repaired.known
+    assert not repaired.touched.any()
+    spiked = turned(strange, {"lhumerus": 60.0}, "z", slice(40, 41))
+    repaired = repair(spiked, manifold)
+    assert not repaired.known
+    assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [40]
+    marked = np.zeros((len(lying), 20), bool)
+    marked[50:60] = True
+    assert repair(strange, manifold, marked).touched[50:60].all()
+
+
+def test_values_that_are_not_finite_are_filled_in(manifold, walk):
+    rotations, elbow = walk.rotations.copy(), walk.skeleton.index("lradius")
+    rotations[50:60, elbow] = np.nan
+    repaired = repair(replace(walk, rotations=rotations), manifold)
+    assert np.all(np.isfinite(repaired.motion.rotations))
+    assert [(f.joint, f.frames, f.kind) for f in repaired.findings] == [
+        ("left_elbow", (50, 59), "not finite")
+    ]
+    assert error(repaired.motion, walk, slice(50, 60), ARM[1:]) < 0.02
+    assert_other_frames_are_kept(repaired, walk)
+
+
+def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
+    """The opponent is a median and a Butterworth filter on all rotations."""
+    rng = np.random.default_rng(0)
+    shaken = {name: 4 * rng.normal(size=len(walk)) for name in walk.skeleton.names[1:20]}
+    noisy = turned(walk, shaken, "x")
+    for frame in rng.integers(10, 290, 30):
+        noisy = turned(noisy, {"lhumerus": 70.0}, "z", [frame])
+    assert fitting_preset(noisy) == "video"
+    repaired = repair(noisy, None, preset=replace(PRESETS["video"], feet=False))
+    ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
+    assert error(repaired.motion, walk, ALL, ALL) < 1.2 * error(ten_lines, walk, ALL, ALL)
+    assert jumping_steps(repaired.motion).sum() <= jumping_steps(ten_lines).sum()
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4, 7])
+def test_short_motions_pass(walk, frames):
+    assert len(mend(walk.at(slice(frames)), PRESETS["video"])[0]) == frames
