@@ -19,7 +19,7 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
-from numpy_cae.training.schedule import one_cycle, rate_at
+from numpy_cae.training.schedule import learning_rates, one_cycle
 from numpy_cae.training.step import denoising_step, make_optimiser
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
@@ -94,9 +94,10 @@ def convolutional(draw: Draw, seed: int) -> Project:
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
     optimiser, stride = make_optimiser(STAGE, network.parameters), network.stride
+    rates = learning_rates(STAGE, STEPS)
     for step in range(STEPS):
         x, corrupted = draw(rng, WINDOW)
-        denoising_step(network, x, corrupted, STAGE, rate_at(STAGE, 0, step, STEPS), rng, optimiser)
+        denoising_step(network, x, corrupted, None, STAGE, rates[step], optimiser)
 
     def project(take: np.ndarray) -> np.ndarray:
         padded = _padded(take, WINDOW)

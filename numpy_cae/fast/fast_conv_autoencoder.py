@@ -12,8 +12,12 @@ import numpy as np
 
 from numpy_cae.fast.thread_team import thread_team
 from numpy_cae.fast.workspace import Worker, Workspace
-from numpy_cae.models.arguments import require_denoising_arguments, require_windows
-from numpy_cae.models.conv_autoencoder import ConvAutoencoder, Gradients
+from numpy_cae.models.conv_autoencoder import (
+    ConvAutoencoder,
+    Gradients,
+    require_denoising_arguments,
+    require_windows,
+)
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 

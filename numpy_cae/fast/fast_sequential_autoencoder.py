@@ -11,8 +11,15 @@ from numpy_cae.fast.blas import one_blas_thread
 from numpy_cae.fast.gru_matrices import GruMatrices
 from numpy_cae.fast.sequence_worker import SequenceWorker
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
-from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
-from numpy_cae.models.sequential_autoencoder import FRAMES, Losses, SequentialAutoencoder, Weights
+from numpy_cae.models.sequential_autoencoder import (
+    FRAMES,
+    Losses,
+    SequentialAutoencoder,
+    Weights,
+    require_clips,
+    require_latent,
+    require_sequence_arguments,
+)
 
 MAX_CLIPS = 128
 """Clips that one workspace holds when no gradient is computed; more go in parts."""

@@ -96,31 +96,28 @@ class Workspace:
     ) -> None:
         """Call work(worker) for every worker, with the ŵ of these layers; then compute `dws`.
 
-        Unless the caller knows that W is that of the last run (`same_weights`), W is compared with
-        a copy, bit by bit. That takes as long as encoding a window, so the threads work with the ŵ
-        that there is and compare meanwhile; if W has changed, they work again with the new ŵ.
+        Without `same_weights`, which says that W is that of the last run, W is compared with a
+        copy bit by bit before the work begins, and where it differs ŵ is computed anew.
         """
         filters = [np.ascontiguousarray(layer.w) for layer in layers]
-        copies, self._copies = self._copies, []  # none in case of a failure
-        equal = [False] * self.team.size
+        copies = self._copies
+        self._copies = []  # none in case of a failure
+        equal = [same_weights] * self.team.size
 
-        def run_thread(number: int, anew: bool) -> None:
-            if anew:
+        def run_thread(number: int) -> None:
+            if copies and not same_weights:
+                equal[number] = self._equal_part(number, filters, copies)
+                self.team.wait()
+            if not all(equal):
                 self._transform_filters(number, filters)
             for worker in self.workers[number : number + 1]:
                 work(worker)
             if dws:
                 self._filters_gradient(number, dws)
-            equal[number] = anew or same_weights or self._equal_part(number, filters, copies)
 
-        if copies:
-            self.team.run(lambda number: run_thread(number, anew=False))
-        if not all(equal):
-            self.team.run(lambda number: run_thread(number, anew=True))
-            # With the ŵ of infinite weights the next run would warn, whatever its own weights are.
-            kept = not self.training and all(np.isfinite(w).all() for w in filters)
-            copies = [w.copy() for w in filters] if kept else []
-        self._copies = copies
+        self.team.run(run_thread)
+        if not self.training:
+            self._copies = copies if all(equal) else [w.copy() for w in filters]
 
     def _transform_filters(self, number: int, filters: Sequence[np.ndarray]) -> None:
         """ŵ = G w: each thread computes some rows."""
@@ -137,15 +134,11 @@ class Workspace:
     def _equal_part(
         self, number: int, filters: Sequence[np.ndarray], copies: Sequence[np.ndarray]
     ) -> bool:
-        """Return True if this thread's share of W equals the copies.
-
-        If some threads have no windows, only those compare.
-        """
-        busy = len(self.workers) % self.team.size
-        return number < busy or all(
+        """Whether this thread's share of W equals that of the copies."""
+        return all(
             w.dtype == copy.dtype and np.array_equal(_bits(w)[part], _bits(copy)[part])
             for w, copy in zip(filters, copies, strict=True)
-            for part in [share(_bits(w).size, number - busy, self.team.size - busy)]
+            for part in [share(_bits(w).size, number, self.team.size)]
         )
 
 

@@ -71,7 +71,7 @@ class MotionManifold:
     settings : dict
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
-        Whether the network was trained on X_c / (1 - p): see `training.corruption`.
+        Whether the network was trained on X_c / (1 - p): see `training.step`.
     linear : LinearDenoiser, optional
         A linear map fitted to the same windows, of which `mixture` makes a mean with the network's
         projection where values were removed. Without it the network projects alone.

@@ -13,7 +13,6 @@ from typing import Literal
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.models.arguments import require_denoising_arguments, require_windows
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 
@@ -240,3 +239,37 @@ def _decode_layers(
         y, pullback = layer.decode_with_pullback(y, mask)
         pullbacks.append(pullback)
     return y, pullbacks
+
+
+def require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:
+    """Raise ValueError unless the layers can encode x."""
+    require_shape(name, x, ("batch", "frames", layers[0].w.shape[1]))
+    if x.shape[1] % 2 ** len(layers):
+        raise ValueError(
+            f"{name} has shape {x.shape}: pooling {len(layers)} times needs an even number of "
+            f"frames each time, so expected a multiple of {2 ** len(layers)} frames"
+        )
+
+
+def require_denoising_arguments(
+    layers: Sequence[ConvLayer],
+    x: np.ndarray,
+    corrupted: np.ndarray,
+    first: Sequence[np.ndarray | None] | None,
+) -> None:
+    """Raise ValueError unless the arguments of `ConvAutoencoder.loss_and_gradients` fit."""
+    require_windows("x", x, layers)
+    require_shape("corrupted", corrupted, x.shape)
+    if x.size == 0:
+        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
+    if first is None:
+        return
+    if len(first) != len(layers):
+        raise ValueError(f"first has {len(first)} masks, expected {len(layers)}, one for a layer")
+    batch, frames, _ = x.shape
+    for k, (mask, layer) in enumerate(zip(first, layers, strict=True)):
+        if mask is None:
+            continue
+        require_shape(f"first[{k}]", mask, (batch, frames >> (k + 1), layer.b.size))
+        if np.asarray(mask).dtype != bool:
+            raise ValueError(f"first[{k}] has dtype {np.asarray(mask).dtype}, expected bool")

@@ -15,13 +15,13 @@ Every value is computed by `numpy_cae.ops`, every gradient by the pullbacks in r
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.models.arguments import require_clips, require_latent, require_sequence_arguments
-from numpy_cae.ops.shapes import Pullback
+from numpy_cae.ops.shapes import Pullback, require_shape
 
 Weights = dict[str, np.ndarray]
 
@@ -67,10 +67,10 @@ class SequentialAutoencoder:
     features : int
         Numbers of a frame, 54 in the paper.
     hidden : int
-        Units of each GRU; `numpy-cae train` makes 128. The paper does not state the number;
-        MBR17 (Martinez, Black and Romero, 2017), from which it takes the decoder, has 1024.
+        Units of each GRU. The paper does not state the number; MBR17 (Martinez, Black and Romero,
+        2017), from which it takes the decoder, has 1024.
     latent : int
-        Dimensions of z; `numpy-cae train` makes 8. The paper does not state the number.
+        Dimensions of z. The paper does not state the number.
     rng : numpy.random.Generator, optional
         Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
@@ -97,8 +97,8 @@ class SequentialAutoencoder:
     def __init__(
         self,
         features: int = 54,
-        hidden: int = 512,
-        latent: int = 32,
+        hidden: int = 128,
+        latent: int = 8,
         rng: np.random.Generator | None = None,
         dtype: np.dtype | type = np.float32,
         burn_in: int = 0,
@@ -111,7 +111,8 @@ class SequentialAutoencoder:
     def from_weights(cls, weights: Weights, burn_in: int = 0) -> SequentialAutoencoder:
         """The network of given weights; neither the dict nor the arrays are copied."""
         model = cls.__new__(cls)
-        model.weights, model.burn_in = weights, burn_in
+        model.weights = weights
+        model.burn_in = burn_in
         return model
 
     @property
@@ -224,34 +225,16 @@ class SequentialAutoencoder:
         """
         weights = self.weights
         require_latent(z, frames, weights)
-        frame_w, frame_b = weights["frame_w"], weights["frame_b"]
         h, state_pullback = ops.linear(z, weights["state_w"], weights["state_b"])
-        y = np.zeros((len(z), len(frame_b)), h.dtype)
-        written, step_pullbacks, frame_pullbacks = [], [], []
-        for _ in range(self.burn_in + frames):
-            h, step_pullback = ops.gru_step(y, h, *gru_weights(weights, "decoder"))
-            y, frame_pullback = ops.linear(h, frame_w, frame_b)
-            written.append(y)
-            step_pullbacks.append(step_pullback)
-            frame_pullbacks.append(frame_pullback)
+        written, written_pullback = _write_frames(h, self.burn_in + frames, weights)
         x_hat = np.stack(written[: -frames - 1 : -1], axis=1)  # the last T, the last one first
 
         def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
-            learned = *gru_weights(weights, "decoder"), frame_w, frame_b
-            totals = [np.zeros_like(weight) for weight in learned]
-            dy_fed, dh = np.zeros_like(y), np.zeros_like(h)
-            d_written = [np.zeros_like(y)] * self.burn_in
+            d_written = [np.zeros_like(dx_hat[:, 0])] * self.burn_in
             d_written += [dx_hat[:, t] for t in reversed(range(frames))]
-            for k in reversed(range(len(d_written))):
-                dh_through_frame, *frame_terms = frame_pullbacks[k](d_written[k] + dy_fed)
-                dy_fed, dh, *gru_terms = step_pullbacks[k](dh + dh_through_frame)
-                for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
-                    total += term
+            dh, of_steps = written_pullback(d_written)
             dz, d_state_w, d_state_b = state_pullback(dh)
-            *of_gru, d_frame_w, d_frame_b = totals
-            of_state = {"state_w": d_state_w, "state_b": d_state_b}
-            of_frame = {"frame_w": d_frame_w, "frame_b": d_frame_b}
-            return dz, {**of_state, **_named("decoder", of_gru), **of_frame}
+            return dz, {"state_w": d_state_w, "state_b": d_state_b, **of_steps}
 
         return x_hat, pullback
 
@@ -288,6 +271,40 @@ class SequentialAutoencoder:
         encoder_gradients = encode_pullback(dz + prior_pullback(weight))
         losses = Losses(float(total), float(reconstruction), float(discrepancy))
         return losses, {**encoder_gradients, **decoder_gradients}
+
+
+def _write_frames(
+    h: np.ndarray, steps: int, weights: Weights
+) -> tuple[list[np.ndarray], Callable[[list[np.ndarray]], tuple[np.ndarray, Weights]]]:
+    """y_1, y_2, … from h_0, and the pullback that takes all dy to dh_0 and the gradients by name.
+
+    The equations are in `SequentialAutoencoder.decode_with_pullback`.
+    """
+    gru = gru_weights(weights, "decoder")
+    frame = weights["frame_w"], weights["frame_b"]
+    y = np.zeros((len(h), len(weights["frame_b"])), h.dtype)
+    written = []
+    pullbacks = []
+    for _ in range(steps):
+        h, step_pullback = ops.gru_step(y, h, *gru)
+        y, frame_pullback = ops.linear(h, *frame)
+        written.append(y)
+        pullbacks.append((step_pullback, frame_pullback))
+
+    def pullback(d_written: list[np.ndarray]) -> tuple[np.ndarray, Weights]:
+        totals = [np.zeros_like(weight) for weight in (*gru, *frame)]
+        dy_fed = np.zeros_like(y)
+        dh = np.zeros_like(h)
+        for k in reversed(range(steps)):
+            step_pullback, frame_pullback = pullbacks[k]
+            dh_through_frame, *frame_terms = frame_pullback(d_written[k] + dy_fed)
+            dy_fed, dh, *gru_terms = step_pullback(dh + dh_through_frame)
+            for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
+                total += term
+        of_gru = _named("decoder", totals[:4])
+        return dh, {**of_gru, "frame_w": totals[4], "frame_b": totals[5]}
+
+    return written, pullback
 
 
 def weight_shapes(features: int, hidden: int, latent: int) -> dict[str, tuple[int, ...]]:
@@ -345,3 +362,25 @@ def gru_weights(weights: Weights, name: str) -> tuple[np.ndarray, ...]:
 def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
     """dW, dU, db and dc of the "encoder" or the "decoder", by name."""
     return {f"{gru}_{letter}": each for letter, each in zip("wubc", gradients, strict=True)}
+
+
+def require_clips(name: str, x: np.ndarray, weights: Weights) -> None:
+    """Raise ValueError unless the encoder can read x."""
+    require_shape(name, x, ("batch", "frames", len(weights["encoder_w"])))
+    if x.shape[1] == 0:
+        raise ValueError(f"{name} has shape {x.shape}: a clip has at least one frame")
+
+
+def require_latent(z: np.ndarray, frames: int, weights: Weights) -> None:
+    """Raise ValueError unless the decoder can write this number of frames from z."""
+    require_shape("z", z, ("batch", len(weights["state_w"])))
+    if frames < 1:
+        raise ValueError(f"frames is {frames}, expected at least 1")
+
+
+def require_sequence_arguments(x: np.ndarray, prior: np.ndarray, weights: Weights) -> None:
+    """Raise ValueError unless the arguments of `SequentialAutoencoder.loss_and_gradients` fit."""
+    require_clips("x", x, weights)
+    if len(x) == 0:
+        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
+    require_shape("prior", prior, (len(x), weights["latent_b"].size))

@@ -4,11 +4,14 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-BETA_1, BETA_2, EPSILON = 0.9, 0.99, 1e-8
-"""Kingma and Ba suggest 0.999 for β₂; 0.99 left a smaller error here
-(docs/lab_book/end_to_end.md)."""
+BETA_1 = 0.9
+"""The value of Kingma and Ba."""
+BETA_2 = 0.99
+"""Kingma and Ba suggest 0.999; 0.99 left a smaller error here (docs/lab_book/end_to_end.md)."""
+EPSILON = 1e-8
+"""The value of Kingma and Ba."""
 BLOCK = 32_768
-"""Numbers of an array that are updated together; they stay in the processor's cache."""
+"""So many numbers of an array are updated together; they stay in the processor's cache."""
 
 
 class Adam:
@@ -51,7 +54,8 @@ class Adam:
         self.count += 1
         # η · m̂ / (√v̂ + ε) = η r · m / (√v + ε · √(1 - β₂ᵗ)) with r = √(1 - β₂ᵗ) / (1 - β₁ᵗ)
         root = (1 - BETA_2 ** int(self.count)) ** 0.5
-        rate, epsilon = rate * root / (1 - BETA_1 ** int(self.count)), EPSILON * root
+        rate = rate * root / (1 - BETA_1 ** int(self.count))
+        epsilon = EPSILON * root
         arrays = self.parameters.values(), self.means.values(), self.squares.values(), gradients
         for together in zip(*arrays, strict=True):
             for w, m, v, g in _blocks(together):

@@ -38,8 +38,12 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
-        self.path, self.seconds, self.resume = Path(path), seconds, resume
-        self.run, self.position, self.last = "", "", time.monotonic()
+        self.path = Path(path)
+        self.seconds = seconds
+        self.resume = resume
+        self.run = ""
+        self.position = ""
+        self.last = time.monotonic()
 
     def load_into(self, state: TrainingState, run: str) -> None:
         """Continue from the file if there is one; `run` is the `fingerprint` of this training.
@@ -47,6 +51,7 @@ class Checkpoint:
         Raises CheckpointError if the file is of another run or damaged.
         """
         self.run = run
+        state.saved = self.status
         self.require_none_unless_resumed()
         if not self.path.exists():
             return
@@ -86,7 +91,8 @@ class Checkpoint:
     def save(self, state: TrainingState) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
         # Until the save succeeds, it is unknown whether the old or the new state is in the file.
-        before, self.position = self.position, ""
+        before = self.position
+        self.position = ""
         try:
             save_arrays(_arrays_of(state, self.run), self.path, compressed=False)
         except FileError as error:
@@ -94,7 +100,8 @@ class Checkpoint:
             advice = "Correct that and continue with --resume"
             raise CheckpointError(f"{error}; {self.status()}. {advice}") from error
         done = f"{state.epoch} epochs and {state.step} steps done"
-        self.position, self.last = f" ({state.name}, {done})", time.monotonic()
+        self.position = f" ({state.name}, {done})"
+        self.last = time.monotonic()
 
     def remove(self) -> None:
         """Remove the file: the training has ended and its model is saved."""

@@ -11,11 +11,9 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.corruption import corrupted_copy
-from numpy_cae.training.progress import require_finite
-from numpy_cae.training.schedule import Schedule, rate_at
+from numpy_cae.training.schedule import Schedule, learning_rates
 from numpy_cae.training.state import History, TrainingState
-from numpy_cae.training.step import denoising_step, make_optimiser
+from numpy_cae.training.step import denoising_step, drawn_inputs, make_optimiser
 
 
 def train_autoencoder(
@@ -87,20 +85,22 @@ def autoencoder_steps(
 ) -> Iterator[None]:
     """Train from `state` on, and yield after every step: the loop of `train_autoencoder`."""
     rng = state.rng
-    for name, layer, stage in schedule.stages(len(model.layers))[state.stage :]:
-        trained = model if layer is None else model.layers[layer]
-        x = windows if layer is None else hidden_below(model, windows, layer)
-        optimiser, steps = make_optimiser(stage, trained.parameters), -(-len(x) // stage.batch)
+    for name, number, stage in schedule.stages(len(model.layers))[state.stage :]:
+        layer = None if number is None else model.layers[number]
+        x = windows if number is None else hidden_below(model, windows, number)
+        optimiser = make_optimiser(stage, (layer or model).parameters)
+        steps = -(-len(x) // stage.batch)
+        rates = learning_rates(stage, steps)
         state.begin_stage(name, optimiser, stage.epochs, steps, len(x))
         for epoch in range(state.epoch, stage.epochs):
             if state.step == 0:
                 state.order = rng.permutation(len(x))
             for step in range(state.step, steps):
                 batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
-                corrupted = corrupted_copy(batch, stage, rng)
-                rate = rate_at(stage, epoch, step, steps)
-                loss = denoising_step(model, batch, corrupted, stage, rate, rng, optimiser, layer)
-                require_finite(loss, batch, rate, state, checkpoint)
+                rate = rates[epoch * steps + step]
+                drawn = drawn_inputs(batch, layer, stage, rng)
+                loss = denoising_step(model, batch, *drawn, stage, rate, optimiser, number)
+                state.require_finite(loss, batch, rate)
                 state.end_step(loss, len(batch))
                 yield
                 if checkpoint is not None:

@@ -5,9 +5,11 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 WARM_UP = 0.3
-"""Share of a one-cycle schedule in which the rate rises."""
-FIRST, LAST = 1 / 25, 1e-5
-"""The rate of a one-cycle schedule at its start and at its end, as shares of its peak."""
+"""In this share of a one-cycle schedule the rate rises; then it falls."""
+FIRST = 1 / 25
+"""A one-cycle schedule starts at this share of its peak rate."""
+LAST = 1e-5
+"""A one-cycle schedule ends at this share of its peak rate."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +27,9 @@ class Stage:
     decay: float = 0.9  # factor applied to the rate after each epoch
     alpha: float = 0.01  # weight of the sparsity term of equation 3
     batch: int = 1  # windows in a step: "iteratively input each data point"
-    zeroed: float | tuple[float, float] = 0.1  # p of `corrupt`, or the bounds of each window's p
+    zeroed: float | tuple[float, float] = (
+        0.1  # p of `zero_values`, or bounds of each window's p
+    )
     rescaled: bool = False  # whether X_c is divided by 1 - p
     momentum: float = 0.0  # μ of `descend_with_momentum`, at least 0 and below 1
     norm: float | None = None  # bound on the gradient's norm; the paper has none
@@ -119,8 +123,9 @@ RECIPES = {
     "fast": Schedule(Stage(epochs=0), _FAST, initial="passing", rms=0.12),
     "best": Schedule(Stage(epochs=0), _BEST),
 }
-"""Names of schedules: "paper" as published, "fast" and "best" with Adam and all layers at once."""
-"""Schedules by name; docs/lab_book/end_to_end.md lists the error that each reaches. The settings
+"""Schedules by name: "paper" as published, "fast" and "best" with Adam and all layers at once.
+
+docs/lab_book/end_to_end.md lists the error that each reaches. The settings
 were chosen on Bandai's takes *_004 after training on *_001 to *_003, not on the test takes *_005;
 those of fast also on sources left out of training (docs/lab_book/other_sources.md)."""
 SEQUENCE_RECIPES = {
@@ -211,10 +216,12 @@ def one_cycle(peak: float, share: float) -> float:
     [0.04, 0.52, 1.0, 0.5, 0.0]
     """
     if share < WARM_UP:
-        start, end, share = FIRST, 1.0, share / WARM_UP
-    else:
-        start, end, share = 1.0, LAST, (share - WARM_UP) / (1 - WARM_UP)
-    return peak * (end + (start - end) * (1 + math.cos(math.pi * share)) / 2)
+        return peak * _half_cosine(FIRST, 1.0, share / WARM_UP)
+    return peak * _half_cosine(1.0, LAST, (share - WARM_UP) / (1 - WARM_UP))
+
+
+def _half_cosine(start: float, end: float, share: float) -> float:
+    return end + (start - end) * (1 + math.cos(math.pi * share)) / 2
 
 
 def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) -> float:
@@ -222,3 +229,9 @@ def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) 
     if stage.rate_schedule == "one-cycle":
         return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
     return decayed_rate(stage.rate, stage.decay, epoch)
+
+
+def learning_rates(stage: Stage | SequenceSchedule, steps: int) -> list[float]:
+    """`rate_at` for every step of a stage, one epoch of `steps` after another."""
+    counted = range(stage.epochs * steps)
+    return [rate_at(stage, done // steps, done % steps, steps) for done in counted]

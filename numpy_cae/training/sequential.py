@@ -7,8 +7,7 @@ import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.progress import require_finite
-from numpy_cae.training.schedule import SequenceSchedule, rate_at
+from numpy_cae.training.schedule import SequenceSchedule, learning_rates
 from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import make_optimiser, sequence_step
 
@@ -79,16 +78,18 @@ def sequential_steps(
     checkpoint: Checkpoint | None = None,
 ) -> Iterator[None]:
     """Train from `state` on, and yield after every step: the loop of `train_sequential`."""
-    optimiser, steps = make_optimiser(schedule, model.weights), schedule.steps
+    optimiser = make_optimiser(schedule, model.weights)
+    steps = schedule.steps
+    rates = learning_rates(schedule, steps)
     # A step counts as one example, so the loss of an epoch is the mean over its steps.
     state.begin_stage("sequences", optimiser, schedule.epochs, steps, examples=steps)
     terms = state.history.losses
     for epoch in range(state.epoch, schedule.epochs):
         for step in range(state.step, steps):
             clips = draw(state.rng, schedule.batch)
-            rate = rate_at(schedule, epoch, step, steps)
+            rate = rates[epoch * steps + step]
             losses = sequence_step(model, clips, schedule, rate, state.rng, optimiser)
-            require_finite(losses.total, clips, rate, state, checkpoint)
+            state.require_finite(losses.total, clips, rate)
             terms.setdefault("reconstruction", []).append(losses.reconstruction)
             terms.setdefault("discrepancy", []).append(losses.discrepancy)
             state.end_step(losses.total, examples=1)

@@ -96,14 +96,16 @@ class Sgd:
     """Gradient descent on named parameters; `state` holds the velocities for a checkpoint."""
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):
-        self.parameters, self.momentum = parameters, momentum
+        self.parameters = parameters
+        self.momentum = momentum
         named = parameters.items() if momentum else ()
         self.state = {f"velocity of {name}": np.zeros_like(array) for name, array in named}
 
     def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
         """Take one step; the gradients are in the order of the parameters."""
-        parameters, velocities = self.parameters.values(), self.state.values()
+        parameters = self.parameters.values()
         if self.momentum:
+            velocities = self.state.values()
             descend_with_momentum(parameters, velocities, gradients, rate, self.momentum)
         else:
             descend(parameters, gradients, rate)

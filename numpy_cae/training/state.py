@@ -1,12 +1,20 @@
 """Where a training stands, and what it has measured."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.training.adam import Adam
 from numpy_cae.training.sgd import Sgd
+
+ADVICE = "a lower rate (--rate) or, in Python, a bound on the norm (`Stage.norm`) may help"
+
+
+class DivergedError(NumpyCaeError, ArithmeticError):
+    """Training whose loss or weights are no longer finite."""
 
 
 @dataclass
@@ -61,6 +69,7 @@ class TrainingState:
     steps: int = 0  # steps in an epoch
     examples: int = 0  # examples in an epoch
     loss: float = float("nan")  # loss of the last step
+    saved: Callable[[], str] = lambda: "there is no checkpoint"  # where the last good state is
     started: float = 0.0  # when the stage would have started without an interruption
 
     def begin_stage(
@@ -70,8 +79,11 @@ class TrainingState:
         for part, array in optimiser.state.items():
             array[...] = self.restored.get(part, array)
         self.restored = {}
-        self.name, self.optimiser = name, optimiser
-        self.epochs, self.steps, self.examples = epochs, steps, examples
+        self.name = name
+        self.optimiser = optimiser
+        self.epochs = epochs
+        self.steps = steps
+        self.examples = examples
         self.history.losses.setdefault(name, [])
         self.started = time.perf_counter() - self.history.seconds.setdefault(name, 0.0)
 
@@ -83,8 +95,32 @@ class TrainingState:
         self.history.seconds[self.name] = time.perf_counter() - self.started
         if self.step == self.steps:
             self.history.losses[self.name].append(self.total / self.examples)
-            self.epoch, self.step, self.total = self.epoch + 1, 0, 0.0
+            self.epoch += 1
+            self.step = 0
+            self.total = 0.0
 
     def end_stage(self) -> None:
         """Count a stage."""
-        self.stage, self.epoch = self.stage + 1, 0
+        self.stage += 1
+        self.epoch = 0
+
+    def require_finite(self, loss: float, x: np.ndarray, rate: float) -> None:
+        """Raise DivergedError if the loss of the step that was made is not finite or, since a
+        finite loss can precede infinite weights, if a weight is not finite at the end of an epoch.
+
+        The message names the first array, from the input x on, that is not finite.
+        """
+        last = self.step + 1 == self.steps
+        if np.isfinite(loss) and not (last and nonfinite(self.weights)):
+            return
+        parts = [*nonfinite({"the input": x} | self.weights), f"the output of {self.name}"]
+        where = f"{self.name}, epoch {self.epoch + 1}, step {self.step + 1}"
+        raise DivergedError(
+            f"{where}: the loss is {loss:.4g} at rate {rate:.4g}; not finite: {parts[0]}; "
+            f"{self.saved()}; {ADVICE}"
+        )
+
+
+def nonfinite(arrays: dict[str, np.ndarray]) -> list[str]:
+    """The names of the arrays that hold a number that is not finite."""
+    return [name for name, array in arrays.items() if not np.isfinite(array).all()]

@@ -1,33 +1,53 @@
-"""One step of training of each network: holden2015, section 6, and jang2018."""
+"""One step of training of each network: holden2015, section 6, and jang2018.
+
+All that is random in a step is drawn here: the corruption and the unpooling of holden2015, the
+prior and the directions of jang2018.
+"""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
+from numpy_cae.training.damage import damage_stretches
 from numpy_cae.training.schedule import SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
+
+Masks = Sequence[np.ndarray]
+"""The masks of `ops.unpool_random`, one for each layer that is trained."""
+
+
+def drawn_inputs(
+    x: np.ndarray, layer: ConvLayer | None, stage: Stage, rng: np.random.Generator
+) -> tuple[np.ndarray, Masks | None]:
+    """X_c of the windows x, and how the decoder unpools.
+
+    The paper unpools at random while one `layer` is trained, and evenly (None) while all are.
+    """
+    corrupted = corrupted_copy(x, stage, rng)
+    if layer is None:
+        return corrupted, None
+    return corrupted, [unpooling_mask(x, layer.b.size, rng)]
 
 
 def denoising_step(
     model: ConvAutoencoder,
     x: np.ndarray,
     corrupted: np.ndarray,
+    first: Masks | None,
     stage: Stage,
     rate: float,
-    rng: np.random.Generator,
     optimiser: Sgd | Adam,
     layer: int | None = None,
 ) -> float:
     """Compute the loss of restoring x from X_c and its gradients, and update the weights.
 
     x : (B, T, C) are clean windows or, when one layer is trained, the output of the layers below
-    it; `corrupted` is X_c. `layer` is the index of the layer to train (0 is the lowest), or None
-    for the whole stack. Returns the loss of equation 3 before the step; if it is not finite, no
-    weight is changed.
+    it; `corrupted` is X_c and `first` how to unpool, see `drawn_inputs`. `layer` is the index of
+    the layer to train (0 is the lowest), or None for the whole stack. Returns the loss of
+    equation 3 before the step; if it is not finite, no weight is changed.
     """
-    layers = model.layers if layer is None else [model.layers[layer]]
-    # The paper unpools at random while one layer is trained, and evenly while all are.
-    first = None if layer is None else _unpooling_masks(layers, x, rng)
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, layer)
     if np.isfinite(loss):
         # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.
@@ -58,6 +78,76 @@ def sequence_step(
         clip_norm(list(gradients.values()), schedule.norm)
         optimiser.update(gradients.values(), rate)
     return losses
+
+
+def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.ndarray:
+    """X_c of a batch of windows (B, T, C), with all the corruption of a stage of training.
+
+        X_c = zero_values(X, p),   p ~ U(zeroed),   and where rescaled   X_c / (1 - p)
+
+    `stage.zeroed` is p, or the two numbers between which each window's p is drawn; below 1 if
+    `stage.rescaled`. Zeroing values with probability p multiplies their expected sum by 1 - p.
+    Dividing by 1 - p restores the sum for every p, so the filters are not fitted to one p.
+    """
+    p: float | np.ndarray
+    if isinstance(stage.zeroed, tuple):
+        p = rng.uniform(*stage.zeroed, size=(len(x), 1, 1)).astype(x.dtype)
+    else:
+        p = stage.zeroed
+    corrupted = zero_values(x, p, rng)
+    if stage.rescaled:
+        corrupted = corrupted / (1 - p)
+    if stage.chains:
+        corrupted = damage_stretches(corrupted, stage.chains, stage.displacement, rng)
+    if stage.noise:
+        deviation = stage.noise * rng.random((len(x), 1, 1), dtype=x.dtype)
+        corrupted = corrupted + deviation * rng.standard_normal(x.shape, dtype=x.dtype)
+    return corrupted
+
+
+def zero_values(x: np.ndarray, p: float | np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """X_c: each value of x set to zero with probability p, independently; zero is the mean pose.
+
+    Parameters
+    ----------
+    x : array of float, any shape
+    p : float or array
+        Between 0 and 1; an array must broadcast to x.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    corrupted : array of the same shape
+
+    Raises
+    ------
+    ValueError
+        If p is not a probability.
+
+    References
+    ----------
+    holden2015, section 6: the corruption of denoising autoencoding.
+
+    Examples
+    --------
+    >>> x = np.ones((1, 1000, 5), np.float32)
+    >>> corrupted = zero_values(x, 0.1, np.random.default_rng(0))
+    >>> round(float(corrupted.mean()), 1)
+    0.9
+    """
+    if not np.all((0 <= np.asarray(p)) & (np.asarray(p) <= 1)):
+        raise ValueError(f"p is {p}, expected a probability between 0 and 1")
+    return x * (rng.random(x.shape, dtype=np.float32) >= p)
+
+
+def unpooling_mask(x: np.ndarray, filters: int, rng: np.random.Generator) -> np.ndarray:
+    """The mask of `ops.unpool_random` for a layer whose input is x, (B, T, C): (B, T/2, D).
+
+    True (with probability 1/2) puts the unpooled value on the first frame of its pair, False on
+    the second.
+    """
+    batch, frames, _ = x.shape
+    return rng.random((batch, frames // 2, filters), dtype=np.float32) < 0.5
 
 
 def unit_directions(
@@ -91,13 +181,3 @@ def make_optimiser(
 ) -> Sgd | Adam:
     """A new optimiser for these parameters, the one that the stage names."""
     return Adam(parameters) if stage.optimiser == "adam" else Sgd(parameters, stage.momentum)
-
-
-def _unpooling_masks(
-    layers: list[ConvLayer], x: np.ndarray, rng: np.random.Generator
-) -> list[np.ndarray]:
-    """One boolean mask for each layer: True (with probability 1/2) puts the unpooled value on the
-    first frame of its pair, False on the second."""
-    batch, frames, _ = x.shape
-    shapes = [(batch, frames >> (k + 1), trained.b.size) for k, trained in enumerate(layers)]
-    return [rng.random(shape, dtype=np.float32) < 0.5 for shape in shapes]

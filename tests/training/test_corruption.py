@@ -6,7 +6,8 @@ import pytest
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
 from numpy_cae.training import Stage
-from numpy_cae.training.corruption import LONGEST, _damage, corrupted_copy, damage_stretches
+from numpy_cae.training.damage import MAX_STRETCH_FRAMES, _damage, damage_stretches
+from numpy_cae.training.step import corrupted_copy
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 
@@ -23,7 +24,7 @@ def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
     assert not changed[..., 9:].any()
     frames = changed.any(axis=2)
     assert 0.1 < np.mean(~frames.any(axis=1)) < 0.5  # a quarter has no stretch
-    assert frames.sum(axis=1).max() <= 3 * LONGEST
+    assert frames.sum(axis=1).max() <= 3 * MAX_STRETCH_FRAMES
     short = damage_stretches(x[:, :8], [(0, 3, 6)], 0.2, rng)
     assert short.shape == (200, 8, 12)
     assert np.all(np.isfinite(short))

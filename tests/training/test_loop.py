@@ -233,7 +233,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
         model, x = new_model(Schedule()), WINDOWS[chosen]
         before = model.layers[0].w.copy()
         optimiser = step.make_optimiser(stage, model.parameters)
-        layerwise.denoising_step(model, x, x, stage, 0.1, np.random.default_rng(0), optimiser)
+        step.denoising_step(model, x, x, None, stage, 0.1, optimiser)
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
@@ -274,6 +274,6 @@ def test_weights_are_checked_at_the_end_of_an_epoch(at_step, fails):
     state.step = at_step
     if fails:
         with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
-            progress.require_finite(0.1, WINDOWS, 0.5, state, None)
+            state.require_finite(0.1, WINDOWS, 0.5)
     else:
-        progress.require_finite(0.1, WINDOWS, 0.5, state, None)
+        state.require_finite(0.1, WINDOWS, 0.5)

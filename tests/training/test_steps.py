@@ -10,13 +10,13 @@ from numpy_cae.training.schedule import one_cycle, rate_at
 from numpy_cae.training.sgd import descend_with_momentum
 
 
-def test_unpooling_masks_are_true_with_probability_one_half():
-    layers = ConvAutoencoder(3, filters=(5, 20), taps=3).layers
-    drawn = module._unpooling_masks(layers, np.ones((10, 400, 3)), np.random.default_rng(0))
-    assert [mask.shape for mask in drawn] == [(10, 200, 5), (10, 100, 20)]
-    for mask in drawn:
-        assert mask.dtype == bool
-        assert mask.mean() == pytest.approx(0.5, abs=0.02)
+def test_only_a_layer_by_itself_is_unpooled_at_random_with_probability_one_half():
+    x, rng = np.ones((10, 400, 3)), np.random.default_rng(0)
+    layer = ConvAutoencoder(3, filters=(20,), taps=3).layers[0]
+    assert module.drawn_inputs(x, None, Stage(), rng)[1] is None
+    [mask] = module.drawn_inputs(x, layer, Stage(), rng)[1]
+    assert mask.shape == (10, 200, 20) and mask.dtype == bool
+    assert mask.mean() == pytest.approx(0.5, abs=0.02)
 
 
 def test_directions_have_length_one_and_no_preferred_direction():
