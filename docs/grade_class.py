@@ -22,8 +22,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.copies import STUBBED, choose_lessons, student_copy
-from numpy_cae.course.exercises import EXERCISES
 from numpy_cae.course.mistakes import patches_of
 from numpy_cae.course.notebook import read_notebook, write_notebook
 from numpy_cae.verify.grading.submission import is_exercise
@@ -73,8 +73,7 @@ def mistaken(rng: random.Random) -> Callable[[str, str], str]:
     def answer(name: str, source: str) -> str:
         if name in OPERATIONS:
             return source + TWICE.format(name)
-        right, patch = rng.choice(list(patches_of(name)))
-        return "\n".join(patch.changed(right.splitlines()))
+        return rng.choice(patches_of(name)).source(name, EXERCISES[name].solution)
 
     return answer
 

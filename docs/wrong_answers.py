@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.course.exercises import CATALOGUE, EXERCISES
+from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.verify.operations.trial import failing_case, try_property
 
 STYLES = re.split(

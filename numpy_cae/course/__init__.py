@@ -5,7 +5,7 @@ is made from it. `load_mine`, `report`, `solved`, `progress` and `example` are f
 notebook.
 """
 
-from numpy_cae.course.catalogue import example, report, solved
+from numpy_cae.course.cells import example, report, solved
 from numpy_cae.course.mine import load_mine
 from numpy_cae.course.progress import progress
 

@@ -1,91 +1,83 @@
-"""The catalogue of the course: operations and exercises, and reports on a student's solutions."""
+"""The catalogue of the course: every exercise with its points and its known mistakes.
+
+Check cells, the tests and grading all use it.
+"""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
+from importlib import import_module
 
-from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.exercises.hints import with_hint
-from numpy_cae.course.feedback import Feedback, Printed
-from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
-from numpy_cae.verify.grading.report import holds
-from numpy_cae.verify.grading.report import report as report_on
-from numpy_cae.verify.operations.catalogue import find_exercise
-from numpy_cae.verify.operations.trial import example as example_of
+from numpy_cae.course.exercises.lesson_12 import VERDICTS
+from numpy_cae.course.mistakes import likely_mistake
+from numpy_cae.verify.operations import catalogue as operations
+from numpy_cae.verify.operations.catalogue import Exercise
+from numpy_cae.verify.operations.property import Property
+
+EXERCISES_IN = "numpy_cae.course.exercises"
+SHOWN_BY = {VERDICTS.operation: VERDICTS}
+"""SHOWN_BY: what shows which mistake an exercise has, where a property that fails does not."""
+EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
+SHARES = {0: 0.4, 1: 0.4, 2: 0.2}
+"""SHARES: the parts of an exercise's points for its value, its gradients and the rest. If an
+exercise has no gradients or no rest, the value has their part, too."""
+EASY = frozenset(
+    "square chain_to_root speeds conv1d_by_loops unfold pooled_again tanh zero_values sgd_step "
+    "frames_seen stage_inputs fill_unknown norms_through_time sigmoid clip_gradients unit_rows "
+    "adjoint_gap conv1d_unfolded conv1d_shifted".split()
+)
+HARD = frozenset(
+    "forward_kinematics conv1d layer_loss stack_loss gru_step gru self_fed check_gradients "
+    "conv1d_by_blocks".split()
+)
+
+
+def with_points(exercise: Exercise) -> Exercise:
+    """The exercise with the points of its difficulty: easy, hard, or else medium.
+
+    Properties of one group of `SHARES` have equal points, except that "value" has as many as all
+    others of its group together.
+    """
+    name = exercise.name
+    total = EASY_POINTS if name in EASY else HARD_POINTS if name in HARD else MEDIUM_POINTS
+    groups = [stated.group for stated in exercise.properties]
+    shares = {group: SHARES[group] for group in set(groups)}
+    shares[0] += 1 - sum(shares.values())
+    weights = [
+        max(1, groups.count(0) - 1) if stated.name == "value" else 1
+        for stated in exercise.properties
+    ]
+    of_group = {g: sum(w for w, of in zip(weights, groups, strict=True) if of == g) for g in shares}
+    points = (total * shares[g] * w / of_group[g] for w, g in zip(weights, groups, strict=True))
+    diagnose = None if name in operations.CATALOGUE else diagnosis(exercise)
+    properties = (
+        replace(stated, points=number, diagnose=diagnose)
+        for stated, number in zip(exercise.properties, points, strict=True)
+    )
+    return replace(exercise, properties=tuple(properties))
+
+
+def diagnosis(exercise: Exercise) -> Callable[[Property, Callable], str]:
+    """The function that names the mistake in an implementation of an exercise, or ""."""
+
+    def diagnose(stated: Property, implementation: Callable) -> str:
+        shown_by = SHOWN_BY.get(stated.operation, stated)
+        return likely_mistake(shown_by, implementation, exercise.solution)
+
+    return diagnose
+
+
+LESSONS: dict[str, tuple[Exercise, ...]] = {
+    number: tuple(map(with_points, import_module(f"{EXERCISES_IN}.lesson_{number}").EXERCISES))
+    for number in (f"{n:02}" for n in range(15))
+}
+
+EXERCISES: dict[str, Exercise] = {
+    exercise.name: exercise for lesson in LESSONS.values() for exercise in lesson
+}
+
+CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
 
 ASSIGNMENTS = {number: tuple(task.name for task in tasks) for number, tasks in LESSONS.items()}
 """The names of the exercises of each lesson, by the number of the lesson."""
-
-
-def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
-    """Test a student's function for every property of an operation or an exercise.
-
-    While nbgrader runs the notebook, the report is printed and its points are returned, because
-    nbgrader takes a number that a check cell returns as the points of the exercise. The points are
-    those of `numpy-cae verify`.
-
-    In a notebook the report is shown where it is the last line of a cell; in a script nothing is
-    shown: `print(course.report(name, function))`.
-
-    Of what the function prints in the tests, the first lines are shown above the report. Where
-    `solved` replaced the function by the package's own, the one that it replaced is tested.
-
-    After a first attempt, `hint=1` adds a hint to the report and `hint=2` a second one. Raises a
-    ValueError if there is no such operation or exercise, or no such hint.
-    """
-    exercise, called = find_exercise(name, CATALOGUE), None
-    if hasattr(function, "stands_in"):
-        function, called = function.tried, name
-        if function is None:
-            print(f"{name} is the package's own now: run the cell with your function again first")
-            function = _unsolved
-    if os.environ.get("NBGRADER_EXECUTION"):
-        with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
-            tested = report_on(exercise, function, called=called)
-        print(tested)
-        return tested.points
-    with redirect_stdout(Printed()) as printed:
-        tested = report_on(with_hint(exercise, hint), function, called=called)
-    print(printed, end="")
-    if tested.unsolved:
-        later = "a hint is shown after your first attempt" if hint else ""
-        tested = replace(tested, exercise=replace(tested.exercise, hint=later))
-    return Feedback(tested.exercise, tested.called, tested.outcomes)
-
-
-def solved(name: str, function: Callable) -> Callable:
-    """The function for later cells: the student's if every property holds, else the package's own.
-
-    If the folder of the notebook has a file mine.py, the student's function is saved to it for
-    later lessons. Prints what is done; raises a ValueError if there is no such exercise.
-    """
-    if name not in EXERCISES:
-        raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
-    with redirect_stdout(Printed()):
-        is_right = not hasattr(function, "stands_in") and holds(EXERCISES[name], function)
-    if not is_right:
-        again = "run this cell again when yours is right"
-        print(f"{name}: the next cells use the package's own; {again}")
-        return function if hasattr(function, "stands_in") else stand_in(name, function)
-    try:
-        with redirect_stdout(Printed()):  # the cell is run again
-            where = f" and later lessons ({FILE})" if save(name, function) else ""
-        print(f"{name}: the next cells{where} use your function")
-    except NotSavedError as error:
-        print(f"{name}: the next cells use your function. It is not saved to {FILE}: {error}")
-    return function
-
-
-def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
-    """The arguments of a counterexample by name, for the call that a report prints.
-
-    Raises a ValueError if there is no such operation or exercise, or a size is missing.
-    """
-    return example_of(find_exercise(name, CATALOGUE), seed, **sizes).arguments
-
-
-def _unsolved(*arguments):
-    raise NotImplementedError

@@ -35,7 +35,7 @@ def student_copy(notebook: dict) -> dict:
     for cell in copy["cells"]:
         if cell["cell_type"] != "code":
             continue
-        cell["outputs"], cell["execution_count"] = [], None
+        cell |= {"outputs": [], "execution_count": None}
         cell["source"] = _without_solutions(cell)
         if cell["metadata"].get("nbgrader", {}).get("locked"):
             cell["metadata"] |= {"editable": False, "deletable": False}

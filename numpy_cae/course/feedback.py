@@ -18,7 +18,8 @@ class Printed(io.TextIOBase):
     """A stream that keeps the beginning of what is printed and counts the lines."""
 
     def __init__(self) -> None:
-        self.kept, self.lines = "", 0
+        self.kept = ""
+        self.lines = 0
 
     def write(self, text: str) -> int:
         self.kept = (self.kept + text)[:LONGEST_KEPT]

@@ -20,7 +20,7 @@ from pathlib import Path
 from types import ModuleType
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.exercises import CATALOGUE, EXERCISES
+from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.checks.written import error_text
@@ -56,7 +56,8 @@ def stand_in(name: str, tried: Callable | None = None) -> Callable:
     del standing_in.__wrapped__  # `name??` in a notebook would show the solution
     standing_in.__signature__ = signature(solution)
     standing_in.__name__ = name
-    standing_in.stands_in, standing_in.tried = True, tried
+    standing_in.stands_in = True
+    standing_in.tried = tried
     return standing_in
 
 
@@ -95,7 +96,8 @@ def load_mine() -> None:
     nbgrader runs the notebook, since marks do not depend on earlier lessons. In the first two cases
     this is printed. The name of a function that is imported and not in mine.py is printed, too.
     """
-    module, usable = ModuleType("mine"), False
+    module = ModuleType("mine")
+    usable = False
     if not os.environ.get("NBGRADER_EXECUTION"):
         try:
             vars(module).update(run(Path(FILE).read_text(encoding="utf-8")))
@@ -128,7 +130,8 @@ def mine_before(lesson: Path) -> str:
 
 def with_definitions(text: str, cell: str) -> str:
     """The text of mine.py with the definitions of a cell at the end, which replace older ones."""
-    lines, statements = text.splitlines(), ast.parse(text).body
+    lines = text.splitlines()
+    statements = ast.parse(text).body
     imported = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
     lessons = {ast.unparse(n) for n in ast.parse(cell).body if getattr(n, "module", "") == "mine"}
     added = [n for n in ast.parse(cell).body if ast.unparse(n) not in imported | lessons]

@@ -1,7 +1,7 @@
 """The likely mistake in an exercise that is no operation: a wrong function that does the same.
 
-The folder `known_mistakes` has a text file for each exercise: a right function, two empty lines,
-and patches of it in the form of `numpy_cae.verify.operations.patch`.
+The folder `known_mistakes` has a text file for each exercise: patches of its solution in the form
+of `numpy_cae.verify.operations.patch`.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,8 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.course.exercises import CATALOGUE
-from numpy_cae.course.exercises.lesson_12 import VERDICTS
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.diagnosis import SEVERAL, same
 from numpy_cae.verify.operations.patch import Patch, patches_in
@@ -19,49 +17,39 @@ from numpy_cae.verify.operations.property import Property, drawn_upstream
 from numpy_cae.verify.operations.trial import failure
 
 FOLDER = Path(__file__).parent / "known_mistakes"
-SHOWN_BY = {VERDICTS.operation: VERDICTS}
-"""What shows which mistake an exercise has, where a property that fails does not."""
 
 
-def likely_mistake(stated: Property, implementation: Callable) -> str:
+def likely_mistake(stated: Property, implementation: Callable, solution: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or "".
 
     It is named only if the wrong function does in every case of the property what the
-    implementation does, and the right one in several cases does not.
+    implementation does, and the solution in several cases does not.
     """
-    stated = SHOWN_BY.get(stated.operation, stated)
-    name, cases = stated.operation, stated.cases()
+    cases = stated.cases()
     for observed in (_of_one_call, _of_every_call):
         results = [observed(stated, implementation, case) for case in cases]
-        right = (observed(stated, CATALOGUE[name].solution, case) for case in cases)
+        right = (observed(stated, solution, case) for case in cases)
         if sum(not same(*pair) for pair in zip(results, right, strict=True)) < SEVERAL:
             continue  # it fails with other arguments, which the check makes of the case's
-        for sentence, wrong in wrong_functions(name):
+        for patch in patches_of(stated.operation):
+            wrong = wrong_function(patch, solution)
             others = (observed(stated, wrong, case) for case in cases)
             if all(same(*pair) for pair in zip(results, others, strict=False)):
-                return sentence
+                return patch.sentence
     return ""
 
 
 @cache
-def wrong_functions(name: str) -> tuple[tuple[str, Callable], ...]:
-    """What is wrong, and the wrong function, for each known mistake in an exercise."""
-    return tuple((patch.sentence, _function(patch, right)) for right, patch in patches_of(name))
-
-
-def patches_of(name: str) -> Iterator[tuple[str, Patch]]:
-    """The source of a right function, and a patch of it, for each known mistake."""
+def patches_of(name: str) -> tuple[Patch, ...]:
+    """The known mistakes in an exercise, as patches of its solution."""
     path = FOLDER / f"{name}.txt"
-    if path.is_file():
-        right, _, patches = path.read_text("utf-8").rpartition("\n\n\n")
-        yield from ((right, patch) for patch in patches_in(patches, name))
+    return tuple(patches_in(path.read_text("utf-8"), name)) if path.is_file() else ()
 
 
-def _function(patch: Patch, right: str) -> Callable:
-    space = {"np": np, **{name: each.solution for name, each in CATALOGUE.items()}}
-    source = "\n".join(patch.changed(right.splitlines()))
-    exec(compile(source, f"<{patch.name}>", "exec"), space)
-    return space[patch.operation]
+@cache
+def wrong_function(patch: Patch, solution: Callable) -> Callable:
+    """The solution with a known mistake."""
+    return patch.applied_to(solution)
 
 
 def _of_one_call(stated: Property, function: Callable, case: Case) -> list[np.ndarray]:

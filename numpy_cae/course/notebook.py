@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.exercises import EXERCISES
+from numpy_cae.course.catalogue import EXERCISES
 
 
 def find_lessons(folder: str | Path) -> list[Path]:

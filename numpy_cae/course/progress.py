@@ -3,7 +3,7 @@
 from contextlib import suppress
 from pathlib import Path
 
-from numpy_cae.course.exercises import EXERCISES, LESSONS
+from numpy_cae.course.catalogue import EXERCISES, LESSONS
 from numpy_cae.course.mine import FILE, NotSavedError, run
 
 ADD_UP_TO = {

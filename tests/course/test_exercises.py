@@ -9,13 +9,32 @@ import pytest
 
 from numpy_cae import course, ops
 from numpy_cae.course import mine
-from numpy_cae.course.exercises import EASY, EXERCISES, HARD, LESSONS
+from numpy_cae.course.catalogue import EASY, EXERCISES, HARD, LESSONS
 from numpy_cae.course.exercises.hints import read_hints, with_hint
+from numpy_cae.manifold.compare import G
+from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
+from numpy_cae.motion import features_to_positions
+from numpy_cae.motion.features import RootTransform
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.trial import try_property
 
 OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
-SIZES = {"rows": (1, 2)}
+OF_PACKAGE = {
+    "conv1d_by_loops": lambda *given: ops.conv1d(*given)[0],
+    "from_features": lambda features, *root: features_to_positions(features, RootTransform(*root)),
+    "encode_layer": lambda x, *of: ConvLayer(*of, 0.9).encode_with_pullback(x)[0],
+    "decode_layer": lambda y, *of: ConvLayer(*of).decode_with_pullback(y)[0],
+    "layer_loss": lambda x, corrupted, w, b, first, alpha, bound: ConvAutoencoder.from_layers(
+        [ConvLayer(w, b, bound)]
+    ).loss_and_gradients(x, corrupted, alpha, [first])[0],
+    "stack_loss": lambda x, corrupted, layers, bound: ConvAutoencoder.from_layers(
+        [ConvLayer(*of, bound) for of in layers]
+    ).loss_and_gradients(x, corrupted)[0],
+    "G": G,
+    "regularised_loss": lambda weights, *given: (
+        SequentialAutoencoder.from_weights(weights).loss_and_gradients(*given)[0].total
+    ),
+}
 
 
 def unsolved(*arguments):
@@ -32,6 +51,18 @@ def test_the_solution_has_every_property_and_trivial_functions_fail(name):
     for trivial in (lambda *arguments: arguments[0], lambda *arguments: None):
         held = [prop for prop in few if try_property(prop, trivial, shrink=False).held]
         assert sum(prop.points for prop in held) < tried.points / 2
+
+
+@pytest.mark.parametrize("name", OF_PACKAGE)
+def test_the_key_returns_what_the_package_returns(name):
+    stated = EXERCISES[name].properties[0]
+    for case in stated.cases()[::6]:
+        made, expected = (
+            function(*stated.arguments(case).values())
+            for function in (EXERCISES[name].solution, OF_PACKAGE[name])
+        )
+        made = made[0] if isinstance(made, tuple) else made
+        np.testing.assert_allclose(made, expected, rtol=1e-12, atol=1e-14)
 
 
 def test_hints_come_in_stages_and_after_a_first_attempt():

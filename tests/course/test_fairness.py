@@ -1,8 +1,11 @@
 """Right answers get full marks in any style, lessons need earlier ones only, ours is never graded.
 
-`right_styles.txt` has two further right functions for each exercise; the first one is the key.
+`right_styles.txt` has two further answers to each exercise, as students hand them in: unlike the
+key, they are text. The key is `numpy_cae.course.solutions`.
 """
 
+import ast
+import inspect
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +15,8 @@ import pytest
 from test_grading_and_marks import hand_in
 
 from numpy_cae.course import catalogue
+from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.copies import student_copy
-from numpy_cae.course.exercises import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.mine import mine_before, run
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.report import holds
@@ -23,6 +26,14 @@ from numpy_cae.verify.grading.submission import is_exercise
 NOTEBOOKS = find_lessons(Path(__file__).parents[2] / "lessons")
 STYLES = re.split(r"\n(?=def )", Path(__file__).with_name("right_styles.txt").read_text("utf-8"))
 SPACE = {"np": np, **{name: each.solution for name, each in CATALOGUE.items()}}
+
+
+def statements(source: str) -> str:
+    """The functions of a source, without their docstrings."""
+    functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
+    for function in functions:
+        del function.body[: ast.get_docstring(function) is not None]
+    return "\n".join(map(ast.unparse, functions))
 
 
 def few(name: str, share: int):
@@ -48,6 +59,9 @@ def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
     space |= run(mine_before(path))
     for cell in filter(is_exercise, read_notebook(path)["cells"]):
         exec(cell["source"], space)
+        key = CATALOGUE[cell["metadata"]["nbgrader"]["grade_id"]].solution
+        if key.__module__.startswith("numpy_cae.course.solutions."):
+            assert statements(cell["source"]) == statements(inspect.getsource(key))
     for each in LESSONS[path.name[:2]]:
         assert holds(few(each.name, 24), space[each.name]), each.name
     stubs = filter(is_exercise, student_copy(read_notebook(path))["cells"])

@@ -11,8 +11,8 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
+from numpy_cae.course.catalogue import EXERCISES, LESSONS
 from numpy_cae.course.class_tables import write_tables
-from numpy_cae.course.exercises import EXERCISES, LESSONS
 from numpy_cae.course.marks import by_student, lesson_of, student_id, write_feedback
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade

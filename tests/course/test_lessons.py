@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 
 from numpy_cae.course import catalogue
+from numpy_cae.course.catalogue import EXERCISES
+from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
 from numpy_cae.course.copies import student_copy
 from numpy_cae.course.executed import execute, source_hash
-from numpy_cae.course.exercises import EXERCISES
-from numpy_cae.course.exercises import LESSONS as EXERCISES_OF
 from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade

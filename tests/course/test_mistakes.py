@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from numpy_cae import course
-from numpy_cae.course.exercises import EXERCISES
+from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.exercises.lesson_12 import SUSPECTS
-from numpy_cae.course.mistakes import _function, likely_mistake, patches_of, wrong_functions
+from numpy_cae.course.mistakes import likely_mistake, patches_of, wrong_function
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of
 from numpy_cae.verify.operations.trial import failing_case
@@ -19,9 +19,10 @@ SAME_VALUE = {("rescale", "naive")}  # the first property that fails does not te
 @pytest.mark.parametrize("name", OWN)
 def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
     stated = {prop.name: prop for prop in EXERCISES[name].properties}
-    assert len(wrong_functions(name)) >= 3
-    for right, patch in patches_of(name):
-        wrong, same = _function(patch, right), _function(replace(patch, replacements=()), right)
+    assert len(patches_of(name)) >= 3
+    for patch in patches_of(name):
+        wrong = wrong_function(patch, EXERCISES[name].solution)
+        same = replace(patch, replacements=()).applied_to(EXERCISES[name].solution)
         caught_by = stated[patch.caught_by]
         assert failing_case(caught_by, wrong) is not None, patch.name
         assert failing_case(replace(caught_by, examples=2), same) is None, patch.name
@@ -30,9 +31,9 @@ def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
 @pytest.mark.lessons
 @pytest.mark.parametrize("name", OWN)
 def test_every_known_mistake_is_recognised(name):
-    stated = {prop.name: prop for prop in EXERCISES[name].properties}
-    for right, patch in patches_of(name):
-        named = likely_mistake(stated[patch.caught_by], _function(patch, right))
+    stated, right = {p.name: p for p in EXERCISES[name].properties}, EXERCISES[name].solution
+    for patch in patches_of(name):
+        named = likely_mistake(stated[patch.caught_by], wrong_function(patch, right), right)
         assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
 
 

@@ -1,5 +1,6 @@
 """Files that are broken or disturb their grading: none reaches the tests, and each is told so."""
 
+import inspect
 import json
 import os
 import sys
@@ -7,7 +8,7 @@ import threading
 
 import pytest
 
-from numpy_cae.course.mistakes import patches_of
+from numpy_cae.course.solutions.lesson_03 import unfold
 from numpy_cae.verify.grading import student_file as grading
 from numpy_cae.verify.grading.sandbox.child import SEVERAL_THREADS, do_apart
 from numpy_cae.verify.grading.submission import read_submission
@@ -143,10 +144,11 @@ def notebook(**sources) -> str:
 
 
 def test_each_exercise_of_a_notebook_counts_whatever_the_others_do(graded):
-    unfold, _ = next(patches_of("unfold"))
     hostile = "def transpose_filters(w):\n    while True: pass\n"
     content = notebook(
-        conv1d_by_loops="def conv1d_by_loops(", unfold=f"%time\n{unfold}", transpose_filters=hostile
+        conv1d_by_loops="def conv1d_by_loops(",
+        unfold=f"%time\n{inspect.getsource(unfold)}",
+        transpose_filters=hostile,
     )
     file = graded(content, "week3.ipynb", cpu_seconds=1.0)
     points = {report.operation: (report.points, report.possible) for report in file.reports}

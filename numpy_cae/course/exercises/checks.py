@@ -94,7 +94,9 @@ class Recorded:
     """
 
     def __init__(self, text: str, function: Callable) -> None:
-        self.text, self.function, self.calls = text, function, []
+        self.text = text
+        self.function = function
+        self.calls = []
 
     def __call__(self, *arguments, **named):
         arguments = signature(self.function).bind(*arguments, **named).args
@@ -179,9 +181,9 @@ class Differentiated:
 
     def _gradients(self, others: list, given: Mapping[str, object], upstream) -> tuple:
         """The gradients of all input arrays, from what the function returned after its value."""
-        inputs, has_pullback = [given[i] for i in self.inputs], PULLBACK in self.returns
+        has_pullback = PULLBACK in self.returns
         pulled = others[0](upstream) if has_pullback else others
-        every = gradients_of_leaves(inputs, self.inputs, pulled)
+        every = gradients_of_leaves([given[i] for i in self.inputs], self.inputs, pulled)
         return tuple(every if has_pullback else (upstream * each for each in every))
 
 
@@ -201,7 +203,8 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
     A TypeError says that something else is returned than it has to be.
     """
     if not isinstance(expected, tuple):
-        returned, expected = (returned,), (expected,)
+        returned = (returned,)
+        expected = (expected,)
         names = names[:1] or ("the value",)
     names = names or tuple(f"value {number}" for number in range(len(expected)))
     require_parts(returned, names[: len(expected)])

@@ -7,9 +7,6 @@ that all are drawn, shrunk, reported and graded in the same way. The hints are i
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from importlib.resources import files
-
-import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import (
@@ -24,14 +21,6 @@ from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operat
 from numpy_cae.verify.operations.operation import Operation, Sizes
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
-
-
-def right_function(name: str, **given: object) -> Callable:
-    """The right function of an exercise, of which `known_mistakes` has the wrong ones."""
-    folder = files("numpy_cae.course") / "known_mistakes"
-    text, space = (folder / f"{name}.txt").read_text("utf-8"), {"np": np, **given}
-    exec(compile(text.rpartition("\n\n\n")[0], f"<{name}>", "exec"), space)
-    return space[name]
 
 
 def operation_exercise(name: str, given: str = "") -> Exercise:
@@ -58,11 +47,11 @@ def composed_exercise(
     The value has to be that of the solution, the gradients for the `inputs` those of the student's
     own value.
     """
-    name, inputs = solution.__name__, tuple(inputs.split())
     value = lambda *arguments: solution(*arguments)[0]  # noqa: E731
-    operation = Operation(name, sizes, arguments, inputs, value, linear_in)
+    names = tuple(inputs.split())
+    operation = Operation(solution.__name__, sizes, arguments, names, value, linear_in)
     properties = tuple(shared_properties(operation))
-    return Exercise(name, solution, properties, given=tuple(given.split()))
+    return Exercise(operation.name, solution, properties, given=tuple(given.split()))
 
 
 def exercise(

@@ -3,29 +3,19 @@
 import numpy as np
 
 from numpy_cae.course.exercises.checks import drawn, require_same, same_as, states
-from numpy_cae.course.exercises.exercise import exercise, right_function
+from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.solutions.lesson_01 import (
+    chain_to_root,
+    forward_kinematics,
+    rotation_from_channels,
+    speeds,
+)
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 TREE_SIZES = {"joints": (1, 2, 3, 4, 6, 8)}
 QUARTER = "by quarters"
 MOTION_SIZES = {"frames": (1, 2, 3), **TREE_SIZES, "turns": (QUARTER, "by any angle")}
-
-
-chain_to_root, forward_kinematics, speeds = map(
-    right_function, ("chain_to_root", "forward_kinematics", "speeds")
-)
-"""The joint, its parent, and so on; p_j = p_parent + G_parent t_j, G_j = G_parent R_j; the distance
-to the next frame times the frames per second."""
-
-
-def rotation_from_channels(axes: tuple[int, ...], angles: tuple[float, ...]) -> np.ndarray:
-    """The product of the rotations about each axis, the first one leftmost."""
-    from scipy.spatial.transform import Rotation  # slow to import, and not needed to grade others
-
-    letters = "".join("XYZ"[axis] for axis in axes)
-    # SciPy 1.15 returns one channel as (1, 3, 3).
-    return Rotation.from_euler(letters, angles, degrees=True).as_matrix().reshape(3, 3)
 
 
 def random_tree(case: Case, rng: np.random.Generator) -> tuple[int, ...]:

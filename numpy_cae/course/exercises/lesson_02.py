@@ -5,24 +5,17 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.course.exercises.checks import array, drawn, states
-from numpy_cae.course.exercises.exercise import exercise, right_function
-from numpy_cae.motion import JOINTS, features_to_positions
-from numpy_cae.motion.features import RootTransform
+from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.solutions.lesson_02 import (
+    from_features,
+    heading_angle,
+    to_features,
+    turn_about_y,
+)
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 FRAMES = {"frames": (2, 3, 5, 8)}
-
-
-heading_angle, turn_about_y = map(right_function, ("heading_angle", "turn_about_y"))
-to_features = right_function("to_features", turn_about_y=turn_about_y)
-"""The angle of the forward direction, without jumps; R(angle) times each vector of a frame; local
-positions, velocity on the ground and change of heading."""
-
-
-def from_features(features: np.ndarray, x: float, z: float, heading: float) -> np.ndarray:
-    """The package's own conversion."""
-    return features_to_positions(features, RootTransform(x, z, heading))
 
 
 def _random_headings(case: Case, rng: np.random.Generator | None = None) -> np.ndarray:
@@ -33,13 +26,15 @@ def _random_headings(case: Case, rng: np.random.Generator | None = None) -> np.n
 
 def _random_lines(case: Case, rng: np.random.Generator) -> np.ndarray:
     """Lines across a body with these headings."""
-    theta, rng = _random_headings(case), np.random.default_rng([case.seed, 4])
-    width, tilt = rng.uniform(0.3, 0.8, len(theta)), rng.uniform(-0.2, 0.2, len(theta))
+    theta = _random_headings(case)
+    rng = np.random.default_rng([case.seed, 4])
+    width = rng.uniform(0.3, 0.8, len(theta))
+    tilt = rng.uniform(-0.2, 0.2, len(theta))
     return np.stack([width * np.cos(theta), tilt, -width * np.sin(theta)], axis=-1)
 
 
 _across_arguments = drawn(across=_random_lines)
-_position_arguments = drawn(positions=f"frames {len(JOINTS)} 3", theta=_random_headings)
+_position_arguments = drawn(positions="frames 20 3", theta=_random_headings)
 
 
 def _feature_arguments(case: Case) -> dict[str, object]:
@@ -68,7 +63,8 @@ def _changes_of_heading(function, case, across):
 
 def _columns(columns: slice, what: str) -> Callable[..., None]:
     def check(function, case, positions, theta):
-        features, expected = np.asarray(function(positions, theta)), to_features(positions, theta)
+        features = np.asarray(function(positions, theta))
+        expected = to_features(positions, theta)
         if features.shape != expected.shape:
             raise AssertionError(f"the features have shape {features.shape}, not {expected.shape}")
         require_equal(what, features[:, columns], expected[:, columns])

@@ -4,22 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae import ops
 from numpy_cae.course.exercises.checks import drawn, size, states
-from numpy_cae.course.exercises.exercise import exercise, operation_exercise, right_function
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
+from numpy_cae.course.solutions.lesson_03 import conv1d_by_loops, unfold
 from numpy_cae.verify.operations.catalogue import Exercise
 from numpy_cae.verify.operations.operation import OPERATIONS
 
 CONV1D = OPERATIONS["conv1d"]
-
-
-def conv1d_by_loops(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The value of the package's convolution."""
-    return ops.conv1d(x, w, b)[0]
-
-
-unfold = right_function("unfold")
-"""Row t holds the frames that a filter reads at t, (B, T, K * C)."""
 
 
 @states("dtype", "float32 stays float32", is_form=True)

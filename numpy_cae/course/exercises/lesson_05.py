@@ -2,33 +2,13 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.exercise import (
-    composed_exercise,
-    operation_exercise,
-    right_function,
-)
-from numpy_cae.models import ConvLayer
+from numpy_cae.course.exercises.exercise import composed_exercise, operation_exercise
+from numpy_cae.course.solutions.lesson_05 import decode_layer, encode_layer, project_layer
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import FILTERS, WINDOW
 
 SIZES = {**WINDOW, **FILTERS, "frames": (2, 4, 6), "taps": (1, 3, 5)}
 BOUND, SMALL = 0.9, 8
-
-
-def encode_layer(x, w, b):
-    """Equation 1 and its pullback, from the package."""
-    return ConvLayer(w, b, BOUND).encode_with_pullback(x)
-
-
-def decode_layer(y, w, b, bound):
-    """Equation 2 and its pullback, from the package."""
-    return ConvLayer(w, b, bound).decode_with_pullback(y)
-
-
-project_layer = right_function(
-    "project_layer", encode_layer=encode_layer, decode_layer=decode_layer
-)
-"""Equation 2 of equation 1, W and b tied."""
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:

@@ -15,29 +15,13 @@ from numpy_cae.course.exercises.exercise import (
     differentiated_exercise,
     exercise,
     operation_exercise,
-    right_function,
 )
-from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.course.solutions.lesson_06 import layer_loss, sgd_step, train_layer, zero_values
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 P = 0.3
 ALPHA = 0.4  # far above the paper's 0.01: a missing sparsity term is noticed
-
-
-zero_values, sgd_step = map(right_function, ("zero_values", "sgd_step"))
-"""X_c, 0 where the draw is below p; θ - η_0 · decay^epoch · dL/dθ."""
-
-
-def layer_loss(x, corrupted, w, b, first, alpha, bound):
-    """Equation 3 of one layer and its derivatives, from the package."""
-    model = ConvAutoencoder.from_layers([ConvLayer(w, b, bound)])
-    loss, [(dw, db)] = model.loss_and_gradients(x, corrupted, alpha, [first])
-    return loss, dw, db
-
-
-train_layer = right_function("train_layer", zero_values=zero_values, sgd_step=sgd_step)
-"""Section 6: epochs over all windows in a new order; corrupt, compare, descend."""
 
 
 def loss_of_weights(x, corrupted, w, b):
@@ -129,10 +113,10 @@ def _steps_descend(train_layer, case, **given):
     w, b = given["w"], given["b"]
     for number, calls in enumerate(epochs):
         for _, _, w_before, b_before, _, dw, db in calls:
-            names = f"w in epoch {number}", f"b in epoch {number}"
-            require_same((w_before, b_before), (w, b), names)
+            require_same((w_before, b_before), (w, b), (f"w in epoch {number}", "b"))
             rate = given["rate"] * given["decay"] ** number
-            w, b = w - rate * dw, b - rate * db
+            w = w - rate * dw
+            b = b - rate * db
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 

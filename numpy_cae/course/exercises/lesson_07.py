@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.course.exercises.checks import drawn, require_parts, size, states
-from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise, right_function
-from numpy_cae.course.exercises.lesson_05 import BOUND, encode_layer, uniform
-from numpy_cae.models import ConvAutoencoder, ConvLayer
+from numpy_cae.course.exercises.exercise import differentiated_exercise, exercise
+from numpy_cae.course.exercises.lesson_05 import BOUND, uniform
+from numpy_cae.course.solutions.lesson_07 import frames_seen, stack_loss, stage_inputs
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.property import require_equal
 
@@ -19,18 +19,6 @@ SIZES = {
     "taps": (1, 3),
     "layers": (1, 2, 3),
 }
-
-
-frames_seen = right_function("frames_seen")
-"""The number of input frames that one hidden frame of the top layer depends on."""
-stage_inputs = right_function("stage_inputs", encode_layer=encode_layer)
-"""The clean input that each layer learns to reproduce, lowest first."""
-
-
-def stack_loss(x, corrupted, layers, bound):
-    """Equation 3 of the whole stack with α = 0, and its derivatives, from the package."""
-    model = ConvAutoencoder.from_layers([ConvLayer(w, b, bound) for w, b in layers])
-    return model.loss_and_gradients(x, corrupted)
 
 
 def _random_layers(case: Case, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:

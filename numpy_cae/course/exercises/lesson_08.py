@@ -6,8 +6,14 @@ Repair with an unknown mask, filling in, comparing, and the linear map as a base
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Recorded, require_same, same_as, states
-from numpy_cae.course.exercises.exercise import exercise, right_function
-from numpy_cae.manifold.compare import G
+from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.solutions.lesson_08 import (
+    G,
+    average_precision,
+    denoising_weights,
+    fill_unknown,
+    rescale,
+)
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import agrees
 
@@ -17,14 +23,6 @@ WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 def blurred(x: np.ndarray) -> np.ndarray:
     """A projection that differs from the identity: a mean of each frame and the one before it."""
     return 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1
-
-
-rescale, denoising_weights, fill_unknown, average_precision = map(
-    right_function, ("rescale", "denoising_weights", "fill_unknown", "average_precision")
-)
-"""X_c / (1 - p̂), p̂ being the share of zeros in each window; M⁻¹ B of `Moments`, with one
-probability for every value; the projection of the known values, where they are unknown; for one
-query, the mean precision at the rank of each motion that is alike."""
 
 
 def _damaged_arguments(case: Case) -> dict[str, object]:

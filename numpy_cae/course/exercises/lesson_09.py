@@ -10,16 +10,13 @@ from numpy_cae.course.exercises.checks import (
     size,
     states,
 )
-from numpy_cae.course.exercises.exercise import exercise, operation_exercise, right_function
+from numpy_cae.course.exercises.exercise import exercise, operation_exercise
+from numpy_cae.course.solutions.lesson_09 import clip_gradients, norms_through_time
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 OF_NORM = 0.25
 """The bound of clipping, as a part of the norm."""
-
-
-norms_through_time, clip_gradients = map(right_function, ("norms_through_time", "clip_gradients"))
-"""|dL/dh_t| for t = 0, ..., frames; g · min(1, bound / |g|) as new arrays, and |g|."""
 
 
 def _linear_pullback(case: Case, rng: np.random.Generator) -> Recorded:

@@ -4,15 +4,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from numpy_cae import ops
 from numpy_cae.course.exercises.checks import PULLBACK, drawn, size
-from numpy_cae.course.exercises.exercise import (
-    composed_exercise,
-    differentiated_exercise,
-    right_function,
-)
+from numpy_cae.course.exercises.exercise import composed_exercise, differentiated_exercise
 from numpy_cae.course.exercises.lesson_05 import uniform
-from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.course.solutions.lesson_10 import (
+    read_clips,
+    reconstruction_loss,
+    self_fed,
+    write_clips,
+)
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case
 
@@ -36,29 +36,6 @@ def random_weights(case: Case, rng: np.random.Generator) -> Weights:
 def random_clips(case: Case, rng: np.random.Generator) -> np.ndarray:
     """(B, T, F)."""
     return uniform(rng, (case["batch"], case["frames"], case["features"]), 1.0)
-
-
-self_fed = right_function("self_fed", gru_step=ops.gru_step, linear=ops.linear)
-"""The frames that a GRU writes which reads its own last frame, first zeros, and their pullback."""
-
-
-def read_clips(weights, x):
-    """From clips to z, from the package."""
-    return SequentialAutoencoder.from_weights(weights).encode_with_pullback(x)
-
-
-def write_clips(weights, z, frames):
-    """From z to clips, from the package."""
-    return SequentialAutoencoder.from_weights(weights).decode_with_pullback(z, frames)
-
-
-def reconstruction_loss(weights, x):
-    """The mean squared error of reconstructed clips, and its derivatives, from the package."""
-    z, read_back = read_clips(weights, x)
-    x_hat, write_back = write_clips(weights, z, x.shape[1])
-    loss, error_back = ops.mean_squared_error(x_hat, x)
-    dz, of_decoder = write_back(error_back())
-    return loss, {**read_back(dz), **of_decoder}
 
 
 def _self_fed_arguments(case: Case) -> dict[str, object]:

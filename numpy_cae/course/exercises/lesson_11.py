@@ -9,25 +9,12 @@ from numpy_cae.course.exercises.exercise import (
     differentiated_exercise,
     exercise,
     operation_exercise,
-    right_function,
 )
 from numpy_cae.course.exercises.lesson_05 import uniform
-from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.course.solutions.lesson_11 import regularised_loss, unit_rows, wasserstein_1d
 from numpy_cae.verify.operations.case import Case
 
 WEIGHT = 0.7  # far above the lesson's: a missing term is noticed
-
-
-wasserstein_1d, unit_rows = map(right_function, ("wasserstein_1d", "unit_rows"))
-"""The squared 2-Wasserstein distance of two sets of numbers, and its pullback; each row divided by
-its length."""
-
-
-def regularised_loss(weights, x, prior, directions, weight):
-    """Reconstruction and λ times the discrepancy, and its derivatives, from the package."""
-    model = SequentialAutoencoder.from_weights(weights)
-    losses, gradients = model.loss_and_gradients(x, prior, directions, weight)
-    return x.dtype.type(losses.total), gradients
 
 
 def _random_directions(case: Case, rng: np.random.Generator) -> np.ndarray:

@@ -12,7 +12,12 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.course.exercises.checks import Recorded, drawn, states
-from numpy_cae.course.exercises.exercise import exercise, right_function
+from numpy_cae.course.exercises.exercise import exercise
+from numpy_cae.course.solutions.lesson_12 import (
+    adjoint_gap,
+    central_differences,
+    check_gradients,
+)
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.catalogue import properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS
@@ -96,12 +101,6 @@ class Matrix:
 
     def __call__(self, x: np.ndarray) -> tuple[np.ndarray, Callable]:
         return self.a @ x, lambda dy: self.of_pullback.T @ dy
-
-
-central_differences, adjoint_gap = map(right_function, ("central_differences", "adjoint_gap"))
-check_gradients = right_function("check_gradients", central_differences=central_differences)
-"""(f(x + h) - f(x - h)) / 2h, |<A x, y> - <x, A' y>| relative to the norms of the factors, and an
-AssertionError unless the pullback of f agrees with differences in every input."""
 
 
 def accuse(suspect):
@@ -261,7 +260,8 @@ def _function_tried(case: Case) -> dict[str, object]:
     if name in TRAPS:
         value, gradient = TRAPS[name]
         return {"f": lambda x: (value(x), lambda dy: gradient(x, dy)), "inputs": {"x": AT.copy()}}
-    tried, scale = OPERATIONS_TRIED[name], float(name.partition(" ")[0]) if " " in name else 1.0
+    tried = OPERATIONS_TRIED[name]
+    scale = float(name.partition(" ")[0]) if " " in name else 1.0
     f, inputs = _function_and_inputs(tried.operation, tried.function(), case.seed, scale)
     return {"f": f, "inputs": inputs}
 

@@ -3,18 +3,17 @@
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Recorded, drawn, require_parts, size, states
-from numpy_cae.course.exercises.exercise import composed_exercise, exercise, right_function
-from numpy_cae.course.exercises.lesson_03 import CONV1D, convolution_exercise, unfold
+from numpy_cae.course.exercises.exercise import composed_exercise, exercise
+from numpy_cae.course.exercises.lesson_03 import CONV1D, convolution_exercise
+from numpy_cae.course.solutions.lesson_13 import (
+    block_matrices,
+    conv1d_by_blocks,
+    conv1d_shifted,
+    conv1d_unfolded,
+    three_products,
+)
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
-
-conv1d_unfolded = right_function("conv1d_unfolded", unfold=unfold)
-"""The rows of lesson 03 times the filters as one matrix."""
-
-three_products, conv1d_shifted, block_matrices, conv1d_by_blocks = map(
-    right_function, ("three_products", "conv1d_shifted", "block_matrices", "conv1d_by_blocks")
-)
-"""(a + i b)(p + i q), after Gauss; a product for every tap; A, G and C; the convolution by them."""
 
 
 def _product_arguments(case: Case) -> dict[str, object]:

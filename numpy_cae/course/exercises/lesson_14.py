@@ -12,19 +12,14 @@ from numpy_cae.course.exercises.checks import (
     require_same,
     states,
 )
-from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise, right_function
+from numpy_cae.course.exercises.exercise import Exercise, differentiated_exercise
+from numpy_cae.course.solutions.lesson_14 import bones_off, observed_error, path_energy
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import Sizes
 from numpy_cae.verify.operations.property import Property
 
 TREES = {2: (-1, 0), 3: (-1, 0, 1), 4: (-1, 0, 0, 2)}
 RETURNS = ("the loss", PULLBACK)
-
-
-bones_off, path_energy, observed_error = map(
-    right_function, ("bones_off", "path_energy", "observed_error")
-)
-"""mean (|b| - l)², N Σ |X_{i+1} - X_i|², and mean (x̂ - x)² over the known values."""
 
 
 def _bone_arguments(case: Case) -> dict[str, object]:

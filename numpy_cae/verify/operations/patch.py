@@ -45,14 +45,18 @@ class Patch:
     @cache  # noqa: B019 (there are few patches, which live as long as the program)
     def function(self) -> Callable:
         """The changed operation; a ValueError if the patch does not fit the operation's source."""
-        namespace = dict(right_operation(self.operation).__globals__)
+        return self.applied_to(right_operation(self.operation))
+
+    def applied_to(self, right: Callable) -> Callable:
+        """A right function, changed by the patch."""
+        namespace = dict(right.__globals__)
         namespace |= {called.operation: called.function() for called in self.calls}
-        exec(compile(self.source(self.name), f"<{self.name}>", "exec"), namespace)
+        exec(compile(self.source(self.name, right), f"<{self.name}>", "exec"), namespace)
         return namespace[self.name]
 
-    def source(self, called: str = "suspect") -> str:
+    def source(self, called: str = "suspect", right: Callable | None = None) -> str:
         """The source of the changed operation, under another name and without its docstring."""
-        lines = self.changed(_source_lines(self.operation))
+        lines = self.changed(source_lines(right or right_operation(self.operation)))
         return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
 
     def changed(self, lines: list[str]) -> list[str]:
@@ -94,9 +98,9 @@ def _lines(marked: str, strip: bool = False) -> tuple[str, ...]:
 
 
 @cache
-def _source_lines(operation: str) -> list[str]:
-    """The source of an operation, without its docstring and comments."""
-    source = inspect.getsource(right_operation(operation))
+def source_lines(function: Callable) -> list[str]:
+    """The source of a function, without its docstring and comments."""
+    source = inspect.getsource(function)
     (function,) = ast.parse(source).body
     lines = source.splitlines()
     docstring = function.body[0]
