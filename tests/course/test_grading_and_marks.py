@@ -5,15 +5,19 @@ import csv
 import json
 import os
 import sys
-from pathlib import Path
+import zipfile
+from pathlib import Path, PurePosixPath
 
 import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
-from numpy_cae.course.class_tables import write_tables
-from numpy_cae.course.marks import by_student, lesson_of, student_id, write_feedback
+from numpy_cae.course.copies import PACKAGED
+from numpy_cae.course.marks.feedback import write_feedback
+from numpy_cae.course.marks.handed_in import find_files, handed_in
+from numpy_cae.course.marks.roster import read_roster
+from numpy_cae.course.marks.tables import write_tables
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade
 
@@ -40,6 +44,11 @@ def speeds(positions, rate):
 LOOPS = "def frames_seen(taps, layers):\n    n = 1\n    for _ in range(layers):\n"
 LOOPS += "        n = 2 * n + taps - 1\n    return n\n"
 WRONG = "def frames_seen(taps, layers):\n    return taps\n"
+
+
+def rows_of(path: Path) -> dict[str, dict]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return {next(iter(row.values())): row for row in csv.DictReader(file)}
 
 
 def hand_in(path: Path, *sources: str) -> Path:
@@ -88,6 +97,32 @@ def test_a_failing_cell_gets_its_message(tmp_path, cells, message, forked_gradin
     assert message in str(graded) and not graded.held
 
 
+def answered_below(cells, place):
+    cells.append({"cell_type": "code", "metadata": {}, "source": LOOPS})
+
+
+def without_metadata(cells, place):
+    cells[place]["source"] = LOOPS
+    for cell in cells:
+        cell["metadata"] = {}
+
+
+def copied(cells, place):
+    cells.insert(place, cells[place] | {"source": LOOPS})
+
+
+@pytest.mark.parametrize("change", [answered_below, without_metadata, copied])
+def test_what_the_notebook_accepts_the_grader_accepts(change, tmp_path, forked_grading):
+    notebook = read_notebook(PACKAGED / "07_going_deep.ipynb")
+    ids = [cell["metadata"].get("nbgrader", {}).get("grade_id") for cell in notebook["cells"]]
+    change(notebook["cells"], ids.index("frames_seen"))
+    path = tmp_path / "07_going_deep.ipynb"
+    path.write_text(json.dumps(notebook))
+    graded = grade(path, catalogue)
+    assert (graded.points, graded.possible, graded.faults) == (10, 60, [])
+    assert graded.copied == ("frames_seen",) * (change is copied)
+
+
 @pytest.mark.parametrize(
     "path", find_lessons(Path(__file__).parents[2] / "lessons"), ids=lambda path: path.stem
 )
@@ -105,19 +140,44 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
 
 
 @pytest.mark.parametrize(
-    ("file", "student", "lesson"),
+    ("place", "student", "called", "lesson"),
     [
-        ("ann/week3/03_convolution_by_hand.ipynb", "ann", ""),
-        ("ann_03.ipynb", "ann", "03"),
-        ("ann_b_03.py", "ann_b", "03"),
-        ("03_ann.py", "ann", ""),
-        ("ann.ipynb", "ann", ""),
-        ("ann_99.ipynb", "ann_99", ""),
+        ("ann/week3/03_convolution_by_hand.ipynb", "ann", ("ann",), "03"),
+        ("ann_03.ipynb", "ann", ("ann",), "03"),
+        ("ann_b_03 (1).py", "ann_b", ("ann_b",), "03"),
+        ("03_ann.py", "ann", ("ann",), "03"),
+        ("ann.ipynb", "ann", ("ann",), ""),
+        ("03_convolution_by_hand-Copy1.ipynb", "in", ("in",), "03"),
+        ("ann_99.ipynb", "ann_99", ("ann_99",), ""),
+        ("Ann Lee_12_assignsubmission_file/a.py", "Ann Lee 12", ("12", "Ann Lee"), ""),
+        (
+            "Participant_7_assignsubmission_file_05_a.py",
+            "Participant 7",
+            ("7", "Participant"),
+            "05",
+        ),
+        ("leeann_LATE_12_34_05_one_layer-1.ipynb", "leeann 12", ("12", "leeann"), "05"),
     ],
 )
-def test_a_student_is_told_by_the_folder_or_the_name(file, student, lesson):
-    assert student_id(Path("submitted", file), Path("submitted")) == student
-    assert lesson_of(Path(file)) == lesson
+def test_a_student_is_told_by_the_folder_or_the_name(place, student, called, lesson):
+    found = handed_in(Path("in", place), PurePosixPath(place))
+    assert (found.student, found.called, found.lesson) == (student, called, lesson)
+    assert found.is_late == ("LATE" in place)
+
+
+def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path):
+    for name in ("03_convolution_by_hand.ipynb", "mine.py", "helper.py"):
+        hand_in(tmp_path / "ann" / name, LOOPS)
+    unpacked = tmp_path / "unpacked"
+    unpacked.mkdir()
+    assert [each.student for each in find_files(tmp_path / "ann", unpacked)] == ["ann", "ann"]
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
+        packed.writestr("../../leeann_7_8_07_going_deep.py", LOOPS)
+        packed.writestr("bob_7_9_work.zip", "no zip file")
+        packed.writestr("__MACOSX/._x.py", "")
+    ann, bob = find_files(tmp_path / "all.zip", unpacked)
+    assert (ann.student, bob.student) == ("leeann 7", "bob 7")
+    assert "is not a zip file" in bob.fault and ann.path.parent.parent == unpacked
 
 
 def test_marks_and_feedback_of_a_class(tmp_path, capsys):
@@ -132,12 +192,12 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     command = ["verify", str(submitted), "--csv", str(table), "--feedback", str(feedback)]
     assert main(command) == 1
     assert "ann: 07_going_deep.ipynb: 10 of 60 points" in capsys.readouterr().out
-    with table.open(newline="", encoding="utf-8") as file:
-        rows = {row["student"]: row for row in csv.DictReader(file)}
+    rows = rows_of(table)
     assert list(rows) == ["maximum", "'=cmd()", "ann", "ben", "eve", "fay"]
     points = [(row["frames_seen"], row["lesson 07"], row["total"]) for row in rows.values()]
-    one, none = ("10", "10", "10"), ("", "", "0")
-    assert points == [("10", "60", "60"), ("0", "0", "0"), one, one, none, none]
+    one, zero, none = ("10", "10", "10"), ("0", "0", "0"), ("", "", "0")
+    assert points == [("10", "60", "60"), zero, one, one, none, none]
+    assert rows["'=cmd()"]["problems"] == "'=cmd()_07.ipynb has no points"
     assert rows["fay"]["problems"] == "it is a link to another file; lesson 07 missing"
     assert {row["possible"] for row in list(rows.values())[1:]} == {"60"}
     assert "stack_loss" in rows["ann"] and rows["ann"]["percent"] == "16.7"
@@ -151,55 +211,98 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
 def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
     students = ["a!", "a__1", "a_.1", "Eve", "eve", os.fsdecode(b"caf\xe9"), "n" * 250, "é" * 125]
     report = FileReport(Path(os.fsdecode(b"\xe9.py")), faults=["\ud800"])
-    write_feedback(tmp_path / "feedback", [(student, report) for student in students])
+    graded = {student: [report] for student in students}
+    write_feedback(tmp_path / "feedback", graded)
     assert len(list((tmp_path / "feedback").glob("*.md"))) == len(students)
-    graded = by_student((student, report) for student in students)
     write_tables(tmp_path / "marks.csv", graded)
     text = (tmp_path / "marks.csv").read_text(encoding="utf-8")
     assert len(text.splitlines()) == 2 + len(students) and "caf\\udce9" in text
 
 
-MOODLE = "First name,Username,Group\nAnn,ANN,a\nZoe,zoe,b\nSid,sid,b\n"
-CANVAS = "Student,ID,SIS Login ID,Section\nAnn,1,ANN,a\nZoe,2,zoe,b\nSid,3,sid,b\n"
+MOODLE = "Identifier;Full name;ID number;Group\nParticipant 1;Ann Löwe;;a\n"
+MOODLE += "Participant 2;Zoe Y;;b\nParticipant 3;Sid X;;b\n"
+GRADEBOOK = "First name\tLast name\tUsername\nAnn\tLöwe\tal\nZoe\tY\tzy\nSid\tX\tsx\n"
+CANVAS = """Student,ID,SIS Login ID,Section
+,,,
+"    Points Possible",,,
+"Löwe, Ann",1,al1,a
+"Y, Zoe",2,zy1,b
+"X, Sid",3,sx1,b
+"""
+OF_CANVAS = ("löweann_LATE_1_77_07_a.ipynb", "xsid_3_78_05_b.ipynb", "bob_4_79_07_a.ipynb")
+OF_MOODLE = [f"{name}_assignsubmission_file/a.ipynb" for name in ("Ann Löwe_1", "X_3", "Bob_4")]
+SYSTEMS = {
+    "moodle": (MOODLE, "cp1252", OF_MOODLE),
+    "gradebook": (GRADEBOOK, "utf-16", ("Ann_Löwe/a.ipynb", "sx_05.ipynb", "bob.ipynb")),
+    "canvas": (CANVAS, "utf-8-sig", OF_CANVAS),
+    "list": ("Löwe Ann\nY Zoe\nX Sid\n", "utf-8", ("ann löwe/a.ipynb", "sid_x.ipynb", "bob.ipynb")),
+}
 
 
-@pytest.mark.parametrize("export", [MOODLE, CANVAS])
-def test_everyone_of_a_roster_has_a_row_and_a_second_run_keeps_the_first(export, tmp_path, capsys):
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
+    system, tmp_path, capsys
+):
+    export, encoding, names = SYSTEMS[system]
     submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
-    roster.write_text(export)
-    hand_in(submitted / "ann_07.ipynb", WRONG)
-    hand_in(submitted / "bob_07.ipynb", LOOPS)
-    hand_in(submitted / "sid_05.ipynb", TANH)
+    roster.write_bytes(export.encode(encoding))
+    ann, sid, bob = (submitted / name for name in names)
+    hand_in(ann, WRONG), hand_in(sid, TANH), hand_in(bob, LOOPS)
+    late = tmp_path / "late.txt"
+    late.write_text("Ann Löwe\n", encoding="utf-8")
     command = ["verify", str(submitted), "--csv", str(table), "--roster", str(roster)]
-    assert main([*command, "--due", "2001-01-01"]) == 1
-
-    def rows_of(name: str, key: str) -> dict[str, dict]:
-        with (tmp_path / name).open(newline="", encoding="utf-8") as file:
-            return {row[key]: row for row in csv.DictReader(file)}
-
-    rows = rows_of("marks.csv", "student")
-    assert list(rows) == ["maximum", "ANN", "zoe", "sid", "bob"]
-    said = [row["problems"] for row in rows.values()]
-    assert said[1:3] == ["lesson 05 missing; ann_07.ipynb late", "nothing handed in"]
-    assert "not in the roster" in said[4]
-    assert (rows["sid"]["lesson 05"], rows["sid"]["lesson 07"]) == ("10", "")
-    imported = rows_of("marks_import.csv", "Username" if export == MOODLE else "SIS Login ID")
-    assert imported["ANN"]["Lesson 07"] == imported["zoe"]["Lesson 05"] == "0"
-    assert imported["sid"]["Lesson 05"] == "10" and "bob" not in imported
-    assert ("Points Possible" in (tmp_path / "marks_import.csv").read_text()) == (export == CANVAS)
-    failed = rows_of("marks_statistics.csv", "exercise")["frames_seen"]
+    assert main([*command, "--late", str(late)]) == 1
+    printed = capsys.readouterr().out
+    assert printed.index("NO ROW") < printed.index("NO FILE") < printed.index(", by ")
+    of_ann, of_zoe, of_sid = read_roster(roster).students
+    rows = read_roster(table).students
+    assert list(rows)[:4] == ["maximum", of_ann, of_zoe, of_sid] and len(rows) == 5
+    assert (
+        rows[of_ann]["problems"] == f"{ann.name} has no points; lesson 05 missing; {ann.name} late"
+    )
+    assert rows[of_zoe]["problems"] == "nothing handed in"
+    assert "not in the roster" in [*rows.values()][4]["problems"]
+    imported = read_roster(tmp_path / "marks_import.csv")
+    assert (imported.encoding, imported.delimiter) == (encoding, read_roster(roster).delimiter)
+    marks = [(row["Lesson 05"], row["Lesson 07"]) for row in imported.students.values()]
+    assert marks == [("0", "0"), ("0", "0"), ("10", "0")]
+    possible = [row["Lesson 05"] for row in imported.others if "Possible" in row["Student"]]
+    assert possible == ["90"] * (system == "canvas")
+    failed = rows_of(tmp_path / "marks_statistics.csv")["frames_seen"]
     assert (failed["property"], failed["handed in"], failed["failed"]) == ("value", "2", "1")
 
-    hand_in(submitted / "ann_07.ipynb", LOOPS)
-    (submitted / "sid_05.ipynb").unlink()
-    assert main(command) == 1
-    again = rows_of("marks.csv", "student")
-    assert again["ANN"]["frames_seen"] == "10" and "late" not in again["ANN"]["problems"]
-    assert again["sid"] == rows["sid"] | {"problems": "lesson 07 missing"}
-    assert rows_of("marks.1.csv", "student") == rows
+    hand_in(ann, LOOPS), sid.unlink()
+    table.write_text(
+        table.read_text("utf-8").replace(f"{of_sid},10,", f"{of_sid},excused,"), "utf-8"
+    )
+    assert main(command) < 2
+    again = read_roster(table).students
+    assert again[of_ann]["frames_seen"] == "10" and "excused" in again[of_sid].values()
+    assert read_roster(tmp_path / "marks.1.csv").students[of_sid]["tanh"] == "excused"
+
+
+def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys):
+    submitted, roster = tmp_path / "in", tmp_path / "class.csv"
+    hand_in(submitted / "ann.ipynb", LOOPS), hand_in(submitted / "bob.ipynb", LOOPS)
+    command = ["verify", str(submitted), "--csv", str(tmp_path / "m.csv"), "--feedback"]
+    command += [str(tmp_path / "feedback"), "--similar", "--roster", str(roster)]
+    for listed, said in (
+        ("student\ncem\ndan\n", "2 students have no row"),
+        ("student\nann\nbob\n" + "x\ny\nz\n", "3 rows of the roster have no marks"),
+        ("student\n", "no row of a student"),
+        ("a,b\n1,2\n1,2\n", "in no column are all cells filled and different"),
+        (f'student\n"{"x" * 200_000}"\n', "line 2: field larger than field limit"),
+    ):
+        roster.write_text(listed)
+        assert main(command) == 2 and said in capsys.readouterr().err
+    hand_in(submitted / "bob.ipynb", ENCODE)
+    renamed = ENCODE.replace("back", "b").replace("pool", "p").replace("convolve", "c")
+    hand_in(submitted / "ann.ipynb", f"# mine\n{renamed}"), hand_in(submitted / "eve.ipynb", LOOPS)
+    assert main(["verify", str(submitted), "--similar"]) == 1
+    assert capsys.readouterr().out.endswith("verdict:\n  100%  bob  ann\n")
+    assert (tmp_path / "feedback" / "ann.md").exists()
+    assert not (tmp_path / "m_import.csv").exists()
     assert main(["verify", str(submitted), "--roster", str(roster)]) == 2
-    roster.write_text("Username\n")
-    assert main(command) == 2 and "no row of a student" in capsys.readouterr().err
 
 
 def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path, monkeypatch):

@@ -13,12 +13,14 @@ Points are counted for all exercises of one lesson: --lesson or, without it, the
 lesson of the notebook's cells or of a file name such as 03_mine.py. A file of no
 lesson is graded for the functions that it has.
 
-With --csv, the name of a student is the folder submitted/ann/... in the folder that
-is graded, or part of the file's name: ann_03.ipynb, 03_ann.ipynb, ann.ipynb. Of an
-exercise handed in more than once the best counts. Where the table exists, its
-marks of what is not handed in now stay, and the old table is kept with a number
-in its name. With --roster everyone has a row, and marks_import.csv is the roster
-with the points of each lesson, to be imported where the roster came from.
+With --csv, a student is known by the folder submitted/ann/... in the folder that is
+graded, or by the file's name: ann_03.ipynb, 03_ann.ipynb, or as Moodle and Canvas
+name downloads. Zip files are opened. Of an exercise handed in more than once the
+best counts. Where the table exists, its marks of what is not handed in now stay,
+and the old table is kept with a number in its name. With --roster everyone has a
+row; who was matched by what is printed, what is in no row first. marks_import.csv
+is the roster, in the form in which it came, with the points of each lesson. It is
+not written if most submissions or most rows have no match.
 
 Each function runs in a process of its own with limits on time, memory, files and
 processes; where bubblewrap (bwrap) is installed and works, also without network
@@ -33,21 +35,18 @@ something fails, 2 if there was nothing to grade.
 import argparse
 import json
 import os
-import re
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from numpy_cae.cli.shared import arguments
 
-SUFFIXES = (".py", ".ipynb")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the names of functions and the limits."""
     add = parser.add_argument
-    files = "a Python file, a lesson's notebook, or a folder of these"
+    files = "a Python file, a lesson's notebook, or a folder or zip file of these"
     add("files", **arguments.FILE, nargs="+", help=files)
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     renamed = "test a function with another name as this operation"
@@ -64,8 +63,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--csv", type=Path, metavar="FILE", help=marks)
     everyone = "a CSV file with a row for each student, as Moodle or Canvas export it (with --csv)"
     add("--roster", type=Path, metavar="FILE", help=everyone)
-    due = "files changed later are noted as late, such as 2026-11-30T23:59 (with --csv)"
-    add("--due", type=datetime.fromisoformat, metavar="TIME", help=due)
+    late = "a list of those who were late, one a line; Canvas's LATE is noted without it"
+    add("--late", type=Path, metavar="FILE", help=late)
+    alike = "list pairs of submissions that are alike after renaming, which proves nothing"
+    add("--similar", **arguments.FLAG, help=alike)
     feedback = "write the reports of each student to a Markdown file in this folder"
     add("--feedback", **arguments.FOLDER, help=feedback)
     add("--json", **arguments.FLAG, help="print JSON instead of text")
@@ -73,55 +74,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
+    from numpy_cae.course.marks.handed_in import find_files
+
+    with tempfile.TemporaryDirectory() as unpacked:
+        files = [each for path in args.files for each in find_files(path, Path(unpacked))]
+        if not any(each.fault or each.path.is_file() for each in files):
+            missing = [path for path in args.files if not path.exists()]
+            problem = "there is no such file" if missing else "no Python file and no notebook"
+            raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
+        if (args.roster or args.late) and not args.csv:
+            raise ValueError("--roster and --late are about the table of --csv FILE")
+        return _graded(args, files)
+
+
+def _graded(args: argparse.Namespace, files: list) -> int:
+    """Grade the files, write what the options name, and print the reports or who has which."""
     from numpy_cae.cli.shared.output import with_progress
-    from numpy_cae.course import catalogue, class_tables, marks
+    from numpy_cae.course import catalogue
+    from numpy_cae.course.marks.class_marks import ClassMarks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
-    files = {file: path for path in args.files for file in _submissions(path)}
-    if not any(file.is_file() for file in files):
-        missing = [path for path in args.files if not path.exists()]
-        problem = "there is no such file" if missing else "no Python file and no notebook"
-        raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
-    if (args.roster or args.due) and not args.csv:
-        raise ValueError("--roster and --due are about the table of --csv FILE")
-    roster = class_tables.read_rows(args.roster) if args.roster else None
-    named, limits = dict(args.named), (args.time_limit, int(args.memory_limit))
+    marks = ClassMarks.read(files, args.roster, args.late)
+    limits = (args.time_limit, int(args.memory_limit))
 
-    def graded_file(file: Path) -> FileReport:
-        if file.is_symlink() and files[file].is_dir():  # of a class
-            return FileReport(file, faults=["it is a link to another file"])
-        lesson = args.lesson or marks.lesson_of(file)
-        return grade(file, catalogue, named, *limits, lesson, args.any_convention)
+    def graded_file(file) -> FileReport:
+        if file.fault:
+            return FileReport(file.path, faults=[file.fault])
+        lesson = args.lesson or file.lesson
+        return grade(file.path, catalogue, dict(args.named), *limits, lesson, args.any_convention)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)
         graded = list(with_progress(made, len(files), "files graded"))
-    of_students = [
-        (marks.student_id(file, folder if folder.is_dir() else file.parent), report)
-        for (file, folder), report in zip(files.items(), graded, strict=True)
-    ]
-    if args.csv:
-        class_tables.write_tables(args.csv, marks.by_student(of_students), roster, args.due)
-    if args.feedback:
-        marks.write_feedback(args.feedback, of_students)
     if args.json:
         print(json.dumps([report.as_json() for report in graded], indent=1))
     elif args.csv or args.feedback:
-        for student, report in of_students:
-            print(f"{student}: {report.path.name}: {report.points} of {report.possible} points")
+        print("\n".join(marks.lines(graded)))
     else:
         print("\n\n".join(str(report) for report in graded))
+    if args.similar:
+        print("\n".join(marks.similar()))
+    if args.feedback:
+        marks.write_feedback(args.feedback, graded)
+    if args.csv:
+        marks.write_tables(args.csv, graded)
     return 0 if all(report.held for report in graded) else 1
-
-
-def _submissions(path: Path) -> list[Path]:
-    """A notebook or Python file itself; those in a folder, without any mine.py."""
-    if not path.is_dir():
-        return [path] if path.suffix in SUFFIXES else []
-    inside = (file.relative_to(path) for file in path.rglob("*"))
-    hidden = re.compile(r"(^|/)[.]")  # such as .ipynb_checkpoints
-    found = (f for f in inside if f.suffix in SUFFIXES and not hidden.search(f.as_posix()))
-    return [path / file for file in sorted(found) if file.name != "mine.py"]
 
 
 def _named(text: str) -> tuple[str, str]:

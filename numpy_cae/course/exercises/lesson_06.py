@@ -113,7 +113,8 @@ def _steps_descend(train_layer, case, **given):
     w, b = given["w"], given["b"]
     for number, calls in enumerate(epochs):
         for _, _, w_before, b_before, _, dw, db in calls:
-            require_same((w_before, b_before), (w, b), (f"w in epoch {number}", "b"))
+            names = (f"w in epoch {number}", f"b in epoch {number}")
+            require_same((w_before, b_before), (w, b), names)
             rate = given["rate"] * given["decay"] ** number
             w = w - rate * dw
             b = b - rate * db

@@ -17,6 +17,7 @@ EXERCISE_SECONDS = 30.0
 """CPU time of one exercise; it may be idle for as long again."""
 MEMORY_LIMIT = 2048
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
+COPIED = "the cell of {} is there more than once: the last one counts"
 MISSING = (
     f"no function has an operation's name ({', '.join(operations.CATALOGUE)}); "
     "name one with --as conv1d=my_conv"
@@ -27,13 +28,14 @@ MISSING = (
 class FileReport:
     """The reports on a file's functions, what is wrong with the file as a whole, and notes.
 
-    A note, such as a warning of NumPy, costs no points.
+    A note, such as a warning of NumPy, costs no points; nor does an exercise whose cell was copied.
     """
 
     path: Path
     reports: list[Report] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    copied: tuple[str, ...] = ()
 
     @property
     def held(self) -> bool:
@@ -152,8 +154,11 @@ def _graded(
     reply: dict,
 ) -> FileReport:
     """The report from the reply of `run`; `counted` are the exercises that count in any case."""
-    graded, results = FileReport(submission.path), reply.get("results", {})
-    problems, fault = reply.get("problems", []), reply["failed"]
+    graded = FileReport(submission.path, copied=submission.copied)
+    graded.notes += [COPIED.format(name) for name in submission.copied]
+    results = reply.get("results", {})
+    problems = reply.get("problems", [])
+    fault = reply["failed"]
     if problems and not submission.is_notebook:
         fault = problems[0]
     defined = submission.defined() if fault else ()

@@ -15,6 +15,8 @@ from numpy_cae.verify.checks.written import error_text
 LARGEST_PROGRAM = 2**20
 LARGEST_NOTEBOOK = 2**25  # with its pictures
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
+CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
+STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
 DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
 
@@ -22,13 +24,14 @@ DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 class Submission:
     """A student's file. `cells` are the parts that are run: the file, or the exercise cells.
 
-    A cell is (name, text). `ids` are the names of all exercises in a notebook; `fault` says why a
-    file cannot be read.
+    A cell is (name, text). `ids` are the names of all exercises in a notebook, `copied` those whose
+    cell is there more than once; `fault` says why a file cannot be read.
     """
 
     path: Path
     cells: tuple[tuple[str, str | bytes], ...] = ()
     ids: frozenset[str] = frozenset()
+    copied: tuple[str, ...] = ()
     fault: str = ""
 
     @property
@@ -45,7 +48,7 @@ class Submission:
 
     def defined(self) -> set[str]:
         """The names of functions in the text, even if the text is not valid Python."""
-        return set(DEFINITION.findall(self._text()))
+        return _defined(self._text())
 
     def calls(self, name: str) -> bool:
         """Whether the text seems to call a function, besides defining it."""
@@ -89,7 +92,8 @@ class Submission:
 def read_submission(path: Path) -> Submission:
     """Read a Python file as it is; of an .ipynb file, the cells that nbgrader marks as solutions.
 
-    A file that is too large, or no notebook with an exercise cell, has a fault.
+    An exercise whose marked cell is still the stub, or has lost its mark, is looked for in the
+    other cells. A file that is too large, or no notebook with an exercise cell, has a fault.
     """
     try:
         if not path.is_file():
@@ -110,20 +114,44 @@ def _read(path: Path) -> Submission:
         return Submission(path, ((str(path), content),))
     try:
         cells = json.loads(content.decode("utf-8-sig"))["cells"]
-        exercises = [cell for cell in cells if is_exercise(cell)]
-        sources = [(f"cell {_id(cell) or n}", _source(cell)) for n, cell in enumerate(exercises, 1)]
-        ids = frozenset(_id(cell).removesuffix("_check") for cell in cells)
+        marked = [_id(cell) for cell in cells if is_exercise(cell) and _id(cell)]
+        ids = {_id(cell).removesuffix("_check") for cell in cells} - {""}
+        ids |= {name for cell in cells for name in CHECK.findall(_source(cell))}
+        sources = _answers(cells, ids)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"it is not a Jupyter notebook: {error}") from None
     if not sources:
         raise ValueError("it has no exercise cell: is it a copy of a lesson?")
-    return Submission(path, tuple(sources), ids)
+    copied = tuple(sorted({name for name in marked if marked.count(name) > 1}))
+    return Submission(path, tuple(sources), frozenset(ids), copied)
+
+
+def _answers(cells: list[dict], ids: Collection[str]) -> list[tuple[str, str]]:
+    """The cells with the exercises: those that are marked, except that a stub gives way to others.
+
+    A stub is replaced by each cell that defines the same function, whether it is marked or not.
+    """
+    marked = [cell for cell in cells if is_exercise(cell)]
+    stubs = [cell for cell in marked if STUB.search(_source(cell))]
+    answered = {n for cell in marked if cell not in stubs for n in _defined(_source(cell))}
+    sources = []
+    for number, cell in enumerate((c for c in cells if c["cell_type"] == "code"), 1):
+        defined = _defined(_source(cell)) & set(ids)
+        if cell in stubs and defined and defined <= answered:
+            continue
+        if cell in marked or (defined and not defined & answered):
+            sources.append((f"cell {_id(cell) or number}", _source(cell)))
+    return sources
 
 
 def is_exercise(cell: dict) -> bool:
     """Whether a cell is one that a student fills."""
     marks = cell["metadata"].get("nbgrader", {})
     return cell["cell_type"] == "code" and bool(marks.get("solution"))
+
+
+def _defined(text: str) -> set[str]:
+    return set(DEFINITION.findall(text))
 
 
 def _id(cell: dict) -> str:

@@ -1,0 +1,85 @@
+"""The marks of a class: its files, its roster, and what is written about them."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from numpy_cae.course.marks import feedback, tables
+from numpy_cae.course.marks.handed_in import HandedIn
+from numpy_cae.course.marks.matching import Matching, match
+from numpy_cae.course.marks.roster import Roster, decoded, read_roster, squashed
+from numpy_cae.course.marks.similar import similar_pairs
+from numpy_cae.verify.grading.student_file import FileReport
+from numpy_cae.verify.grading.submission import read_submission
+from numpy_cae.visible import csv_cell
+
+
+@dataclass(frozen=True)
+class ClassMarks:
+    """The files of a class, with the roster and who in it handed them in, if there is one."""
+
+    files: Sequence[HandedIn]
+    roster: Roster | None
+    matching: Matching
+    late: frozenset[Path]
+
+    @classmethod
+    def read(cls, files: Sequence[HandedIn], roster: Path | None, late: Path | None):
+        """Read the roster and the list of who was late; a ValueError says what is wrong."""
+        everyone = read_roster(roster) if roster else None
+        matching = match(files, everyone) if everyone else Matching({}, {}, ())
+        listed = decoded(late.read_bytes())[0].splitlines() if late else []
+        names = {squashed(line) for line in listed} - {""}
+        are_late = (
+            each.path
+            for each in files
+            if each.is_late
+            or names & {squashed(n) for n in (*each.called, matching.key(each.student))}
+        )
+        return cls(files, everyone, matching, frozenset(are_late))
+
+    def lines(self, graded: Sequence[FileReport]) -> Iterator[str]:
+        """Who was matched by what, and the points of each file."""
+        yield from self.matching.lines()
+        for student, reports in self._by_student(graded).items():
+            for each in reports:
+                yield f"{student}: {each.path.name}: {each.points} of {each.possible} points"
+
+    def similar(self) -> Iterator[str]:
+        """The pairs of students whose files are alike."""
+        submissions = defaultdict(list)
+        for each in self.files:
+            submissions[self.matching.key(each.student)].append(read_submission(each.path))
+        yield "alike after renaming, as a sign to look and not as a verdict:"
+        for share, one, other in similar_pairs(submissions):
+            yield f"  {share:4.0%}  {one}  {other}"
+
+    def write_feedback(self, folder: Path, graded: Sequence[FileReport]) -> None:
+        """Write a file of feedback for each student."""
+        feedback.write_feedback(folder, self._by_student(graded))
+
+    def write_tables(self, path: Path, graded: Sequence[FileReport]) -> None:
+        """Write the table of marks and, with a roster, the file to import.
+
+        Raises a ValueError in place of that file if most submissions or most rows have no match.
+        """
+        table = tables.write_tables(path, self._by_student(graded), self.roster, self.late)
+        if self.roster is None:
+            return
+        imported = path.with_stem(f"{path.stem}_import")
+        strangers = len(self.matching.missing)
+        without = {row["student"] for row in table if row.get("problems") == tables.NOTHING}
+        empty = sum(csv_cell(student) in without for student in self.roster.students)
+        if strangers > len(self.matching.found):
+            raise ValueError(f"{imported} is not written: {strangers} students have no row (above)")
+        if 2 * empty > len(self.roster.students):
+            raise ValueError(f"{imported} is not written: {empty} rows of the roster have no marks")
+        tables.write_import(imported, self.roster, table)
+
+    def _by_student(self, graded: Sequence[FileReport]) -> dict[str, list[FileReport]]:
+        """The reports on the files of each student, by name."""
+        found = defaultdict(list)
+        for each, report in zip(self.files, graded, strict=True):
+            found[self.matching.key(each.student)].append(report)
+        return dict(sorted(found.items()))

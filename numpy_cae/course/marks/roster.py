@@ -1,0 +1,131 @@
+"""A table with a row for each student, as Moodle, Canvas or a spreadsheet export it.
+
+It may be in UTF-8, UTF-16 or Windows-1252 and have commas, semicolons or tabs between its cells;
+it is written back in the same form. A list of names, one a line, is a table, too.
+"""
+
+import codecs
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from numpy_cae.atomic_write import atomic_write
+
+KEYS = ("student", "SIS Login ID", "Username", "ID number", "Email address", "Identifier", "ID")
+"""KEYS: the columns whose cells are the names of students in the table of marks, the best first;
+without any, or where their cells are empty or equal, it is the first column that is neither."""
+HEADINGS = {key.casefold() for key in KEYS} | {"name", "full name", "login", "e-mail", "email"}
+"""HEADINGS: a file with one column begins with one of these, or with its first student."""
+CANVAS = "SIS Login ID"
+"""CANVAS: a column that only Canvas has. There a row without an ID is about no student."""
+POSSIBLE = "Points Possible"
+MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"))
+MARKS += ((codecs.BOM_UTF16_BE, "utf-16"),)
+Row = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Roster:
+    """The rows of a file, each a dict by column, and how the file was written.
+
+    `students` are the rows of students by the cell of `key`; `others` are such as that with the
+    points possible.
+    """
+
+    columns: tuple[str, ...]
+    students: dict[str, Row]
+    others: tuple[Row, ...]
+    encoding: str
+    delimiter: str
+
+    def write(self, path: Path, rows: Sequence[Row]) -> None:
+        """Write rows, which may have further columns, in the form of the file that was read."""
+        columns = list(dict.fromkeys([*self.columns, *(name for row in rows for name in row)]))
+        with (
+            atomic_write(path) as temporary,
+            temporary.open("w", newline="", encoding=self.encoding) as file,
+        ):
+            writer = csv.DictWriter(file, columns, "", delimiter=self.delimiter)
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+def read_roster(path: Path) -> Roster:
+    """Read a table of students; a ValueError says what is wrong with it and in which line."""
+    text, encoding = decoded(path.read_bytes())
+    first = text.lstrip().partition("\n")[0]
+    delimiter = max(",;\t", key=lambda each: len(next(csv.reader([first], delimiter=each), ())))
+    lines = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    try:
+        cells = [line for line in lines if any(cell.strip() for cell in line)]
+    except csv.Error as error:
+        raise ValueError(f"{path}: line {lines.line_num}: {error}") from None
+    if cells and max(map(len, cells)) == 1 and cells[0][0].strip().casefold() not in HEADINGS:
+        cells.insert(0, ["student"])  # a list of names without a heading
+    if len(cells) < 2:
+        raise ValueError(f"{path}: no row of a student below a row of headings")
+    columns = tuple(cells[0])
+    rows = [dict(zip(columns, [*line, *[""] * len(columns)], strict=False)) for line in cells[1:]]
+    others = [row for row in rows if CANVAS in columns and not row.get("ID", "-").strip()]
+    students = [row for row in rows if row not in others]
+    key = _key(columns, students)
+    if key is None:
+        raise ValueError(f"{path}: in no column are all cells filled and different")
+    by_key = {row[key].strip(): row for row in students}
+    return Roster(columns, by_key, tuple(others), encoding, delimiter)
+
+
+def _key(columns: Sequence[str], students: Sequence[Row]) -> str | None:
+    """The column that names the students."""
+
+    def names_everyone(column: str) -> bool:
+        cells = {row[column].strip() for row in students} - {""}
+        return len(cells) == len(students)
+
+    preferred = [key for key in KEYS if key in columns]
+    return next(filter(names_everyone, [*preferred, *columns]), None)
+
+
+def decoded(content: bytes) -> tuple[str, str]:
+    """The text of a file, and its encoding."""
+    marked = [name for mark, name in MARKS if content.startswith(mark)]
+    for encoding in (*marked, "utf-8", "cp1252"):
+        try:
+            return content.decode(encoding), encoding
+        except UnicodeDecodeError:
+            continue
+    return content.decode("latin-1"), "latin-1"
+
+
+def identifiers(rows: Sequence[Row]) -> Iterator[tuple[str, list[set[str]]]]:
+    """For each column what its cells may be called in the name of a file, row by row.
+
+    The last column is that of full names, of the first two cells, such as a first and a last name.
+    """
+    for column in rows[0]:
+        yield column, [_called(row[column]) for row in rows]
+    pairs = [list(row.values())[:2] for row in rows]
+    yield "name", [{squashed("".join(p)), squashed("".join(p[::-1]))} - {""} for p in pairs]
+
+
+def _called(cell: str) -> set[str]:
+    """Ann Lee and Lee, Ann are annlee and leeann; ann@here.org is ann, Participant 7 is 7."""
+    last, comma, first = cell.partition(",")
+    words = [first, last] if comma else cell.split()
+    called = {
+        cell,
+        "".join(words),
+        "".join(words[1:] + words[:1]),
+        "".join(words[-1:] + words[:-1]),
+    }
+    if "@" in cell:
+        called.add(cell.partition("@")[0])
+    called |= {word for word in words[-1:] if word.isdecimal()}
+    return {squashed(each) for each in called} - {""}
+
+
+def squashed(text: str) -> str:
+    """The letters and digits of a text, as Canvas writes names: all small."""
+    return "".join(c for c in text.casefold() if c.isalnum())
