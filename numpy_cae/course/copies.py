@@ -78,13 +78,6 @@ def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool
     yield folder / FILE, new
 
 
-def write_package_copy(lesson: Path) -> None:
-    """Write the student's copy of a lesson in a clone's `lessons` folder into its package."""
-    folder = lesson.parent.resolve().parent / "numpy_cae" / "course" / PACKAGED.name
-    if folder.is_dir():
-        write_notebook(student_copy(read_notebook(lesson)), folder / lesson.name)
-
-
 def write_release(lessons: list[Path], path: Path) -> None:
     """Write a zip file to be unpacked in the folder of an nbgrader course.
 

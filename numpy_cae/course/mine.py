@@ -10,7 +10,6 @@ the student's functions; for those that `mine.py` lacks, it imports the package'
 import ast
 import linecache
 import os
-import re
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,10 +20,9 @@ from types import ModuleType
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
-from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.checks.written import error_text
-from numpy_cae.verify.grading.submission import MAGIC, is_exercise
+from numpy_cae.verify.grading.submission import MAGIC
 from numpy_cae.verify.operations.trial import try_property
 
 FILE = "mine.py"
@@ -116,16 +114,6 @@ def load_mine() -> None:
 
     module.__getattr__ = package_own  # called for a name that the module lacks
     sys.modules["mine"] = module
-
-
-def mine_before(lesson: Path) -> str:
-    """The text of mine.py with the solutions of all lessons before this one, in its folder."""
-    text = EMPTY
-    for path in find_lessons(lesson.parent):
-        if path.name < lesson.name:
-            for cell in filter(is_exercise, read_notebook(path)["cells"]):
-                text = with_definitions(text, cell["source"])
-    return re.sub("^ +### .* SOLUTION\n", "", text, flags=re.M)
 
 
 def with_definitions(text: str, cell: str) -> str:

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.catalogue import EXERCISES
 
 
 def find_lessons(folder: str | Path) -> list[Path]:
@@ -29,14 +28,6 @@ def read_notebook(path: str | Path) -> dict:
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{path}: not a Jupyter notebook: {error}") from None
     return notebook
-
-
-def set_points(notebook: dict) -> None:
-    """Give the check cells of a notebook the points of their exercises."""
-    for cell in notebook["cells"]:
-        marks = cell["metadata"].get("nbgrader", {})
-        if marks.get("grade"):
-            marks["points"] = EXERCISES[marks["grade_id"].removesuffix("_check")].points
 
 
 def as_text(notebook: dict) -> str:

@@ -17,11 +17,12 @@ from test_grading_and_marks import hand_in
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.copies import student_copy
-from numpy_cae.course.mine import mine_before, run
+from numpy_cae.course.mine import run
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
+from tools.execute_lessons import mine_before
 
 NOTEBOOKS = find_lessons(Path(__file__).parents[2] / "lessons")
 STYLES = re.split(r"\n(?=def )", Path(__file__).with_name("right_styles.txt").read_text("utf-8"))

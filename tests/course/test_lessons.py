@@ -13,11 +13,10 @@ from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
 from numpy_cae.course.copies import student_copy
-from numpy_cae.course.executed import execute, source_hash
-from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
+from tools.execute_lessons import execute, mine_before, source_hash
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
@@ -60,7 +59,7 @@ def pictures(notebook: dict) -> tuple[int, int]:
 def test_stored_as_executed(path):
     notebook = read_notebook(path)
     assert notebook["metadata"]["numpy_cae"]["source_hash"] == source_hash(notebook), (
-        f"the outputs are older than the source: numpy-cae lessons --execute --only {path.name[:2]}"
+        f"the outputs are older than the source: python -m tools.execute_lessons {path.name[:2]}"
     )
     assert path.stat().st_size < LARGEST
     drawn, moving = pictures(notebook)

@@ -11,7 +11,8 @@ from acclaim_files import FILES
 
 from numpy_cae import course
 from numpy_cae.course.copies import BEGIN
-from numpy_cae.course.mine import EMPTY, mine_before, run, with_definitions
+from numpy_cae.course.mine import EMPTY, run, with_definitions
+from tools.execute_lessons import mine_before
 
 CELL = (FILES / "cell_of_mine.txt").read_text()
 SGD_STEP = """

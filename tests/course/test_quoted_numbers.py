@@ -17,9 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course.executed import execute
-from numpy_cae.course.mine import mine_before
 from numpy_cae.course.notebook import find_lessons, read_notebook
+from tools.execute_lessons import execute, mine_before
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)

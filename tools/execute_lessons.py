@@ -1,14 +1,27 @@
-"""Execute a lesson in a fresh kernel, and store its outputs with a hash of its source."""
+"""Execute the instructor's copies of lessons in fresh kernels and store outputs and points.
 
+    python -m tools.execute_lessons 03 05       (without numbers: every lesson)
+    python -m tools.execute_lessons --store     the same without executing, after a change of text
+
+The package's copies for students are written, too.
+"""
+
+import argparse
 import hashlib
 import json
 import os
+import re
 import subprocess
 import tempfile
 from pathlib import Path
 
-from numpy_cae.course.mine import EMPTY, FILE
+from numpy_cae.course.catalogue import EXERCISES
+from numpy_cae.course.copies import PACKAGED, choose_lessons, student_copy
+from numpy_cae.course.mine import EMPTY, FILE, with_definitions
+from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
+from numpy_cae.verify.grading.submission import is_exercise
 
+LESSONS = Path(__file__).parents[1] / "lessons"
 SECONDS_A_CELL = 1800
 
 
@@ -67,3 +80,46 @@ def _failing(notebook: dict) -> str:
         if any(output["output_type"] == "error" for output in cell.get("outputs", ())):
             return f"cell {cell['id']} ({cell['source'].splitlines()[0]} ...)"
     return "a cell"
+
+
+def mine_before(lesson: Path) -> str:
+    """The text of mine.py with the solutions of all lessons before this one, in its folder."""
+    text = EMPTY
+    for path in find_lessons(lesson.parent):
+        if path.name < lesson.name:
+            for cell in filter(is_exercise, read_notebook(path)["cells"]):
+                text = with_definitions(text, cell["source"])
+    return re.sub("^ +### .* SOLUTION\n", "", text, flags=re.M)
+
+
+def set_points(notebook: dict) -> None:
+    """Give the check cells of a notebook the points of their exercises."""
+    for cell in notebook["cells"]:
+        marks = cell["metadata"].get("nbgrader", {})
+        if marks.get("grade"):
+            marks["points"] = EXERCISES[marks["grade_id"].removesuffix("_check")].points
+
+
+def store(path: Path, executed: bool) -> None:
+    """Store a lesson's points and the package's copy and, if requested, new outputs."""
+    notebook = read_notebook(path)
+    set_points(notebook)
+    if executed:
+        notebook = execute(notebook, mine_before(path))
+        print(f"{path}: executed")
+    write_notebook(notebook, path)
+    write_notebook(student_copy(notebook), PACKAGED / path.name)
+
+
+def main() -> None:
+    """Execute or store the lessons that are named."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("numbers", nargs="*", metavar="NN")
+    parser.add_argument("--store", action="store_true", help="keep the outputs that are stored")
+    args = parser.parse_args()
+    for path in choose_lessons(LESSONS, args.numbers):
+        store(path, not args.store)
+
+
+if __name__ == "__main__":
+    main()
