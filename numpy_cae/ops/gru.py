@@ -72,40 +72,34 @@ def gru_step(
     (array([[0.982]]), array([[0.982]]))
     """
     require_shape("h", h, ("batch", "hidden"))
-    require_shape("x", x, (len(h), "in"))
-    _require_weights(x.shape[1], h.shape[1], w, u, b, c)
+    batch, hidden = h.shape
+    require_shape("x", x, (batch, "in"))
+    _require_weights(x.shape[1], hidden, w, u, b, c)
 
     a, a_pullback = linear(x, w, b)
     s, s_pullback = linear(h, u, c)
     a_r, a_z, a_n = np.split(a, 3, axis=1)
     s_r, s_z, s_n = np.split(s, 3, axis=1)
-    r = sigmoid(a_r + s_r)[0]
-    z = sigmoid(a_z + s_z)[0]
+    r, _ = sigmoid(a_r + s_r)
+    z, _ = sigmoid(a_z + s_z)
     n = np.tanh(a_n + r * s_n)
     h_next = (1 - z) * n + z * h
 
     def pullback(dh_next: np.ndarray) -> tuple[np.ndarray, ...]:
         require_shape("dh_next", dh_next, h_next.shape)
-        da, ds = _gate_gradients(dh_next, h, s_n, r, z, n)
-        dx, dw, db = a_pullback(da)
-        dh_through_s, du, dc = s_pullback(ds)
-        return dx, dh_next * z + dh_through_s, dw, du, db, dc
+        dn = dh_next * (1 - z)
+        dz = dh_next * (h - n)
+        da_n = dn * (1 - n * n)
+        ds_n = da_n * r
+        dr = da_n * s_n
+        da_z = dz * z * (1 - z)
+        da_r = dr * r * (1 - r)
+        dx, dw, db = a_pullback(np.concatenate([da_r, da_z, da_n], axis=1))
+        dh_through_s, du, dc = s_pullback(np.concatenate([da_r, da_z, ds_n], axis=1))
+        dh = dh_next * z + dh_through_s
+        return dx, dh, dw, du, db, dc
 
     return h_next, pullback
-
-
-def _gate_gradients(
-    dh_next: np.ndarray, h: np.ndarray, s_n: np.ndarray, r: np.ndarray, z: np.ndarray, n: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """da and ds of `gru_step`, (B, 3H) each."""
-    dn = dh_next * (1 - z)
-    dz = dh_next * (h - n)
-    da_n = dn * (1 - n * n)
-    ds_n = da_n * r
-    dr = da_n * s_n
-    da_z = dz * z * (1 - z)
-    da_r = dr * r * (1 - r)
-    return np.concatenate([da_r, da_z, da_n], axis=1), np.concatenate([da_r, da_z, ds_n], axis=1)
 
 
 def gru(
