@@ -7,7 +7,7 @@ Two papers, implemented in NumPy without an automatic differentiation framework:
 - jang2018: Jang and Lee, "Latent Motion Manifold with Sequential Auto-Encoders", SCA 2018 posters.
 
 Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is. The
-functions `load`, `project`, `fill`, `show` and `learn` are those of `numpy_cae.public`, and
+functions `load`, `save`, `project`, `fill`, `show` and `learn` are those of `numpy_cae.public`, and
 `numpy_cae.repair` is a package that can be called. All are imported when they are first used.
 """
 
@@ -16,7 +16,7 @@ from importlib import import_module as _import_module
 from numpy_cae import notebook as _notebook
 
 __version__ = "0.4.0"
-__all__ = ["fill", "learn", "load", "project", "repair", "show"]
+__all__ = ["fill", "learn", "load", "project", "repair", "save", "show"]
 
 _notebook.register()
 

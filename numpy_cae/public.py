@@ -1,4 +1,4 @@
-"""The functions of `import numpy_cae`: load, project, fill, show and learn, for whole motions.
+"""The functions of `import numpy_cae`: load, save, project, fill, show and learn, for motions.
 
 `numpy_cae.repair` is the package of that name, which can be called. Everything can be done with
 more options in `numpy_cae.mocap`, `numpy_cae.manifold`, `numpy_cae.repair` and `numpy_cae.viz`.
@@ -13,14 +13,15 @@ from numpy_cae import ipython, training, viz
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
-from numpy_cae.mocap.many import read_bodies
-from numpy_cae.mocap.rigs.rigs import joint_index
+from numpy_cae.mocap import save as save
+from numpy_cae.mocap.bodies import read_bodies
+from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.repair import Repaired, fill_motion, project_motion
 from numpy_cae.viz.viewer import Player
 
-__all__ = ["fill", "learn", "load", "project", "show"]
+__all__ = ["fill", "learn", "load", "project", "save", "show"]
 
 
 def project(motion: Motion, manifold: MotionManifold) -> Motion:
@@ -80,7 +81,7 @@ def fill(
     >>> numpy_cae.fill(motion, joints=["left_wrist"], frames=(30, 75))
     left_wrist: frames 30 to 75: moved 3.1 cm, at most 6.4
     """
-    names = [JOINTS[joint_index(name, motion.skeleton)] for name in joints or JOINTS]
+    names = [JOINTS[joint_index(name, motion)] for name in joints or JOINTS]
     first, last = (0, len(motion) - 1) if frames is None else frames
     if not 0 <= first <= last < len(motion):
         raise ValueError(f"frames {first} to {last}, the motion has 0 to {len(motion) - 1}")

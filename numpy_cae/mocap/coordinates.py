@@ -1,4 +1,7 @@
-"""The up axis and the floor of a motion file: detected, and changed to Y up and 0.
+"""The up axis and the floor of a motion file: detected, changed to Y up and 0, and restored.
+
+A `Motion` is Y up with the floor at 0, and may have joints that its file lacks. `Motion.up`,
+`Motion.floor` and `Rig.added` say how the file has it, and the writers restore that.
 
 Nearly all files have Y up and the floor at 0; such files pass through unchanged. Two observations
 decide, on the twenty joints:
@@ -11,16 +14,26 @@ decide, on the twenty joints:
 """
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from numpy_cae.mocap.axes import TO_Y_UP, to_y_up
-from numpy_cae.mocap.rigs.completed import sampled
-from numpy_cae.mocap.rigs.rigs import match_rig
+from numpy_cae.mocap.rigs.rigs import RiggedMotion, own_rig
 from numpy_cae.mocap.units import guess_unit, require_unit
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, Note
+from numpy_cae.motion.quaternions import nearest, product
 
+TO_Y_UP = {
+    "y": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "z": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
+    "-y": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "-z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-x": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
+}
+"""The rotation that takes a file whose up axis is this one to Y up, as rows of a matrix."""
+AnyMotion = TypeVar("AnyMotion", bound=Motion)
 _ENDS = ("knee", "ankle", "elbow", "wrist")
 _LIMBS = [f"{side}_{end}" for side in ("left", "right") for end in _ENDS]
 LIMBS = 0.77
@@ -46,7 +59,9 @@ AT_ZERO = 0.25
 AT_LEVEL = 0.1
 """AT_LEVEL: else the floor is the lowest level at which the body is for this part of the time."""
 _POSES = 500
-"""_POSES: about this many poses of a motion are looked at."""
+"""_POSES: the up axis and the floor are detected in about this many poses of a motion."""
+_POSES_OF_BONES = 100
+"""_POSES_OF_BONES: bones are measured in about this many poses of a motion."""
 
 
 @dataclass(frozen=True)
@@ -86,26 +101,30 @@ class Coordinates:
             raise ValueError(f"floor is {self.floor}, expected its height in metres")
 
 
-def with_unit_of_limbs(motion: Motion) -> Motion:
+def with_unit_of_limbs(motion: RiggedMotion) -> RiggedMotion:
     """The motion with its unit guessed again, from the twenty joints' legs and arms alone: props,
     hair and fingers do not count. The same motion if they were not found."""
-    found = match_rig(motion.skeleton)[1]
+    found = motion.rig.found
     starts = {end: JOINTS[PARENTS[JOINTS.index(end)]] for end in _LIMBS}
     if not {*starts, *starts.values()} <= set(found):
         return motion
-    lengths = np.linalg.norm(np.median(sampled(motion).translations, axis=0), axis=-1)
+    translations = motion.sampled(_POSES_OF_BONES).translations
+    lengths = np.linalg.norm(np.median(translations, axis=0), axis=-1)
     total = 0.0
     for end, above in starts.items():
-        path, start = motion.skeleton.path(found[end]), found[above]
-        total += lengths[path[: path.index(start)]].sum() if start in path else 0.0
+        path = motion.skeleton.path(found[end])
+        if found[above] in path:
+            total += lengths[path[: path.index(found[above])]].sum()
     unit, note = guess_unit(total / 2 / LIMBS / motion.unit)
     scale = unit / motion.unit
-    _, *notes = motion.unit_note.split("; ")
-    motion = replace(motion, unit=unit, unit_note="; ".join([note, *notes]))
+    motion = replace(motion, unit=unit, notes=(note, *motion.notes[1:]))
     if scale == 1:
         return motion
-    skeleton, translations = motion.skeleton.scaled(scale), scale * motion.translations
-    return replace(motion, skeleton=skeleton, translations=translations)
+    return replace(
+        motion,
+        skeleton=motion.skeleton.scaled(scale),
+        translations=scale * motion.translations,
+    )
 
 
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
@@ -149,23 +168,71 @@ def detect_floor(body: np.ndarray) -> float:
     return level if is_elsewhere else 0.0
 
 
-def in_y_up(motion: Motion, coordinates: Coordinates) -> Motion:
-    """The motion as a file has it, turned to Y up and moved to a floor at 0.
+def in_y_up(motion: AnyMotion, coordinates: Coordinates) -> AnyMotion:
+    """The motion as a file has it, turned to Y up and moved to a floor at 0; `as_in_file` is the
+    inverse.
 
     What `coordinates` leaves open is detected; in a rig in which the twenty joints are not found, Y
     is taken to be up and the floor to be at 0.
     """
-    up, floor = coordinates.up, coordinates.floor
-    reasons = ["as given" if given is not None else "detected" for given in (up, floor)]
-    rig_joints = match_rig(motion.skeleton)[1]
-    if len(rig_joints) == len(JOINTS) and (up is None or floor is None):
-        joints = [rig_joints[joint] for joint in JOINTS]
-        body = motion.at(slice(None, None, max(1, len(motion) // _POSES))).positions(joints)
-        rest = motion.skeleton.rest_positions()[joints]
+    up = coordinates.up
+    floor = coordinates.floor
+    rig = own_rig(motion)
+    if len(rig.found) == len(JOINTS) and (up is None or floor is None):
+        body = motion.sampled(_POSES).positions(rig.joints)
+        rest = motion.skeleton.rest_positions()[rig.joints]
         up = detect_up(body, rest) if up is None else up
         floor = detect_floor(body @ np.transpose(TO_Y_UP[up])) if floor is None else floor
-    up, floor = up or "y", floor or 0.0
-    changes = [f"{up.upper()} up ({reasons[0]})"] if up != "y" else []
-    changes += [f"floor at {floor:.2f} m ({reasons[1]})"] if floor else []
-    note = "; ".join([motion.unit_note, *changes])
-    return replace(to_y_up(motion, up, floor), unit_note=note)
+    up = up or "y"
+    floor = floor or 0.0
+    if up == "y" and floor == 0:
+        return motion
+    notes = list(motion.notes)
+    if up != "y":
+        reason = "detected" if coordinates.up is None else "as given"
+        notes.append(Note("up", f"{up.upper()} up ({reason})"))
+    if floor:
+        reason = "detected" if coordinates.floor is None else "as given"
+        notes.append(Note("floor", f"floor at {floor:.2f} m ({reason})"))
+    rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
+    translations[:, 0, 1] -= floor
+    turned = replace(motion, rotations=rotations, translations=translations)
+    return replace(turned, up=up, floor=floor, notes=tuple(notes))
+
+
+def as_in_file(motion: Motion) -> Motion:
+    """The motion in the axes, at the height and with the joints of its file, for a writer."""
+    motion = _without_added(motion)
+    if motion.up == "y" and motion.floor == 0:
+        return motion
+    translations = motion.translations.copy()
+    translations[:, 0, 1] += motion.floor
+    moved = replace(motion, translations=translations)
+    rotations, translations = _turned(moved, np.array(TO_Y_UP[motion.up], dtype=float).T)
+    return replace(motion, rotations=rotations, translations=translations, up="y", floor=0.0)
+
+
+def _turned(motion: Motion, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations and translations of the motion with its root turned."""
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = product(nearest(matrix), rotations[:, 0])
+    translations = motion.translations.copy()
+    translations[:, 0] = translations[:, 0] @ matrix.T
+    return rotations, translations
+
+
+def _without_added(motion: Motion) -> Motion:
+    """The motion of the joints that the file has."""
+    if not isinstance(motion, RiggedMotion) or not motion.rig.added:
+        return motion
+    kept = slice(motion.rig.added[0])  # the joints that the file lacks are the last ones
+    skeleton = replace(
+        motion.skeleton,
+        names=motion.skeleton.names[kept],
+        parents=motion.skeleton.parents[kept],
+        offsets=motion.skeleton.offsets[kept],
+    )
+    arrays = (motion.rotations[:, kept], motion.translations[:, kept])
+    return Motion(
+        skeleton, motion.rate, *arrays, motion.unit, motion.notes, motion.up, motion.floor
+    )

@@ -1,30 +1,26 @@
 """Read any supported motion file, chosen by its suffix."""
 
-import filecmp
 import logging
 import os
-import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from fnmatch import fnmatch
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
-from numpy_cae.errors import FileError, NumpyCaeError
+from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap.coordinates import Coordinates, in_y_up, with_unit_of_limbs
-from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
+from numpy_cae.mocap.formats.amc import read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write import require_bvh, write_bvh
-from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.retarget.body import body_of
 from numpy_cae.mocap.retarget.to_angles import angles_of
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
+from numpy_cae.mocap.save import FileMotion
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.motion import Motion
 
@@ -35,68 +31,6 @@ SUPPORTED = (
     "(exponential maps of CMU or Human3.6M)"
 )
 SUFFIXES = (".amc", ".bvh", ".txt")
-KEPT = (".bvh", ".amc")
-"""KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""
-
-
-@dataclass(frozen=True, repr=False)
-class FileMotion(Motion):
-    """A motion that was read from a file, and everything made of it by `dataclasses.replace`.
-
-    Parameters
-    ----------
-    source : path
-        The file.
-    """
-
-    source: Path = Path()
-
-    def save(self, path: str | Path, before: Motion | None = None) -> None:
-        """Write the motion to a file.
-
-        In the format of its own file (.bvh, .amc) the text of everything that did not change is
-        kept, byte for byte, also where frames at the start were cut off, and a missing .asf
-        skeleton is copied beside an .amc file. A motion of another format, at another rate, or with
-        more frames is written as BVH.
-
-        Parameters
-        ----------
-        path : path
-            The file to write: .bvh, or .amc if the source is one. It may be the source.
-        before : Motion, optional
-            The motion as it was read; the file is read again where None.
-
-        Raises
-        ------
-        ValueError, FileError
-            If the suffix is another, or values are not finite; if the file cannot be written, or
-            an .amc file would be read with another skeleton there.
-        """
-        path = Path(path)
-        same_format = self.source.suffix.lower() == path.suffix.lower() in KEPT
-        if same_format and before is None:
-            names = self.skeleton.joint_names or None
-            before = load_motion(self.source, self.unit, None, self.up, self.floor, names)
-        if not same_format or before is None or before.rate != self.rate or len(before) < len(self):
-            require_bvh(path)
-            write_bvh(self, path)
-            return
-        if path.suffix.lower() == ".amc":
-            _copy_skeleton(find_skeleton(self.source), path)
-        write_like(self.source, before, self, path)
-
-
-def _copy_skeleton(skeleton: Path, path: Path) -> None:
-    """Copy the skeleton of an .amc file beside `path`, where it is not there; FileError unless the
-    motion at `path` is then read with it."""
-    copy = path.with_name(skeleton.name)
-    if not copy.exists():
-        with atomic_write(copy) as temporary:
-            shutil.copyfile(skeleton, temporary)
-    beside = find_skeleton(path)
-    if not filecmp.cmp(beside, skeleton, shallow=False):
-        problem = f"would be read with another skeleton, {beside}, not with {skeleton}"
-        raise FileError(path, None, f"{problem}; write it into another folder")
 
 
 def load_motion(
@@ -118,20 +52,20 @@ def load_motion(
     path : path of a .bvh, .amc or .txt file
     unit : float, optional
         Metres in one unit of length of the file, such as 0.01 for centimetres. By default guessed
-        for BVH, else as the file or its layout says; see `Motion.unit_note`.
+        for BVH, else as the file or its layout says; see `Motion.notes`.
     max_rate : float, optional
         Frames a second that suffice: if omitting frames gives this rate, they are not parsed.
     up, floor : str, float, optional
         The axis that is up in the file (x, y, z, -x, -y or -z), and the height of the floor along
         it in metres. By default detected.
     mapping : dict of joint name to the rig's joint name, or several, optional
-        Names of the twenty joints in an unknown rig, which are kept in `Skeleton.joint_names`. If
-        there are several mappings, the first whose names are all in the file is used, or none.
+        Names of the twenty joints in an unknown rig. If there are several mappings, the first whose
+        names are all in the file is used, or none.
 
     Returns
     -------
     FileMotion
-        A `Motion` that knows its file and has a method `save`.
+        A `Motion` that knows its file and its rig (`rig_of`) and has a method `save`.
 
     Raises
     ------
@@ -147,7 +81,7 @@ def load_motion(
     >>> walk = make_take("walk", 1, seconds=2.0, rate=120.0).motion
     >>> write_bvh(walk, "walk.bvh", unit=0.01)
     >>> motion = load_motion("walk.bvh")
-    >>> len(motion), motion.rate, motion.unit_note
+    >>> len(motion), motion.rate, motion.note
     (240, 120.0, 'centimetres (guessed: the skeleton is about 1.8 m tall)')
     """
     path = Path(path)
@@ -166,16 +100,18 @@ def load_motion(
     coordinates = Coordinates(unit, up, floor)
     with _naming(path):
         if suffix == ".amc":
-            motion = read_amc(path, unit=unit, max_rate=max_rate)
+            read = read_amc(path, unit=unit, max_rate=max_rate)
         else:
-            motion = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
-        motion = recognised(motion, mapping)
+            read = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
+        motion = recognised(read, mapping)
+        del read
         if suffix == ".bvh" and unit is None:
             motion = with_unit_of_limbs(motion)
-        is_odd = "; " in motion.unit_note or "no adult" in motion.unit_note
+        is_odd = any(note.kind != "unit" or note.in_doubt for note in motion.notes)
         motion = in_y_up(motion, coordinates)
-    log.log(logging.WARNING if is_odd else logging.INFO, "%s: %s", path, motion.unit_note)
-    return FileMotion(**vars(motion), source=path)
+    log.log(logging.WARNING if is_odd else logging.INFO, "%s: %s", path, motion.note)
+    reload = partial(load_motion, path, unit, None, up, floor, mapping)
+    return FileMotion(**vars(motion), source=path, reload=reload)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ Bandai's, more with fingers, as in CMU's).
 
 import numpy as np
 
+from numpy_cae.motion.motion import Note
 from numpy_cae.motion.skeleton import Skeleton
 
 INCH = 0.0254
@@ -72,16 +73,18 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
     return longest / TIP_TO_TIP
 
 
-def stated_unit(unit: float, source: str, height: float) -> str:
+def stated_unit(unit: float, source: str, height: float) -> Note:
     """A note on the unit, its source and the stature. `height` is in metres, 0 if unknown."""
-    odd = height > 0 and not PLAUSIBLE[0] <= height <= PLAUSIBLE[1]
-    advice = ", which no adult is: give the right unit" if odd else ""
-    return f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
+    in_doubt = height > 0 and not PLAUSIBLE[0] <= height <= PLAUSIBLE[1]
+    advice = ", which no adult is: give the right unit" if in_doubt else ""
+    text = f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
+    return Note("unit", text, in_doubt)
 
 
-def guess_unit(height: float) -> tuple[float, str]:
+def guess_unit(height: float) -> tuple[float, Note]:
     """The unit in metres in which a person of this height is closest to `TYPICAL`, and a note."""
     if not height > 0:
-        return 1.0, "metres (assumed: the skeleton has no two limbs to measure)"
+        text = "metres (assumed: the skeleton has no two limbs to measure)"
+        return 1.0, Note("unit", text)
     unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / TYPICAL)))
     return unit, stated_unit(unit, "guessed", height * unit)

@@ -25,6 +25,24 @@ MIN_RATE, MAX_RATE = 1.0, 10_000.0
 memory when they are resampled; no camera that records motions is faster."""
 
 
+@dataclass(frozen=True)
+class Note:
+    """What a person is told about a motion; code decides by `kind` and `in_doubt`, not by `text`.
+
+    Parameters
+    ----------
+    kind : str
+        What the note is about: "unit", "skipped lines", "frames", "still", "rig", "up" or "floor".
+    text : str
+    in_doubt : bool
+        Whether what the note says is probably wrong, such as a unit with which nobody is as tall.
+    """
+
+    kind: str
+    text: str
+    in_doubt: bool = False
+
+
 @dataclass(frozen=True, repr=False)
 class Motion:
     """Frames of a moving skeleton.
@@ -41,9 +59,9 @@ class Motion:
         in the world. A joint without position channels has its offset in every frame.
     unit : float
         Metres in one unit of length of the file that the motion came from.
-    unit_note : str
-        What the reader took the unit to be and why, for a person; also the up axis and the floor
-        if the file has others than Y and 0.
+    notes : tuple of Note
+        What the reader took the unit to be and why, then what is odd in the file, how its rig was
+        recognised, and the up axis and the floor if the file has others than Y and 0.
     up : str
         The axis that is up in the file, such as "z"; here Y always is.
     floor : float
@@ -69,7 +87,7 @@ class Motion:
     rotations: np.ndarray
     translations: np.ndarray
     unit: float = 1.0
-    unit_note: str = "metres"
+    notes: tuple[Note, ...] = (Note("unit", "metres"),)
     up: str = "y"
     floor: float = 0.0
 
@@ -84,8 +102,17 @@ class Motion:
         return len(self.rotations)
 
     def __repr__(self) -> str:
-        joints = len(self.skeleton.names) - self.skeleton.added
-        return f"motion of {len(self)} frames at {self.rate:g} a second, {joints} joints"
+        return f"motion of {len(self)} frames at {self.rate:g} a second, {self.own_joints} joints"
+
+    @property
+    def own_joints(self) -> int:
+        """The number of joints; of a motion from a file, of those that the file has."""
+        return len(self.skeleton.names)
+
+    @property
+    def note(self) -> str:
+        """The texts of the notes in one line."""
+        return "; ".join(note.text for note in self.notes)
 
     @property
     def seconds(self) -> float:
@@ -96,6 +123,10 @@ class Motion:
         """The motion that consists of these frames, in this order."""
         rotations, translations = self.rotations[frames], self.translations[frames]
         return replace(self, rotations=rotations, translations=translations)
+
+    def sampled(self, poses: int) -> Motion:
+        """About this many poses of the motion, evenly spaced."""
+        return self.at(slice(None, None, max(1, len(self) // poses)))
 
     def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
         """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""

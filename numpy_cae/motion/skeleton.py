@@ -28,12 +28,6 @@ class Skeleton:
     end_sites : dict of int to (3,) array
         The tip of a bone that ends at no joint (toes, fingers, the top of the head), as an offset
         in metres from the joint at its base.
-    added : int
-        The number of joints at the end that the file does not have; no writer writes them.
-    joint_names : dict of str to str
-        For some of the twenty joints (`JOINTS`) the name that this skeleton has for the joint, as
-        the user gives it if a rig is unknown (`load_motion(path, mapping=...)`); the others are
-        found by the names of known rigs.
 
     Examples
     --------
@@ -49,8 +43,6 @@ class Skeleton:
     parents: tuple[int, ...]
     offsets: np.ndarray
     end_sites: dict[int, np.ndarray] = field(default_factory=dict)
-    added: int = 0
-    joint_names: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         joints = len(self.names)

@@ -17,8 +17,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.to_rig import bent, retarget
-from numpy_cae.mocap.rigs.rigs import body_positions
 from numpy_cae.motion.contacts import FEET, foot_sliding
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin

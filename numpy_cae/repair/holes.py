@@ -7,7 +7,7 @@ import numpy as np
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.features import features_to_positions, positions_to_features
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.masks import at_thirty
@@ -70,7 +70,7 @@ class Holes:
         correction = self.positions_of(features) - self.positions_of(self.features)
         correction[~self.mask] = 0.0
         weight = _ramps(holes, motion.rate)
-        joints = find_joints(motion.skeleton)
+        joints = rig_of(motion).joints
         row = np.cumsum(holes.any(axis=1)) - 1  # of a frame in `start`
 
         def targets(frames: np.ndarray) -> np.ndarray:
@@ -87,7 +87,7 @@ def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:
     if source.dtype == int:  # frames are only dropped: no other pose changes
         positions, poses = body.positions.copy(), np.flatnonzero(there[source])
         rows = (np.cumsum(there) - 1)[source[poses]]
-        positions[poses] = start.at(rows).positions(find_joints(motion.skeleton))
+        positions[poses] = start.at(rows).positions(rig_of(motion).joints)
         return positions
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
     rotations[there], translations[there] = start.rotations, start.translations

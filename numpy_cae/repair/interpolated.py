@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.hole_curves import (
     EVERY,
     CurveAt,
@@ -36,7 +36,7 @@ def interpolated(curve: Curve, runs: Sequence[tuple[int, int]]) -> Curve:
 
 def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.ndarray, np.ndarray]:
     """The rotations and the translations that are damaged: two masks (frames, J) of the rig."""
-    names = joint_names(motion.skeleton)
+    names = joint_names(motion)
     turned, moved = (np.zeros((len(motion), len(names)), bool) for _ in range(2))
     missing = np.zeros((len(motion), len(JOINTS)), bool)
     for finding in findings:
@@ -62,7 +62,7 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     kinds `POSITIONS` only the joints named count.
     """
     missing = np.zeros((len(motion), len(JOINTS)), bool)
-    names, rig = joint_names(motion.skeleton), find_joints(motion.skeleton)
+    names, rig = joint_names(motion), rig_of(motion).joints
     for finding in findings:
         frames = finding.stretch
         for column, joint in enumerate(rig):

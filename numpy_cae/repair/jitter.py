@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion, blocks
@@ -194,7 +194,7 @@ def jumping_steps(
     If `frames` are given, only these are looked at. If `rough` (m) is, a joint must also be further
     than this from the cubic through the two frames before it and the two after it.
     """
-    jumps, joints = np.zeros((len(motion), len(JOINTS)), bool), find_joints(motion.skeleton)
+    jumps, joints = np.zeros((len(motion), len(JOINTS)), bool), rig_of(motion).joints
     for part in blocks(np.arange(len(motion) - 1) if frames is None else frames, 512):
         first = max(int(part[0]) - 3, 0)
         positions = motion.at(slice(first, part[-1] + 5)).positions(joints)
@@ -217,7 +217,7 @@ def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motio
         rough[:, curve.joint] += curve.roughness()
     rough[:-1] = np.maximum(rough[:-1], rough[1:])
     moves = np.zeros(rough.shape, bool)
-    for column, joint in enumerate(find_joints(skeleton)):
+    for column, joint in enumerate(rig_of(motion).joints):
         path = skeleton.path(joint)
         counts = rough[:, path] >= SHARE * rough[:, path].max(axis=1, keepdims=True)
         moves[:, path] |= jumps[:, [column]] & counts

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import body_positions
+from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.finding import Finding

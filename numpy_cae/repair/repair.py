@@ -243,5 +243,5 @@ def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
     rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
     known = replace(motion, rotations=rotations, translations=translations)
-    found = marked(wrong, joint_names(motion.skeleton), "not finite")
+    found = marked(wrong, joint_names(motion), "not finite")
     return channels_on_curves(known, wrong, wrong), found

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion, blocks
@@ -101,7 +101,7 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or the joint of
     the rig that follows it (its fingers, the second bone of the neck) and moved furthest; in the
     world, or from the hips."""
-    skeleton, joints = after.skeleton, find_joints(after.skeleton)
+    skeleton, joints = after.skeleton, rig_of(after).joints
     followed = [
         next((joints.index(above) for above in skeleton.path(joint) if above in joints), 0)
         for joint in range(len(skeleton.names))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.mocap.retarget.to_rig import bones_through
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.hole_curves import (
     EVERY,
     CurveAt,
@@ -91,7 +91,7 @@ def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, n
     A translation is unknown where the joint, or the end of the bone in which it lies, is missing.
     Where all twenty joints are missing, every channel of the rig is unknown.
     """
-    joints = find_joints(motion.skeleton)
+    joints = rig_of(motion).joints
     everything = missing.all(axis=1, keepdims=True)
     turned, moved = (np.repeat(everything, len(motion.skeleton.names), axis=1) for _ in range(2))
     bones = bones_through(motion, joints)
@@ -108,7 +108,7 @@ def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, n
 def of_channels(motion: Motion, curve_at: CurveAt) -> CurveAt:
     """The curves of the twenty joints as those of the joints of the rig: each has that of the first
     of the twenty that it moves, or of the hips where it moves none."""
-    joints = find_joints(motion.skeleton)
+    joints = rig_of(motion).joints
     ends = [0] * len(motion.skeleton.names)
     for number in reversed(range(len(joints))):
         for joint in motion.skeleton.path(joints[number])[number > 0 :]:

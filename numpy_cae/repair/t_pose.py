@@ -6,7 +6,7 @@ in a T-pose leaves it slowly.
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import body_positions
+from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.finding import BODY, Finding

@@ -10,7 +10,7 @@ import numpy as np
 from numpy_cae.manifold.fill import fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.features import local_positions
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, in_file, runs, runs_with
@@ -85,7 +85,7 @@ def _jumps(motion: Motion) -> np.ndarray:
     """The frames after which a rotation or place on the way to each of the twenty joints jumps,
     (frames, 20) of bool."""
     jumps = np.zeros((len(motion), len(JOINTS)), bool)
-    paths = [motion.skeleton.path(joint) for joint in find_joints(motion.skeleton)]
+    paths = [motion.skeleton.path(joint) for joint in rig_of(motion).joints]
     for curve in curves_of(motion):
         for frame, _ in jumps_of(curve):
             jumps[frame] |= [curve.joint in path for path in paths]

@@ -27,9 +27,7 @@ class Stage:
     decay: float = 0.9  # factor applied to the rate after each epoch
     alpha: float = 0.01  # weight of the sparsity term of equation 3
     batch: int = 1  # windows in a step: "iteratively input each data point"
-    zeroed: float | tuple[float, float] = (
-        0.1  # p of `zero_values`, or bounds of each window's p
-    )
+    zeroed: float | tuple[float, float] = 0.1  # p of `zero_values`, or bounds of each window's p
     rescaled: bool = False  # whether X_c is divided by 1 - p
     momentum: float = 0.0  # μ of `descend_with_momentum`, at least 0 and below 1
     norm: float | None = None  # bound on the gradient's norm; the paper has none

@@ -53,9 +53,9 @@ def test_positions_are_those_of_explicit_matrices(read_pair):
 def test_units_and_rate_come_from_the_files_unless_given(read_pair):
     motion = read_pair(ASF.replace("length 0.45", "length 2.54"))
     assert motion.unit == pytest.approx(0.01)
-    assert motion.unit_note.startswith("centimetres (:units of the skeleton: ")
+    assert motion.note.startswith("centimetres (:units of the skeleton: ")
     motion = read_pair(unit=0.1)
-    assert motion.unit_note.startswith("decimetres (as given")
+    assert motion.note.startswith("decimetres (as given")
     np.testing.assert_allclose(motion.translations[0, 0], [0.1, 0.2, 0.3])
     said = AMC.replace(":DEGREES", ":DEGREES\n:SAMPLES-PER-SECOND 60")
     assert read_pair().rate == 120

@@ -8,8 +8,7 @@ import pytest
 from data_synth import make_take
 from data_synth.kinds import KINDS
 from numpy_cae.mocap import Coordinates, body_positions
-from numpy_cae.mocap.axes import TO_Y_UP, as_in_file
-from numpy_cae.mocap.coordinates import in_y_up
+from numpy_cae.mocap.coordinates import TO_Y_UP, as_in_file, in_y_up
 from numpy_cae.mocap.formats.amc import read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.write import write_bvh
@@ -28,7 +27,7 @@ def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
     motion = make_take(kind, 3, 4.0, 30.0).motion
     found = in_y_up(motion, Coordinates())
     assert found.rotations is motion.rotations and found.translations is motion.translations
-    assert (found.up, found.floor, found.unit_note) == ("y", 0.0, motion.unit_note)
+    assert (found.up, found.floor, found.note) == ("y", 0.0, motion.note)
 
 
 @pytest.mark.parametrize("up", TO_Y_UP)

@@ -76,7 +76,7 @@ def test_a_file_that_is_cut_off_is_refused_or_only_its_last_number_is_another(
         read += 1
         # Only BVH states its number of frames.
         missing = name == "a.bvh" and len(found) < len(whole[which])
-        assert ("lines of values follow" in found.unit_note) >= missing, length
+        assert ("lines of values follow" in found.note) >= missing, length
         last = len(found) - 1
         np.testing.assert_array_equal(found.rotations[:last], whole[which].rotations[:last])
     assert read < 60 / step

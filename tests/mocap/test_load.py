@@ -8,8 +8,8 @@ from acclaim_files import FILES, write_acclaim
 
 from data_synth import make_take
 from numpy_cae.mocap import MotionFileError, load_windows, write_bvh
+from numpy_cae.mocap.bodies import read_bodies
 from numpy_cae.mocap.load import find_motion_files, load_body, load_motion
-from numpy_cae.mocap.many import read_bodies
 from numpy_cae.motion import Motion
 
 BVH = (FILES / "leg.bvh").read_text()
@@ -74,7 +74,7 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
         if body.problem is None:
             positions, motion = load_body(body.path)
             np.testing.assert_array_equal(body.positions, positions)
-            assert body.note == motion.unit_note
+            assert (body.unit, body.notes) == (motion.unit, motion.notes)
         else:
             assert body.path.name == "bad.bvh"
     sparse = load_motion(paths[0], max_rate=30.0)
@@ -84,7 +84,7 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
 def test_processes_read_the_same(paths):
     one, other = list(read_bodies(paths)), list(read_bodies(paths, processes=2))
     for a, b in zip(one, other, strict=True):
-        assert (a.path, a.note, str(a.problem)) == (b.path, b.note, str(b.problem))
+        assert (a.path, a.notes, str(a.problem)) == (b.path, b.notes, str(b.problem))
         np.testing.assert_array_equal(a.positions, b.positions)
 
 

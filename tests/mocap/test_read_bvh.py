@@ -113,7 +113,7 @@ def test_guesses_are_logged_and_what_is_odd_is_warned_about_once(tmp_path, caplo
     write_bvh(WALK, path, unit=0.01)
     path.write_text(path.read_text().replace("Frames: 30", f"Frames: {frames}"))
     caplog.set_level(logging.INFO, logger="numpy_cae.mocap")
-    note = load_motion(path).unit_note
+    note = load_motion(path).note
     assert [(r.levelname, r.message) for r in caplog.records] == [(level, f"{path}: {note}")]
 
 
@@ -130,7 +130,7 @@ def test_what_is_odd_is_read_as_it_stands_and_noted(tmp_path, read_text, text, n
     (tmp_path / "odd.bvh").write_text(text)
     tidy, odd = read_text(TIDY), load_motion(tmp_path / "odd.bvh")
     # One leg alone has no two limbs to measure: the unit is assumed.
-    assert note in odd.unit_note and "assumed" in tidy.unit_note and "; " not in tidy.unit_note
+    assert note in odd.note and "assumed" in tidy.note and "; " not in tidy.note
     if not note.startswith("nothing moves"):
         np.testing.assert_array_equal(odd.positions(), tidy.positions())
     odd.save(tmp_path / "same.bvh")
@@ -158,10 +158,13 @@ def test_a_table_read_in_blocks_holds_the_numbers_of_each_line(tmp_path, monkeyp
 def test_giants_and_dwarfs_are_doubted():
     for unit in UNITS.values():
         assert guess_unit(1.4 / unit)[0] == guess_unit(2.0 / unit)[0] == unit
-    assert guess_unit(4.0)[1].endswith("about 4.0 m tall, which no adult is: give the right unit)")
-    assert "18.2 m tall, which no adult is" in stated_unit(0.1, "as given", 18.2)
-    assert "no adult" not in stated_unit(0.01, "as given", 1.8)
-    assert guess_unit(0.0) == (1.0, "metres (assumed: the skeleton has no two limbs to measure)")
+    giant = guess_unit(4.0)[1]
+    advice = "about 4.0 m tall, which no adult is: give the right unit)"
+    assert giant.text.endswith(advice) and giant.in_doubt
+    assert stated_unit(0.1, "as given", 18.2).in_doubt
+    assert not stated_unit(0.01, "as given", 1.8).in_doubt
+    unit, note = guess_unit(0.0)
+    assert unit == 1.0 and note.text.startswith("metres (assumed: ")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from numpy_cae.mocap import UnknownRigError, body_of, body_positions, retarget
 from numpy_cae.mocap.retarget.body import at_rate_of
 from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.mocap.retarget.rotations import fit_fan, swing
-from numpy_cae.mocap.rigs.rigs import with_joint_names
+from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
 
@@ -198,8 +198,7 @@ def test_what_cannot_be_followed_is_said():
     with pytest.raises(ValueError, match="not finite"):
         retarget(motion, lost)
     with pytest.raises(UnknownRigError, match=r"left_hip .*descends from none"):
-        skeleton = with_joint_names(motion.skeleton, {"left_hip": "floor"})
-        retarget(replace(motion, skeleton=skeleton), body_positions(motion))
+        retarget(recognised(motion, {"left_hip": "floor"}), body_positions(motion))
 
 
 def test_a_swing_straight_back_and_of_nothing():

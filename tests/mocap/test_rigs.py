@@ -7,20 +7,22 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.mocap import load_motion, retarget, write_bvh
-from numpy_cae.mocap.retarget.fit import body_skeleton
-from numpy_cae.mocap.rigs.checks import doubt
-from numpy_cae.mocap.rigs.completed import completed
-from numpy_cae.mocap.rigs.recognise import recognised
-from numpy_cae.mocap.rigs.rig_names import RIGS
-from numpy_cae.mocap.rigs.rigs import (
+from numpy_cae.mocap import (
     UnknownRigError,
     body_positions,
     find_joints,
-    joint_index,
+    load_motion,
     read_mapping,
-    with_joint_names,
+    retarget,
+    rig_of,
+    write_bvh,
 )
+from numpy_cae.mocap.retarget.fit import body_skeleton
+from numpy_cae.mocap.rigs.checks import doubt
+from numpy_cae.mocap.rigs.completed import completed
+from numpy_cae.mocap.rigs.recognise import joint_index, recognised
+from numpy_cae.mocap.rigs.rig_names import RIGS
+from numpy_cae.mocap.rigs.rigs import rig_by_names, with_rig
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
 from numpy_cae.motion.lengths import bone_lengths
 
@@ -58,18 +60,19 @@ def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
     file.write_text(json.dumps({"left_wrist": "paw"}))
     skeleton = skeleton_of(names)
     for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
-        found = find_joints(with_joint_names(skeleton, mapping))
+        found = rig_by_names(skeleton, mapping).joints
         assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
     with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
-        find_joints(with_joint_names(skeleton, {"left_wrist": "claw"}))
+        rig_of(
+            recognised(person(dict(zip(JOINTS, names, strict=True)).get), {"left_wrist": "claw"})
+        )
     known = skeleton_of(names_in("Mixamo"))
-    assert find_joints(with_joint_names(known, [{"head": "x"}, {"head": "y"}])) == find_joints(
-        known
-    )
+    assert rig_by_names(known, [{"head": "x"}, {"head": "y"}]).joints == find_joints(known)
 
 
 def test_a_joint_is_named_as_ours_or_as_the_rigs():
-    skeleton = skeleton_of([f"mixamorig:{name}" for name in names_in("Mixamo")])
+    names = dict(zip(JOINTS, names_in("Mixamo"), strict=True))
+    motion = person(lambda joint: f"mixamorig:{names[joint]}")
     named = {
         "left_shoulder": "left_shoulder",
         "LeftShoulder": "left_collar",  # the rig's own, which is not ours of nearly that name
@@ -77,9 +80,9 @@ def test_a_joint_is_named_as_ours_or_as_the_rigs():
         "rightleg": "right_knee",
     }
     for name, joint in named.items():
-        assert JOINTS[joint_index(name, skeleton)] == joint
+        assert JOINTS[joint_index(name, motion)] == joint
     with pytest.raises(UnknownRigError, match=r"no joint 'tail'.*left_knee \(mixamorig:LeftLeg\)"):
-        joint_index("tail", skeleton)
+        joint_index("tail", motion)
 
 
 @pytest.mark.parametrize(
@@ -100,9 +103,9 @@ def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
 def test_the_joints_of_real_rigs_are_beyond_doubt(data_folder, file):
     motion = load_motion(data_folder / "cmu" / file)
     unnamed = replace(motion.skeleton, names=tuple(map(str, range(len(motion.skeleton.names)))))
-    joints = find_joints(motion.skeleton)
-    assert doubt(unnamed, joints, motion.positions(joints)) == ""
-    assert find_joints(recognised(replace(motion, skeleton=unnamed)).skeleton) == joints
+    joints = rig_of(motion).joints
+    assert doubt(unnamed, motion.rig, motion.positions(joints)) == ""
+    assert rig_of(recognised(replace(motion, skeleton=unnamed))).joints == joints
 
 
 WALK = make_take("walk", 1, 2.0, 30.0).motion
@@ -141,7 +144,7 @@ def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_pa
     file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
     for side in ("left", "right"):
         file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
-    found = completed(file)
+    found = completed(with_rig(file, rig_by_names(file.skeleton)))
     assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
     at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
     np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)
@@ -159,9 +162,10 @@ DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh 
 @pytest.mark.parametrize(("name", "lacking"), INCOMPLETE)
 def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
     found = recognised(person(name, lacking))
-    names = [found.skeleton.names[joint] for joint in find_joints(found.skeleton)]
+    names = [found.skeleton.names[joint] for joint in rig_of(found).joints]
+    assert [JOINTS[rig_of(found).joints.index(joint)] for joint in found.rig.added] == lacking
     assert names == [f"{j} (added)" if j in lacking else name(j) for j in JOINTS]
-    assert "`numpy-cae rig` lists the joints" in found.unit_note
+    assert "`numpy-cae rig` lists the joints" in found.note
     np.testing.assert_allclose(body_positions(found)[0], body_positions(person(str))[0], atol=0.2)
 
 
@@ -169,12 +173,12 @@ def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
 def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
     lengths = LENGTHS * np.where([joint.endswith("knee") for joint in JOINTS], scale, 1)
     found = recognised(person(bone, lacking, lengths=lengths))
-    assert f"rig not recognised: {problem}" in found.unit_note
+    assert f"rig not recognised: {problem}" in found.note
     with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
-        find_joints(found.skeleton)
+        rig_of(found)
 
 
 def test_a_doubtful_rig_without_shoulders_is_read(tmp_path):
     names = dict(zip(JOINTS, names_in("Bandai"), strict=True))
     write_bvh(person(lambda x: names[x].replace("Upper", ""), (), LENGTHS**3), tmp_path / "a.bvh")
-    assert "not recognised" in load_motion(tmp_path / "a.bvh").unit_note
+    assert "not recognised" in load_motion(tmp_path / "a.bvh").note

@@ -13,7 +13,7 @@ from numpy_cae.mocap import angles_of, body_positions, load_angles, load_motion
 from numpy_cae.mocap.formats.expmap import read_expmap
 from numpy_cae.mocap.formats.expmap_rigs import HUMAN36M
 from numpy_cae.mocap.retarget.to_angles import without_t_pose
-from numpy_cae.mocap.rigs.rigs import with_joint_names
+from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.motion import cut_clips, draw_clips, motion_of
 from numpy_cae.motion.angle_table import ANGLES, HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
 from numpy_cae.motion.angles import shortest_clips, unwrapped
@@ -74,7 +74,7 @@ def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
 
 def test_without_a_neck_the_head_turns_as_one(walk, sequence):
     mapping = {"chest": "lowerneck", "left_collar": "lclavicle", "head": "upperneck"}
-    found = angles_of(replace(walk, skeleton=with_joint_names(walk.skeleton, mapping)))
+    found = angles_of(recognised(walk, mapping))
     head = [SEVENTEEN.columns.index(f"head {axis}") for axis in "xyz"]
     assert np.allclose(found.numbers[:, head], 0, atol=1e-7)
     assert not np.allclose(sequence.numbers[:, head], 0, atol=1e-3)

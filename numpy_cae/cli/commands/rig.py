@@ -30,42 +30,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print how the file is understood, and write the mapping."""
-    from numpy_cae.atomic_write import atomic_write
     from numpy_cae.mocap import load_motion
-    from numpy_cae.mocap.rigs.rigs import match_rig, with_joint_names
+    from numpy_cae.mocap.rigs.rigs import rig_by_names
     from numpy_cae.mocap.rigs.suggest import suggest_mapping
     from numpy_cae.motion import JOINTS
 
     mapping, coordinates = arguments.reading(args)
     motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-    rig, by_name = match_rig(with_joint_names(motion.skeleton, mapping))
-    own = len(motion.skeleton.names) - motion.skeleton.added
-    names = {joint: motion.skeleton.names[at] for joint, at in by_name.items() if at < own}
-    indices = match_rig(motion.skeleton)[1]
-    if len(indices) < len(JOINTS):
+    by_names = rig_by_names(motion.skeleton, mapping)
+    names = {joint: motion.skeleton.names[at] for joint, at in by_names.found.items()}
+    if len(motion.rig.found) < len(JOINTS):
         # If only a few names are those of a known rig, they may mean other joints here.
         suggested = suggest_mapping(motion.skeleton)
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
         motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-        indices = match_rig(motion.skeleton)[1]
-    if indices != by_name or len(names) < TRUSTED:
-        rig = f"unknown ({rig} has {len(names)} of the 20 joints)"
-    skeleton = motion.skeleton
-    joints = len(skeleton.names) - skeleton.added
-    unit, *notes = motion.unit_note.split("; ")
+    rig = motion.rig
+    own = {joint: at for joint, at in rig.found.items() if at not in rig.added}
+    is_known = own == by_names.found and len(names) >= TRUSTED
+    unknown = f"unknown ({by_names.known} has {len(names)} of the 20 joints)"
+    unit, *notes = motion.notes
     print(
-        f"{args.file}: {motion}\nunit   {unit}\nup     {motion.up.upper()}\n"
-        f"floor  {motion.floor:.2f} m\nrig    {rig}"
+        f"{args.file}: {motion}\nunit   {unit.text}\nup     {motion.up.upper()}\n"
+        f"floor  {motion.floor:.2f} m\nrig    {by_names.known if is_known else unknown}"
     )
-    print("".join(f"note   {note}\n" for note in notes), end="")
+    print("".join(f"note   {note.text}\n" for note in notes), end="")
     for joint in JOINTS:
-        name = skeleton.names[indices[joint]] if joint in indices else "missing: name one"
-        guessed = name != names.get(joint) and indices.get(joint, joints) < joints
+        found = joint in rig.found
+        name = motion.skeleton.names[rig.found[joint]] if found else "missing: name one"
+        guessed = joint in own and name != names.get(joint)
         print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
     if args.output is not None:
-        chosen = {j: skeleton.names[indices[j]] for j in JOINTS if indices.get(j, joints) < joints}
-        with atomic_write(args.output) as temporary:
-            text = json.dumps(chosen, indent=1, ensure_ascii=False)
-            temporary.write_text(text + "\n", encoding="utf-8")
-        print(f"{args.output}: {len(chosen)} joints; pass it with --mapping")
+        _write({joint: motion.skeleton.names[own[joint]] for joint in JOINTS if joint in own}, args)
     return 0
+
+
+def _write(mapping: dict[str, str], args: argparse.Namespace) -> None:
+    """Write a mapping to the file of -o."""
+    from numpy_cae.atomic_write import atomic_write
+
+    with atomic_write(args.output) as temporary:
+        text = json.dumps(mapping, indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    print(f"{args.output}: {len(mapping)} joints; pass it with --mapping")

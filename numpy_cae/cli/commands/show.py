@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     rate = motions[0].rate
     actors = []
     for source, motion in zip(args.files, motions, strict=True):
-        print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.unit_note}")
+        print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.note}")
         actors.append(motion_actor(motion, source.name, rate=rate))
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:

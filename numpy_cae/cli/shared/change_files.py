@@ -12,8 +12,9 @@ from numpy_cae.cli.shared.output import require_one_target_each, with_progress, 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.formats.write import require_bvh
-from numpy_cae.mocap.load import KEPT, FileMotion, find_motion_files, load_motion
-from numpy_cae.mocap.rigs.rigs import find_joints
+from numpy_cae.mocap.load import find_motion_files, load_motion
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.mocap.save import KEPT, FileMotion
 from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
@@ -91,7 +92,7 @@ class ChangedFiles:
         motion = load_motion(source, mapping=self.mapping, **vars(self.coordinates))
         if self.is_done:
             self.is_done(READING)
-        print(f"{source}: {len(motion)} frames, {motion.unit_note}")
+        print(f"{source}: {len(motion)} frames, {motion.note}")
         return motion
 
     def write(self, motion: Motion, repaired: Repaired, target: Path | None) -> None:
@@ -164,7 +165,7 @@ class ChangedFiles:
         print(f"{path}: {len(repaired.findings)} found, {len(repaired.proposed)} proposed")
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        joints = find_joints(motion.skeleton)
+        joints = rig_of(motion).joints
         before, after = (each.positions(joints) for each in (motion, repaired.motion))
         actors = [
             Actor(before, PARENTS, "before", CORRUPTED, JOINTS),

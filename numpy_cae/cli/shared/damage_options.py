@@ -15,7 +15,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import MotionFileError
 from numpy_cae.mocap.retarget.to_rig import moves_alone
-from numpy_cae.mocap.rigs.rigs import joint_index
+from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.repair import Finding
@@ -74,7 +74,7 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
 def _mask(
     joints: list[str], limbs: list[str], frames: list[int] | None, motion: Motion
 ) -> np.ndarray:
-    chosen = [JOINTS[joint_index(name, motion.skeleton)] for name in joints]
+    chosen = [JOINTS[joint_index(name, motion)] for name in joints]
     if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
         raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
     for limb in limbs:

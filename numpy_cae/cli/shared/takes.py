@@ -8,9 +8,10 @@ import numpy as np
 
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.mocap import Coordinates
+from numpy_cae.mocap.bodies import ReadResult, read_bodies
 from numpy_cae.mocap.load import is_test
-from numpy_cae.mocap.many import ReadResult, read_bodies
 from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.mocap.units import unit_name
 
 
 def read_takes(
@@ -32,13 +33,13 @@ def read_takes(
             raise ValueError(f"no file matches {pattern!r}, none is left to test")
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
-    notes: Counter[str] = Counter()
+    units: Counter[str] = Counter()
     changed = 0
     for body in usable_bodies(paths, mapping, coordinates):
         (testing if is_test(body.path, test) else training).append(body.positions)
-        notes[body.note.split(" (")[0]] += 1
-        changed += "; " in body.note
-    left_out = len(paths) - notes.total()
+        units[unit_name(body.unit)] += 1
+        changed += len(body.notes) > 1
+    left_out = len(paths) - units.total()
     if test and not testing:
         raise ValueError("every file to test was left out, see above")
     if not training:
@@ -47,7 +48,7 @@ def read_takes(
     note(
         f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
         f"({minutes_of(training, 30)}), {len(testing)} to test; lengths in "
-        + ", ".join(f"{unit} ({count})" for unit, count in notes.most_common())
+        + ", ".join(f"{unit} ({count})" for unit, count in units.most_common())
     )
     if changed:
         what = "were turned, moved to a floor at 0 or are odd in another way"

@@ -80,7 +80,7 @@ def read_amc(
     rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
     note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
-    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, note)
+    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, (note,))
 
 
 def amc_channels(path: str | Path, unit: float) -> list[Channels]:

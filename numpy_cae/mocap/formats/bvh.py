@@ -14,7 +14,7 @@ from numpy_cae.mocap.formats.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.mocap.formats.channels import Channels, read_pose
 from numpy_cae.mocap.formats.text_file import HEADER_SIZE, TextFile, quoted, whole_number
 from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
-from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, whole_step
 from numpy_cae.motion.skeleton import Skeleton
 
 
@@ -26,7 +26,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     path : path of the file
     unit : float, optional
         Metres in one unit of length of the file: 0.01 for centimetres. By default guessed from
-        the size of the skeleton; `Motion.unit_note` states the guess.
+        the size of the skeleton; the first of `Motion.notes` states the guess.
     max_rate : float, optional
         A rate (frames a second) that is high enough. If every n-th frame of the file gives this
         rate, the motion has this rate, and the frames between are only counted.
@@ -35,7 +35,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     -------
     Motion
         In metres, in the axes and the order of joints of the file; `load_motion` turns it Y up.
-        `unit_note` also says what is odd in the file: lines of the hierarchy that were skipped, a
+        `notes` also say what is odd in the file: lines of the hierarchy that were skipped, a
         number of frames that is not that of the lines, or frames that are all equal.
 
     Raises
@@ -73,9 +73,9 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     else:
         unit, note = guess_unit(height)
     translations *= unit
-    still = "nothing moves: all frames are equal" if is_still else ""
-    note = "; ".join(filter(None, [note, skipped, miscounted, still]))
-    return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, note)
+    still = [Note("still", "nothing moves: all frames are equal")] if is_still else []
+    notes = (note, *skipped, *miscounted, *still)
+    return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, notes)
 
 
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
@@ -104,11 +104,9 @@ def _skeleton(joints: list[BvhJoint]) -> Skeleton:
 
 def _read_motion(
     file: TextFile, motion_line: int, joints: list[BvhJoint], max_rate: float | None
-) -> tuple[float, np.ndarray, str]:
-    """The frames a second and the table (frames, channels) in the text below MOTION.
-
-    Last a note if the number of frames that the file states is not that of the lines, else "".
-    """
+) -> tuple[float, np.ndarray, list[Note]]:
+    """The frames a second and the table (frames, channels) in the text below MOTION, and a note if
+    the number of frames that the file states is not that of the lines."""
     channels = sum(len(joint.channels or []) for joint in joints)
     count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
     pattern = r"frame\s*time\s*:?\s*(.*)"
@@ -130,11 +128,11 @@ def _read_motion(
 
     values, lines = read(max(stated, 1))
     if lines == stated:
-        return rate, values, ""
+        return rate, values, []
     if lines == 0:
         raise file.error(count_line, f"Frames: says {count}, but no line of values follows")
-    note = f"Frames: says {count}, but {lines} lines of values follow and were read"
-    return rate, read(lines)[0], note
+    text = f"Frames: says {count}, but {lines} lines of values follow and were read"
+    return rate, read(lines)[0], [Note("frames", text)]
 
 
 def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[int, str]:

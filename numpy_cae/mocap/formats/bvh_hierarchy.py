@@ -22,6 +22,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
+from numpy_cae.motion.motion import Note
 
 CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
 CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
@@ -60,60 +61,87 @@ class BvhJoint:
         return keywords
 
 
-def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, str]:
-    """The joints, parents before children, the number of the line MOTION, and a note on the lines
-    that were skipped, "" if none were.
+def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, list[Note]]:
+    """The joints, parents before children, the number of the line MOTION, and a note if lines were
+    skipped.
 
     Raises MotionFileError if the block is not valid BVH.
     """
-    joints: list[BvhJoint] = []
-    indices: dict[str, int] = {}
-    blocks: list[BvhJoint] = []  # the blocks that are open, the root's first
-    announced: BvhJoint | None = None  # the block whose { must follow
+    tree = _Tree(file)
     skipped: list[int] = []
     for line, keyword, value in _statements(file, skipped):
-        if announced is not None:
-            expected = ["{"]
-        elif blocks:
-            expected = blocks[-1].may_follow
-        else:
-            expected = ["MOTION"] if joints else ["ROOT"]
-        if keyword not in expected:
-            where = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
-            found = quoted(f"{keyword} {value}".strip())
-            raise file.error(line, f"expected {' or '.join(expected)}{where}, found {found}")
+        tree.require_expected(line, keyword, value)
         if keyword == "MOTION":
             lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
-            note = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
-            return joints, line, note
-        if keyword == "{" and announced is not None:
-            blocks.append(announced)
-            announced = None
+            text = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
+            return tree.joints, line, [Note("skipped lines", text)] if skipped else []
+        tree.add(line, keyword, value)
+    raise file.error(file.count, f"the file ends{tree.place} without MOTION: is it cut off?")
+
+
+class _Tree:
+    """The joints that have been read, and the blocks that are open, the root's first.
+
+    `announced` is the block whose { must follow; `indices` are those of the joints by their names
+    without prefix.
+    """
+
+    def __init__(self, file: TextFile):
+        self.file = file
+        self.joints: list[BvhJoint] = []
+        self.indices: dict[str, int] = {}
+        self.blocks: list[BvhJoint] = []
+        self.announced: BvhJoint | None = None
+
+    @property
+    def place(self) -> str:
+        """The block that is open, for an error."""
+        return f" in {self.blocks[-1].name!r} (line {self.blocks[-1].line})" if self.blocks else ""
+
+    def require_expected(self, line: int, keyword: str, value: str) -> None:
+        """Raise MotionFileError unless a statement with this keyword may follow here."""
+        if self.announced is not None:
+            expected = ["{"]
+        elif self.blocks:
+            expected = self.blocks[-1].may_follow
+        else:
+            expected = ["MOTION"] if self.joints else ["ROOT"]
+        if keyword not in expected:
+            found = quoted(f"{keyword} {value}".strip())
+            problem = f"expected {' or '.join(expected)}{self.place}, found {found}"
+            raise self.file.error(line, problem)
+
+    def add(self, line: int, keyword: str, value: str) -> None:
+        """Add what a statement says to the joints."""
+        if keyword == "{" and self.announced is not None:
+            self.blocks.append(self.announced)
+            self.announced = None
         elif keyword == "}":
-            block = blocks.pop()
+            block = self.blocks.pop()
             if block.is_end_site:
-                joints[block.parent].tip = joints[block.parent].tip or block.offset
+                self.joints[block.parent].tip = self.joints[block.parent].tip or block.offset
         elif keyword == "OFFSET":
             words = value.translate(_BRACKETS).split()
-            blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")
+            self.blocks[-1].offset = self.file.numbers(line, words, 3, "OFFSET")
         elif keyword == "CHANNELS":
-            blocks[-1].channels = _channels(file, line, value)
+            self.blocks[-1].channels = _channels(self.file, line, value)
         elif keyword == "End Site":
-            joint = blocks[-1].name
-            name, parent = f"End Site of {joint}", indices[_plain(joint)]
-            announced = BvhJoint(name, parent, line, is_end_site=True)
+            joint = self.blocks[-1].name
+            parent = self.indices[_plain(joint)]
+            self.announced = BvhJoint(f"End Site of {joint}", parent, line, is_end_site=True)
         else:
-            parent = indices[_plain(blocks[-1].name)] if blocks else -1
-            announced = BvhJoint(value, parent, line)
-            if not value or _plain(value) in indices:
-                problem = "expected a name that is unique without its prefix up to a colon"
-                raise file.error(line, f"{keyword} {value!r}: {problem}")
-            if len(joints) == MAX_JOINTS:
-                raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
-            indices[_plain(value)] = len(joints)
-            joints.append(announced)
-    inside = f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
-    raise file.error(file.count, f"the file ends{inside} without MOTION: is it cut off?")
+            self._announce_joint(line, keyword, value)
+
+    def _announce_joint(self, line: int, keyword: str, name: str) -> None:
+        parent = self.indices[_plain(self.blocks[-1].name)] if self.blocks else -1
+        if not name or _plain(name) in self.indices:
+            problem = "expected a name that is unique without its prefix up to a colon"
+            raise self.file.error(line, f"{keyword} {name!r}: {problem}")
+        if len(self.joints) == MAX_JOINTS:
+            raise self.file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+        self.announced = BvhJoint(name, parent, line)
+        self.indices[_plain(name)] = len(self.joints)
+        self.joints.append(self.announced)
 
 
 def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:

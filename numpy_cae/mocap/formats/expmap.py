@@ -18,7 +18,7 @@ from numpy_cae.mocap.formats.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
 from numpy_cae.mocap.units import require_unit, unit_name
 from numpy_cae.motion import quaternions
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, Note
 
 _MIN_COMMAS = 40
 """_MIN_COMMAS: a line with more commas is taken for a row of numbers, not for a sentence."""
@@ -68,8 +68,8 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     if rig is CMU:
         rotations[:, 0] = cmu_root(rotations[:, 0])
     source = "of such text" if unit is None else "as given"
-    note = f"{unit_name(metres)} ({source}, {rig.name}, the bones are a standard person's)"
-    return Motion(rig.skeleton, rig.rate, rotations, translations, metres, note)
+    text = f"{unit_name(metres)} ({source}, {rig.name}, the bones are a standard person's)"
+    return Motion(rig.skeleton, rig.rate, rotations, translations, metres, (Note("unit", text),))
 
 
 def is_expmap_text(path: str | Path) -> bool:

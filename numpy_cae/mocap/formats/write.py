@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.mocap.axes import as_in_file
+from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.mocap.units import require_unit
 from numpy_cae.motion.motion import Motion

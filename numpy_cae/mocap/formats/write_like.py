@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.mocap.axes import as_in_file
+from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.amc import amc_channels
 from numpy_cae.mocap.formats.bvh import bvh_channels
 from numpy_cae.mocap.formats.channels import Channels

@@ -9,10 +9,41 @@ from functools import cached_property, partial
 import numpy as np
 
 from numpy_cae.mocap.retarget.to_rig import retarget
-from numpy_cae.mocap.rigs.rigs import body_positions
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.features import RootTransform, features_to_positions, positions_to_features
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.lengths import bone_lengths, change_lengths, problem_of
 from numpy_cae.motion.motion import RATE, Motion, blocks
+
+
+def body_positions(motion: Motion) -> np.ndarray:
+    """World positions of the twenty joints in each frame of the motion.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    (frames, 20, 3) array of float64
+        Metres, at the rate of the motion.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing, or the bones are not a person's.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> body_positions(make_take("walk", 1, seconds=2.0, rate=120.0).motion).shape
+    (240, 20, 3)
+    """
+    positions = motion.positions(rig_of(motion).joints)
+    problem = problem_of(positions)
+    if problem:
+        raise UnknownRigError(problem)
+    return positions
 
 
 def body_of(motion: Motion) -> np.ndarray:

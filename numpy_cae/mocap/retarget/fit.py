@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.mocap.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS, REST_TIPS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, Note
 from numpy_cae.motion.quaternions import IDENTITY, inverse, product, rotate
 from numpy_cae.motion.skeleton import Skeleton
 
@@ -73,7 +73,7 @@ def fit_motion(positions: np.ndarray, lengths: np.ndarray, rate: float) -> Motio
         rotations[:, joint] = product(inverse(before), rotation)
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
     translations[:, 0] = positions[:, 0]
-    return Motion(skeleton, rate, rotations, translations, 0.01, "0.01 m")
+    return Motion(skeleton, rate, rotations, translations, 0.01, (Note("unit", "centimetres"),))
 
 
 def _fit(bones: np.ndarray, rest: np.ndarray, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

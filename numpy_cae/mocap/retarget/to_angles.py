@@ -15,13 +15,13 @@ not removed.
 import numpy as np
 
 from numpy_cae.mocap.formats.expmap_rigs import HUMAN36M
-from numpy_cae.mocap.rigs.rigs import body_positions, find_joints
+from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import quaternions
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, AngleTable
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.skeleton import Skeleton
 
 MIN_COSINE = np.cos(np.radians(20.0))
 """MIN_COSINE: a limb is in a T-pose if the angle to its direction there has this cosine or more."""
@@ -65,7 +65,7 @@ def angles_of(motion: Motion) -> AngleSequence:
     # Human3.6M's own table for its text, seventeen joints for every other rig.
     is_human36m = motion.skeleton.names == HUMAN36M.skeleton.names
     table = HUMAN36M_TABLE if is_human36m else SEVENTEEN
-    found = joints_in(table, motion.skeleton)
+    found = joints_in(table, motion)
     motion = without_t_pose(motion).resampled(ANGLE_RATE)
     positions, rotations = motion.forward_kinematics()
     vectors = np.zeros((len(motion), len(found), 3))
@@ -82,17 +82,17 @@ def angles_of(motion: Motion) -> AngleSequence:
     return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
 
 
-def joints_in(table: AngleTable, skeleton: Skeleton) -> list[int]:
-    """The indices of the joints of a table in a skeleton; UnknownRigError if any is missing."""
+def joints_in(table: AngleTable, motion: Motion) -> list[int]:
+    """The indices of the joints of a table in a motion; UnknownRigError if any is missing."""
     if table is HUMAN36M_TABLE:
-        return [skeleton.index(joint) for joint in table.joints]
-    found = dict(zip(JOINTS, find_joints(skeleton), strict=True))
+        return [motion.skeleton.index(joint) for joint in table.joints]
+    found = rig_of(motion).found
     # The neck is the first joint on the way from the chest to the head, whatever its name. In rigs
     # without a neck it is the head: the table's neck then has the whole rotation, its head none.
     neck = found["head"]
-    while skeleton.parents[neck] not in (found["chest"], -1):
-        neck = skeleton.parents[neck]
-    found["neck"] = neck
+    while motion.skeleton.parents[neck] not in (found["chest"], -1):
+        neck = motion.skeleton.parents[neck]
+    found = found | {"neck": neck}
     return [found[joint] for joint in table.joints]
 
 

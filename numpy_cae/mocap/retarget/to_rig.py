@@ -27,7 +27,8 @@ import numpy as np
 
 from numpy_cae.mocap.retarget.rotations import fit_fan, swing
 from numpy_cae.mocap.retarget.seams import without_seams
-from numpy_cae.mocap.rigs.rigs import UnknownRigError, find_joints
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
@@ -112,7 +113,7 @@ def retarget(
     >>> (higher.positions() - walk.positions())[0, 0].round(3)
     array([0. , 0.1, 0. ])
     """
-    joints = find_joints(motion.skeleton)
+    joints = rig_of(motion).joints
     shape = len(motion), len(JOINTS)
     touched = np.ones(shape, dtype=bool) if touched is None else touched
     if not callable(positions) and np.shape(positions) != (*shape, 3):
@@ -264,7 +265,7 @@ def moves_alone(motion: Motion, joint: str) -> bool:
     one bone begins at `joint`. The hips and the chest cannot, as several bones begin there.
     Nor can a collar or a hip whose bone comes straight from them.
     """
-    joints = find_joints(motion.skeleton)
+    joints = rig_of(motion).joints
     bones = bones_through(motion, joints)
     index = joints[JOINTS.index(joint)]
     outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]

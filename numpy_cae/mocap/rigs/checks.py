@@ -6,6 +6,7 @@ places agree on left and right, and the bones and the pose are a person's.
 
 import numpy as np
 
+from numpy_cae.mocap.rigs.rigs import Rig
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import frame_lengths
 from numpy_cae.motion.skeleton import Skeleton
@@ -33,27 +34,27 @@ def left_or_right(one: str, other: str) -> str:
     return {"lr": "left", "rl": "right"}.get(differing, "")
 
 
-def order_problem(skeleton: Skeleton, joints: list[int]) -> str:
+def order_problem(skeleton: Skeleton, rig: Rig) -> str:
     """Which of the twenty joints does not descend from its parent in the rig, or from the next one
     if the file lacks the parent; empty if all do."""
-    added = len(skeleton.names) - skeleton.added
+    joints = rig.joints
     for joint, parent in list(enumerate(PARENTS))[1:]:
-        while joints[parent] >= added:
+        while joints[parent] in rig.added:
             parent = PARENTS[parent]
         if joints[parent] not in skeleton.path(joints[joint])[1:]:
             return f"{JOINTS[joint]} is not below {JOINTS[parent]}"
     return ""
 
 
-def doubt(skeleton: Skeleton, joints: list[int], poses: np.ndarray) -> str:
-    """Why these may not be the twenty joints of a rig; empty if there is no reason.
+def doubt(skeleton: Skeleton, rig: Rig, poses: np.ndarray) -> str:
+    """Why a rig's twenty joints may not be these; empty if there is no reason.
 
     `poses` (N, 20, 3) are positions of the joints in the rest pose, then in some frames.
     """
     at = {joint: poses[:, index] for index, joint in enumerate(JOINTS)}
     return (
-        order_problem(skeleton, joints)
-        or _side_problem(skeleton, joints, at)
+        order_problem(skeleton, rig)
+        or _side_problem(skeleton, rig, at)
         or _length_problem(at, np.median(frame_lengths(poses), axis=0))
         or ("" if _mostly(_stands(at)) else "neither the rest pose nor most others are upright")
     )
@@ -64,21 +65,20 @@ def _mostly(in_pose: np.ndarray) -> bool:
     return bool(in_pose[0] or np.mean(in_pose[1:]) > 0.5)
 
 
-def _side_problem(skeleton: Skeleton, joints: list[int], at: dict[str, np.ndarray]) -> str:
+def _side_problem(skeleton: Skeleton, rig: Rig, at: dict[str, np.ndarray]) -> str:
     across = at["left_hip"] - at["right_hip"]
     shoulders = at["left_shoulder"] - at["right_shoulder"]
     if not _mostly(np.sum(across * shoulders, axis=-1) > 0):
         return "an arm and a leg of one side are on different sides"
-    first_added = len(skeleton.names) - skeleton.added
-    name = {our: skeleton.names[joint] for our, joint in zip(JOINTS, joints, strict=True)}
-    is_own = {our: joint < first_added for our, joint in zip(JOINTS, joints, strict=True)}
-    lefts = [our for our in JOINTS if our.startswith("left") and is_own[our]]
+    name = {our: skeleton.names[joint] for our, joint in rig.found.items()}
+    own = [our for our in JOINTS if rig.found[our] not in rig.added]
+    lefts = [our for our in own if our.startswith("left")]
     sides = [left_or_right(name[our], name[our.replace("left", "right")]) for our in lefts]
     if "right" in sides:
         return f"{name[lefts[sides.index('right')]]} does not sound like the left side"
     if "" not in sides:
         return ""
-    if not is_own["left_toe"]:
+    if "left_toe" not in own:
         return "neither names nor toes tell left from right"
     forward = at["left_toe"] - at["left_ankle"] + at["right_toe"] - at["right_ankle"]
     left = np.cross(at["chest"] - at["hips"], forward)

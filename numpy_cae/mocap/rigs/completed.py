@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import ADDED, match_rig
+from numpy_cae.mocap.rigs.rigs import Rig, RiggedMotion
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import IDENTITY, inverse, rotate
@@ -32,50 +32,54 @@ head in thighs; in the files of five sources they are 0.23 to 0.5 and 0.45 to 0.
 _SHORT = 0.1
 """_SHORT: an End Site nearer to the ankle than this part of the shin is no toe."""
 _POSES = 100
+"""_POSES: about this many poses of a motion are measured."""
 
 
-def sampled(motion: Motion) -> Motion:
-    """About `_POSES` frames, evenly spaced over the motion."""
-    return motion.at(slice(None, None, max(1, len(motion) // _POSES)))
-
-
-def completed(motion: Motion, estimate: bool = False) -> Motion:
+def completed(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:
     """The motion with the missing ones of the twenty joints added after its own joints.
 
-    The same motion if no joint is missing, or if the position of a missing one is not known. If
-    `estimate`, toes and a head without an End Site are added at a person's distance.
+    The same motion if the position of a missing joint is not known. If `estimate`, toes and a head
+    without an End Site are added at a person's distance.
     """
-    skeleton = motion.skeleton
-    found = match_rig(skeleton)[1]
-    missing = [joint for joint in JOINTS if joint not in found]
-    parents = [found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
-    offsets = []
-    for joint, parent in zip(missing, parents, strict=True):
-        offset = np.zeros(3)
-        end, part = _BETWEEN.get(joint, ("", 0.0))
-        if end in found and skeleton.parents[found[end]] == parent:
-            offset = part * motion.translations[:, found[end]].mean(axis=0)
-        elif JOINTS.index(joint) not in PARENTS:
-            offset = skeleton.end_sites.get(parent, offset)
-        if estimate and (joint == "head" or joint.endswith("toe")):
-            offset = _estimated(sampled(motion), joint, found, offset)
-        if parent < 0 or not offset.any():
-            return motion
-        offsets.append(offset)
-    if not missing:
+    rig = motion.rig
+    missing = [joint for joint in JOINTS if joint not in rig.found]
+    parents = [rig.found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
+    ends = zip(missing, parents, strict=True)
+    offsets = [_offset(motion, rig, joint, parent, estimate) for joint, parent in ends]
+    if not missing or -1 in parents or not all(offset.any() for offset in offsets):
         return motion
+    skeleton = motion.skeleton
     extended = replace(
         skeleton,
-        names=(*skeleton.names, *(joint + ADDED for joint in missing)),
+        names=(*skeleton.names, *(f"{joint} (added)" for joint in missing)),
         parents=(*skeleton.parents, *parents),
         offsets=np.concatenate([skeleton.offsets, offsets]),
-        added=len(missing),
     )
+    added = range(len(skeleton.names), len(extended.names))
     still = np.tile(IDENTITY, (len(motion), len(missing), 1))
     places = np.tile(offsets, (len(motion), 1, 1))
-    rotations = np.concatenate([motion.rotations, still], axis=1)
-    translations = np.concatenate([motion.translations, places], axis=1)
-    return replace(motion, skeleton=extended, rotations=rotations, translations=translations)
+    found = rig.found | dict(zip(missing, added, strict=True))
+    return replace(
+        motion,
+        skeleton=extended,
+        rotations=np.concatenate([motion.rotations, still], axis=1),
+        translations=np.concatenate([motion.translations, places], axis=1),
+        rig=replace(rig, found=found, added=tuple(added)),
+    )
+
+
+def _offset(motion: Motion, rig: Rig, joint: str, parent: int, estimate: bool) -> np.ndarray:
+    """The offset of a missing joint from its parent in the rig; zero if it is not known."""
+    skeleton, found = motion.skeleton, rig.found
+    offset = np.zeros(3)
+    end, part = _BETWEEN.get(joint, ("", 0.0))
+    if end in found and skeleton.parents[found[end]] == parent:
+        offset = part * motion.translations[:, found[end]].mean(axis=0)
+    elif JOINTS.index(joint) not in PARENTS:
+        offset = skeleton.end_sites.get(parent, offset)
+    if estimate and (joint == "head" or joint.endswith("toe")):
+        offset = _estimated(motion.sampled(_POSES), joint, found, offset)
+    return offset
 
 
 def _estimated(

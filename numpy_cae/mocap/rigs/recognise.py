@@ -2,24 +2,42 @@
 
 The names of known rigs come first. If they leave joints open, the hierarchy suggests these, or all.
 A suggestion with nothing against it (`checks`) is used and noted; a doubtful one is only noted, and
-`find_joints` then refuses the rig. Doubts about a rig that names determine are noted, too.
+`rig_of` then refuses the motion. Doubts about a rig that names determine are noted, too.
 """
 
+import json
 from dataclasses import replace
 
 import numpy as np
 
 from numpy_cae.mocap.rigs.checks import doubt, order_problem
-from numpy_cae.mocap.rigs.completed import completed, sampled
-from numpy_cae.mocap.rigs.rigs import ADDED, Mappings, match_rig, with_joint_names
+from numpy_cae.mocap.rigs.completed import completed
+from numpy_cae.mocap.rigs.rig_names import RIGS
+from numpy_cae.mocap.rigs.rigs import (
+    Mappings,
+    Rig,
+    RiggedMotion,
+    UnknownRigError,
+    own_rig,
+    plain_name,
+    rig_by_names,
+    with_rig,
+)
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, Note
 from numpy_cae.motion.skeleton import Skeleton
 
+_POSES = 100
+"""_POSES: about this many poses of a motion are looked at."""
+_LISTED = 80
+"""_LISTED: a message lists at most this many names of joints, as some rigs have hundreds."""
+_FEW = 4
+"""_FEW: a note lists the joints that the hierarchy gave if they are fewer than this."""
 
-def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
-    """The motion with names for the twenty joints of its rig, and with the missing ones added.
+
+def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
+    """The motion with its rig, and with those of the twenty joints added that the rig lacks.
 
     Parameters
     ----------
@@ -29,63 +47,174 @@ def recognised(motion: Motion, mapping: Mappings = None) -> Motion:
 
     Returns
     -------
-    Motion
-        If names alone do not determine the joints, `unit_note` says what was done about it.
+    RiggedMotion
+        If names alone do not determine the joints, a note says what was done about it.
 
     Examples
     --------
     >>> from data_synth import make_take
-    >>> walk = make_take("walk", 1, seconds=1.0, rate=30.0).motion
-    >>> recognised(walk).skeleton.names == walk.skeleton.names
-    True
+    >>> walk = recognised(make_take("walk", 1, seconds=1.0, rate=30.0).motion)
+    >>> walk.rig.known, walk.skeleton.names[walk.rig.found["left_hip"]]
+    ('CMU Acclaim', 'lfemur')
     """
-    skeleton = with_joint_names(motion.skeleton, mapping)
-    motion = replace(motion, skeleton=skeleton)
-    by_names = completed(motion)
-    joints = _joints(by_names.skeleton)
-    if len(joints) == len(JOINTS) and not order_problem(by_names.skeleton, joints):
+    by_names = with_rig(motion, rig_by_names(motion.skeleton, mapping))
+    names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.found.items()}
+    if len(names) < len(JOINTS):
+        by_names = completed(by_names)
+    is_complete = len(by_names.rig.found) == len(JOINTS)
+    if is_complete and not order_problem(by_names.skeleton, by_names.rig):
         problem = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
-        note = f"; is this a person? {problem}" if problem else ""
-        return replace(by_names, unit_note=motion.unit_note + note)
-    names = {joint: skeleton.names[index] for joint, index in match_rig(skeleton)[1].items()}
+        return _noted(by_names, f"is this a person? {problem}" if problem else "")
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
-    offsets = np.median(sampled(motion).translations, axis=0)
-    suggested = suggest_mapping(replace(skeleton, offsets=offsets))
+    offsets = np.median(motion.sampled(_POSES).translations, axis=0)
+    suggested = suggest_mapping(replace(motion.skeleton, offsets=offsets))
     problem = ""
     for candidate in filter(None, (suggested | names, names, suggested)):
-        joint_names = candidate | skeleton.joint_names
-        named = replace(motion, skeleton=replace(skeleton, joint_names=joint_names))
-        proposed = completed(named, estimate=True)
+        rig = rig_by_names(motion.skeleton, candidate | by_names.rig.given)
+        proposed = completed(with_rig(motion, rig), estimate=True)
         problem = _doubt(proposed)
         if not problem:
-            return replace(proposed, unit_note=f"{motion.unit_note}; {_note(proposed, names)}")
-    note = f"; rig not recognised: {problem}" if problem and len(joints) < len(JOINTS) else ""
-    return replace(by_names, unit_note=motion.unit_note + note)
+            return _noted(proposed, _how_found(proposed, names))
+    is_unknown = problem and not is_complete
+    return _noted(by_names, f"rig not recognised: {problem}" if is_unknown else "")
 
 
-def _joints(skeleton: Skeleton) -> list[int]:
-    """The indices of those of the twenty joints that names determine."""
-    found = match_rig(skeleton)[1]
-    return [found[joint] for joint in JOINTS if joint in found]
+def _noted(motion: RiggedMotion, text: str) -> RiggedMotion:
+    """The motion with a note on its rig, if the text is not empty."""
+    return replace(motion, notes=(*motion.notes, Note("rig", text))) if text else motion
 
 
-def _doubt(proposed: Motion) -> str:
+def _doubt(proposed: RiggedMotion) -> str:
     """Why the proposed joints may be wrong; empty if there is no reason to doubt."""
-    joints = _joints(proposed.skeleton)
+    joints = proposed.rig.joints
     if len(set(joints)) < len(JOINTS):
         return f"only {len(set(joints))} of the 20 joints were found"
-    poses = sampled(proposed)
+    poses = proposed.sampled(_POSES)
     rest = replace(proposed.skeleton, offsets=np.median(poses.translations, axis=0))
     body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
-    return doubt(proposed.skeleton, joints, body)
+    return doubt(proposed.skeleton, proposed.rig, body)
 
 
-def _note(motion: Motion, names: dict[str, str]) -> str:
-    """What was proposed, for a person; `names` are the joints that a known rig's names gave."""
-    skeleton = motion.skeleton
-    by_hierarchy = [our for our, name in skeleton.joint_names.items() if names.get(our) != name]
-    added = [name.removesuffix(ADDED) for name in skeleton.names if name.endswith(ADDED)]
-    listed = ", ".join(by_hierarchy) if len(by_hierarchy) < 4 else f"{len(by_hierarchy)} joints"
+def _how_found(motion: RiggedMotion, names: dict[str, str]) -> str:
+    """How the joints were found, for a person; `names` are those that a known rig's names gave."""
+    rig = motion.rig
+    by_hierarchy = [joint for joint, name in rig.given.items() if names.get(joint) != name]
+    added = [joint for joint in JOINTS if rig.found[joint] in rig.added]
+    listed = ", ".join(by_hierarchy)
+    if len(by_hierarchy) >= _FEW:
+        listed = f"{len(by_hierarchy)} joints"
     ways = [f"{listed} found by the hierarchy"] if by_hierarchy else []
     ways += [f"{', '.join(added)} added"] if added else []
     return f"{' and '.join(ways)}: `numpy-cae rig` lists the joints"
+
+
+def rig_of(motion: Motion) -> Rig:
+    """The rig of a motion: found when its file was loaded, or else by the names of its joints.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    Rig
+        Its `joints` are the indices of the twenty joints.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing. The message lists these, the joints that the rig has and a mapping
+        that its hierarchy suggests.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 1, seconds=1.0).motion
+    >>> [walk.skeleton.names[joint] for joint in rig_of(walk).joints[:4]]
+    ['root', 'upperback', 'thorax', 'head']
+    """
+    rig = own_rig(motion)
+    _require_all(rig, motion.skeleton)
+    return rig
+
+
+def find_joints(skeleton: Skeleton) -> list[int]:
+    """The indices of the twenty joints in a skeleton, by the names of its joints.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+
+    Returns
+    -------
+    list of 20 int
+        In the order of `JOINTS`. Of a motion that was loaded `rig_of` has them: its joints may also
+        be found by a mapping or by the hierarchy.
+
+    Raises
+    ------
+    UnknownRigError
+        As `rig_of`.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> skeleton = make_take("walk", 1, seconds=1.0).motion.skeleton
+    >>> [skeleton.names[joint] for joint in find_joints(skeleton)[:4]]  # hips, spine, chest, head
+    ['root', 'upperback', 'thorax', 'head']
+    """
+    rig = rig_by_names(skeleton)
+    _require_all(rig, skeleton)
+    return rig.joints
+
+
+def _require_all(rig: Rig, skeleton: Skeleton) -> None:
+    """Raise UnknownRigError if one of the twenty joints is missing."""
+    if len(rig.found) == len(JOINTS):
+        return
+    names = {joint: RIGS[rig.known].get(joint, (joint,))[0] for joint in JOINTS} | rig.given
+    missing = [joint for joint in JOINTS if joint not in rig.found]
+    sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
+    listed = ", ".join([*skeleton.names[:_LISTED], *(["…"] if skeleton.names[_LISTED:] else [])])
+    problem = f"the rig has no {sought}; it has {listed}. "
+    suggestion = suggest_mapping(skeleton)
+    if suggestion:
+        problem += f"Its hierarchy suggests {json.dumps(suggestion, ensure_ascii=False)}: "
+    problem += "`numpy-cae rig FILE -o mapping.json` writes a mapping to correct and to pass with "
+    raise UnknownRigError(problem + "--mapping")
+
+
+def joint_index(name: str, motion: Motion) -> int:
+    """The index in `JOINTS` of a joint; `name` is our name or the rig's.
+
+    Parameters
+    ----------
+    name : str
+    motion : Motion
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    UnknownRigError
+        If there is no such joint, or the rig's joint of this name is not among the twenty.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> JOINTS[joint_index("lfemur", make_take("walk", 1, seconds=1.0).motion)]
+    'left_hip'
+    """
+    if name in JOINTS:
+        return JOINTS.index(name)
+    own_names = [motion.skeleton.names[joint] for joint in rig_of(motion).joints]
+    for form in (str, str.lower, plain_name):
+        forms = [form(other) for other in own_names]
+        if form(name) in forms:
+            return forms.index(form(name))
+    pairs = ", ".join(f"{ours} ({rigs})" for ours, rigs in zip(JOINTS, own_names, strict=True))
+    if name in motion.skeleton.names:
+        raise UnknownRigError(f"joint {name!r} is not among the twenty, which are {pairs}")
+    raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")

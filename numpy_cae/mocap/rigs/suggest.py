@@ -6,15 +6,22 @@ long bones.
 """
 
 import re
+from collections.abc import Sequence
 from itertools import combinations, pairwise, product
 
 import numpy as np
 
 from numpy_cae.mocap.rigs.checks import left_or_right
+from numpy_cae.mocap.rigs.rigs import add_trunk
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.skeleton import Skeleton
 
-_MAX_JOINTS, _MAX_PAIRS = 1000, 50
+_MAX_JOINTS = 1000
+"""_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
+_MAX_PAIRS = 50
+"""_MAX_PAIRS: only the longest pairs of limbs, this many, are compared."""
+_TINY = 0.1
+"""_TINY: a limb is longer than this part of the longest path from the root to a tip."""
 _SAME = 0.15
 """_SAME: a left and a right limb differ in length by at most this part of the longer one."""
 _LONG = 0.75
@@ -26,6 +33,8 @@ the root to a tip."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
 """_NOT_A_JOINT: names of joints that divide one bone."""
 
+_LEG, _ARM = ("", "hip", "knee", "ankle", "toe"), ("collar", "shoulder", "elbow", "wrist", "")
+"""_LEG, _ARM: our names of the joints that `_limb` returns."""
 _Pair = tuple[int, int, int]
 """The joint that carries a pair of limbs, and the first joint of each."""
 
@@ -38,31 +47,23 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     if len(skeleton.names) > _MAX_JOINTS:
         return {}
     chains, reach = _chains(skeleton)
-    best, found = 0.0, {}
-    legs = arms = (0, 0, 0)
-    for leg, arm in product(_pairs(skeleton, reach), repeat=2):
-        arm_path, leg_path = skeleton.path(arm[0]), skeleton.path(leg[0])
-        hips = next(joint for joint in leg_path if joint in arm_path)
-        length = reach[leg[1]] + reach[arm[1]] - _length(skeleton, leg_path[: leg_path.index(hips)])
-        if hips != arm[0] and not set(leg[1:]) & set(arm_path) and length > best:
-            best, legs, arms, found = length, leg, arm, {"hips": hips, "chest": arm[0]}
-    if not found:
+    pairs = _legs_and_arms(skeleton, reach)
+    if pairs is None:
         return {}
-    limbs = {start: _limb(skeleton, chains[start]) for start in (*legs[1:], *arms[1:])}
+    legs, arms = pairs
+    found = {"hips": _meeting_joint(skeleton, legs[0], arms[0]), "chest": arms[0]}
     places = skeleton.rest_positions()
-    feet = [limbs[start][3:] for start in legs[1:] if None not in limbs[start][3:]]
-    forward = sum((places[toe] - places[ankle] for ankle, toe in feet), np.zeros(3))
+    forward = np.zeros(3)
+    for start in legs[1:]:
+        *_, ankle, toe = _limb(skeleton, chains[start])
+        if ankle is not None and toe is not None:
+            forward = forward + places[toe] - places[ankle]
     left = np.cross(places[found["chest"]] - places[found["hips"]], forward)
-    for names, (_, *starts) in (
-        ("- hip knee ankle toe", legs),
-        ("collar shoulder elbow wrist -", arms),
-    ):
-        for side, start in zip(
-            ("left", "right"), _left_first(skeleton, starts, places @ left), strict=True
-        ):
-            for name, joint in zip(names.split(), limbs[start], strict=True):
-                if name != "-" and joint is not None:
-                    found[f"{side}_{name}"] = joint
+    for names, pair in ((_LEG, legs), (_ARM, arms)):
+        starts = _left_first(skeleton, pair[1:], places @ left)
+        for side, start in zip(("left", "right"), starts, strict=True):
+            limb = zip(names, _limb(skeleton, chains[start]), strict=True)
+            found |= {f"{side}_{name}": at for name, at in limb if name and at is not None}
     necks = [chains[child] for child in skeleton.children(arms[0]) if child not in arms]
     if necks:
         found["head"] = _head(skeleton, necks, reach)
@@ -70,29 +71,24 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     return {joint: skeleton.names[found[joint]] for joint in JOINTS if joint in found}
 
 
-def add_trunk(skeleton: Skeleton, found: dict[str, int], named: set[str]) -> None:
-    """Find chest and spine by hierarchy if they are missing or the collars begin above the chest.
+def _legs_and_arms(skeleton: Skeleton, reach: list[float]) -> tuple[_Pair, _Pair] | None:
+    """The two longest pairs of limbs of which the second begins on another branch than the first;
+    None if there are none."""
+    longest, found = 0.0, None
+    for legs, arms in product(_pairs(skeleton, reach), repeat=2):
+        hips = _meeting_joint(skeleton, legs[0], arms[0])
+        path = skeleton.path(legs[0])
+        length = reach[legs[1]] + reach[arms[1]] - _length(skeleton, path[: path.index(hips)])
+        apart = hips != arms[0] and not set(legs[1:]) & set(skeleton.path(arms[0]))
+        if apart and length > longest:
+            longest, found = length, (legs, arms)
+    return found
 
-    The joints that the user `named` are not changed.
-    """
-    arms = next((f"{{}}_{arm}" for arm in ("collar", "shoulder") if f"left_{arm}" in found), None)
-    if arms is None or arms.format("right") not in found or "hips" not in found:
-        return
-    left, right = (skeleton.path(found[arms.format(side)]) for side in ("left", "right"))
-    carrier = next((joint for joint in left[1:] if joint in right[1:]), -1)
-    ancestors = skeleton.path(carrier)[1:] if carrier >= 0 else []
-    if "chest" not in named and found.get("chest", found["hips"]) in ancestors:
-        found["chest"] = carrier
-        if "spine" not in named:
-            found.pop("spine", None)
-    if {"chest", "spine"} & (named | set(found)) != {"chest"} or found["hips"] not in ancestors:
-        return
-    between = ancestors[: ancestors.index(found["hips"])]
-    if between:
-        lengths = np.linalg.norm(skeleton.offsets, axis=-1)
-        # Distance from the chest down to each joint in between, and to the hips.
-        down = np.cumsum(lengths[[carrier, *between]])
-        found["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
+
+def _meeting_joint(skeleton: Skeleton, one: int, other: int) -> int:
+    """The joint at which the ways from two joints to the root meet."""
+    path = skeleton.path(other)
+    return next(joint for joint in skeleton.path(one) if joint in path)
 
 
 def _length(skeleton: Skeleton, joints: list[int]) -> float:
@@ -105,23 +101,23 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
     chains = [[joint] for joint in range(len(skeleton.names))]
     reach = [float(np.linalg.norm(skeleton.end_sites.get(joint, 0.0))) for (joint,) in chains]
     for joint in range(len(chains) - 1, 0, -1):
-        parent, length = skeleton.parents[joint], reach[joint] + _length(skeleton, [joint])
+        parent = skeleton.parents[joint]
+        length = reach[joint] + _length(skeleton, [joint])
         if length >= reach[parent]:
-            chains[parent], reach[parent] = [parent, *chains[joint]], length
+            chains[parent] = [parent, *chains[joint]]
+            reach[parent] = length
     return chains, reach
 
 
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
     """The longest pairs of branches at a joint that are not tiny and of nearly the same length."""
-    least = 0.1 * max(reach)
-    pairs = [
-        (joint, one, other)
-        for joint in range(len(reach))
-        for one, other in combinations(
-            [child for child in skeleton.children(joint) if reach[child] > least], 2
-        )
-        if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other])
-    ]
+    least = _TINY * max(reach)
+    pairs = []
+    for joint in range(len(reach)):
+        long = [child for child in skeleton.children(joint) if reach[child] > least]
+        for one, other in combinations(long, 2):
+            if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other]):
+                pairs.append((joint, one, other))
     return sorted(pairs, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
 
@@ -151,7 +147,7 @@ def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int
     return named[0] if named else (high or neck)[-1]
 
 
-def _left_first(skeleton: Skeleton, starts: list[int], leftness: np.ndarray) -> list[int]:
+def _left_first(skeleton: Skeleton, starts: Sequence[int], leftness: np.ndarray) -> Sequence[int]:
     """The first joints of two limbs, the left one first; their names or the rest pose decide."""
     side = left_or_right(*(skeleton.names[start] for start in starts))
     if side:

@@ -16,7 +16,7 @@ from numpy_cae.mocap.coordinates import Coordinates
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.load import load_body
 from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
-from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.motion import RATE, Note
 
 WORTHWHILE = 20e6
 """WORTHWHILE: files of fewer bytes in all are read faster by one process than by several."""
@@ -29,13 +29,14 @@ from the hips, is refused."""
 class ReadResult:
     """The result of reading one file.
 
-    World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; a note on the
-    unit that was assumed; the problem if there is one.
+    World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; metres in one
+    unit of the file; the notes of the motion; the problem if there is one.
     """
 
     path: Path
     positions: np.ndarray | None
-    note: str = ""
+    unit: float = 0.0
+    notes: tuple[Note, ...] = ()
     problem: MotionFileError | UnknownRigError | None = None
 
 
@@ -87,8 +88,8 @@ def _read(path: Path, mapping: Mappings, coordinates: Coordinates | None) -> Rea
         positions, motion = load_body(path, mapping, coordinates, RATE)
         _require_steady(path, positions)
     except (MotionFileError, UnknownRigError) as problem:
-        return ReadResult(path, None, "", problem)
-    return ReadResult(path, positions, motion.unit_note)
+        return ReadResult(path, None, problem=problem)
+    return ReadResult(path, positions, motion.unit, motion.notes)
 
 
 def _require_steady(path: Path, positions: np.ndarray) -> None:
