@@ -36,6 +36,11 @@ class Note:
     text : str
     in_doubt : bool
         Whether what the note says is probably wrong, such as a unit with which nobody is as tall.
+
+    Examples
+    --------
+    >>> Note("unit", "metres (given)").in_doubt
+    False
     """
 
     kind: str
