@@ -27,7 +27,7 @@ memory when they are resampled; no camera that records motions is faster."""
 
 @dataclass(frozen=True)
 class Note:
-    """What a person is told about a motion; code decides by `kind` and `in_doubt`, not by `text`.
+    """A message about a motion for a person. Code decides by `kind` and `in_doubt`, not by `text`.
 
     Parameters
     ----------
