@@ -32,7 +32,7 @@ from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.key_curves import CURVES, Curve, mean_curve
 from numpy_cae.repair.trials import (
-    LEAST,
+    LEAST_METRES,
     POWERS,
     Trials,
     errors_in,
@@ -74,7 +74,7 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
             else:
                 there = (on_one(body, mask, curve) for curve in CURVES.values())
             errors = errors_in(body, hole, there)[part[0]]
-            logs[part].append(np.log(np.maximum(errors[0], LEAST)))
+            logs[part].append(np.log(np.maximum(errors[0], LEAST_METRES)))
     return logs
 
 

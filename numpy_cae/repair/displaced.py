@@ -22,30 +22,35 @@ import numpy as np
 
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product, slerp
-from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.interpolated import interpolate
-from numpy_cae.repair.jumps import Curve, confidence, curves_of, jumps_of
+from numpy_cae.repair.curves import Curve, curves_of
+from numpy_cae.repair.finding import Finding, confidence
+from numpy_cae.repair.interpolated import interpolate_channels
+from numpy_cae.repair.segments import Segment, segments_between_jumps
 
-CLOSES = 0.3
-"""CLOSES: two jumps undo each other if what is left is at most this part of the smaller one."""
-CALM = 0.35
-"""CALM: and if no step between them is longer than this part of it."""
-TURN, PLACE = 20.0, 0.1
-"""TURN, PLACE: jumps of less than this, in degrees and in metres, do not count."""
-LONGEST, OPPOSITE = 1.5, 0.5
-"""LONGEST, OPPOSITE: rotations are interpolated between two jumps at most LONGEST (s) apart that
-lead back, or, of joints other than the root, whose directions have a cosine of less than -OPPOSITE:
-a body that turns and turns back may kick."""
-NEXT = 6
-"""NEXT: a jump is compared with this many later ones."""
-SPIKE = 3
-"""SPIKE: what is displaced for at most this many frames is a spike, and not looked at here."""
-HALF = 150.0
-"""HALF: a rotation that jumps by this many degrees and does not come back is undone."""
+CLOSING_SHARE = 0.3
+"""CLOSING_SHARE: two jumps undo each other if what is left is at most this share of the smaller
+one."""
+CALM_SHARE = 0.35
+"""CALM_SHARE: two jumps undo each other if no step between them is longer than this share of the
+smaller one."""
+LEAST_TURN_DEGREES, LEAST_MOVE_METRES = 20.0, 0.1
+"""LEAST_TURN_DEGREES, LEAST_MOVE_METRES: smaller jumps of a rotation (°), or of a place (m), do not
+count."""
+LONGEST_SECONDS = 1.5
+"""LONGEST_SECONDS: rotations are interpolated between two jumps that are at most this far apart
+(s)."""
+OPPOSITE_COSINE = -0.5
+"""OPPOSITE_COSINE: two jumps whose directions have a cosine below this lead back; those of the root
+do not count, since a body that turns and turns back may kick."""
+SPIKE_FRAMES = 3
+"""SPIKE_FRAMES: what is displaced for at most this many frames is a spike (`repair.spikes`)."""
+HALF_TURN_DEGREES = 150.0
+"""HALF_TURN_DEGREES: a rotation that jumps by more than this (°) and does not come back is
+undone."""
 
 
 def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
-    """Findings of the kinds "turned", "displaced" and "root elsewhere".
+    """Findings of the kinds "turned", "displaced", "length" and "root elsewhere".
 
     Examples
     --------
@@ -65,7 +70,12 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> bool(np.ptp(mended.translations[:2, 0], axis=0).max() < 0.05)
     True
     """
-    return [finding for curve in curves_of(motion) for finding in _displaced(curve, sensitivity)]
+    found = []
+    for curve in curves_of(motion):
+        for segment, kind in _classified(curve, sensitivity):
+            if kind != "spike":
+                found.append(_finding(curve, segment, kind))
+    return found
 
 
 def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
@@ -74,43 +84,65 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
     for curve in curves_of(motion):
         kind = "turned" if curve.is_rotation else curve.kind
         name = "rotations" if curve.is_rotation else "translations"
-        for first, last in (f.frames for f in findings if (f.joint, f.kind) == (curve.name, kind)):
-            if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all joints
-                changed[name] = getattr(motion, name).copy()
-            changed[name][first : last + 1, curve.joint] = _undone(curve, first, last + 1)
+        for finding in findings:
+            if (finding.joint, finding.kind) == (curve.name, kind):
+                if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all
+                    changed[name] = getattr(motion, name).copy()
+                changed[name][finding.stretch, curve.joint] = _undone(curve, finding.stretch)
     undone = replace(motion, **changed)
-    return interpolate(undone, [f for f in findings if f.kind == "displaced"])
+    return interpolate_channels(undone, [f for f in findings if f.kind == "displaced"])
 
 
-def _displaced(curve: Curve, sensitivity: float) -> Iterator[Finding]:
-    jumps, frames, free = jumps_of(curve, sensitivity), len(curve.values), 0
-    undone, other = ("turned", "displaced") if curve.is_rotation else (curve.kind, curve.kind)
-    for number, (at, score) in enumerate(jumps):
-        if at < free:
+def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str]]:
+    """The segments of a curve that are displaced, each with its kind, or "spike"; none overlaps
+    another."""
+    end = 0
+    for segments in segments_between_jumps(curve, sensitivity):
+        if segments[0].first <= end:
             continue
-        first = at + 1
-        later = [(back + 1, min(score, sure)) for back, sure in jumps[number + 1 :][:NEXT]]
-        soon = [end for end, _ in later if end - first <= SPIKE]
-        spike = [end for end in soon if _returns(curve, first, end)]
-        if spike:
-            free = spike[-1]
+        by_kind: dict[str, list[Segment]] = {"spike": [], "undone": [], "interpolated": []}
+        for segment in segments:
+            for kind in _kinds(curve, segment):
+                by_kind[kind].append(segment)
+        if by_kind["spike"]:
+            chosen, kind = by_kind["spike"][-1], "spike"
+        elif by_kind["undone"]:
+            chosen, kind = by_kind["undone"][0], "turned" if curve.is_rotation else curve.kind
+        elif by_kind["interpolated"]:
+            chosen = by_kind["interpolated"][0]
+            kind = "displaced" if curve.is_rotation else curve.kind
+        else:
             continue
-        to_the_end = not later and _size(curve, first) > _least(curve, HALF)
-        choices = (
-            (undone, [x for x in later if _closes(curve, first, x[0])]),
-            (other, [x for x in later if _returns(curve, first, x[0])]),
-            (undone, [(frames, score)] if to_the_end else []),
-        )
-        for kind, ends in choices:
-            if ends:
-                free, sure = ends[0]
-                amount = curve.amount(_size(curve, first))
-                if free == frames and first <= SPIKE:  # a pose to begin with: the rest is right
-                    first, free = 0, first
-                back = " and back" if first and free < frames else ""
-                why = f"{'turns' if curve.is_rotation else 'moves'} by {amount} in a frame{back}"
-                yield Finding(curve.name, (first, free - 1), kind, why, 0.0, confidence(sure))
-                break
+        end = chosen.end
+        yield chosen, kind
+
+
+def _kinds(curve: Curve, segment: Segment) -> Iterator[str]:
+    """What a segment may be: a "spike", a displacement to be "undone", or values of another motion
+    to be "interpolated"."""
+    if segment.end == len(curve.values):
+        if _size(curve, segment.first) > _least(curve, HALF_TURN_DEGREES):
+            yield "undone"
+        return
+    returns = _returns(curve, segment)
+    if returns and len(segment) <= SPIKE_FRAMES:
+        yield "spike"
+    if _closes(curve, segment):
+        yield "undone"
+    if returns:
+        yield "interpolated"
+
+
+def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
+    first, end = segment.first, segment.end
+    to_the_end = end == len(curve.values)
+    amount = curve.amount(_size(curve, first))
+    if to_the_end and first <= SPIKE_FRAMES:  # a pose to begin with: the rest is right
+        first, end = 0, first
+    moves = "turns" if curve.is_rotation else "moves"
+    back = "" if to_the_end else " and back"
+    why = f"{moves} by {amount} in a frame{back}"
+    return Finding(curve.name, (first, end - 1), kind, why, 0.0, confidence(segment.score))
 
 
 def _size(curve: Curve, frame: int) -> float:
@@ -118,58 +150,76 @@ def _size(curve: Curve, frame: int) -> float:
     return float(np.linalg.norm(curve.between(np.array([frame - 1]), np.array([frame]))))
 
 
-def _least(curve: Curve, turn: float = TURN) -> float:
+def _least(curve: Curve, degrees: float = LEAST_TURN_DEGREES) -> float:
     """The least size of a jump that counts, metres."""
-    return np.radians(turn) * curve.lever if curve.is_rotation else PLACE
+    return np.radians(degrees) * curve.lever if curve.is_rotation else LEAST_MOVE_METRES
 
 
-def _closes(curve: Curve, first: int, end: int) -> bool:
-    """Whether the step to the frame `end` undoes the step to `first`, and these are large."""
-    size = min(_size(curve, first), _size(curve, end))
-    undo = size > _least(curve) and min(_left(curve, first, end)) < CLOSES * size
-    return bool(undo and curve.steps(slice(first, end)).max() < CALM * size)
+def _closes(curve: Curve, segment: Segment) -> bool:
+    """Whether the step out of a segment undoes the step into it, and these are large."""
+    size = min(_size(curve, segment.first), _size(curve, segment.end))
+    if size <= _least(curve) or min(_left(curve, segment)) >= CLOSING_SHARE * size:
+        return False
+    return bool(curve.steps(slice(segment.first, segment.end)).max() < CALM_SHARE * size)
 
 
-def _returns(curve: Curve, first: int, end: int) -> bool:
+def _returns(curve: Curve, segment: Segment) -> bool:
     """Whether values are others for a short time only: after it, they are nearly what they were
     before, or the two steps are opposite."""
-    before, after = np.array([first - 1, end - 1]), np.array([first, end])
-    steps = [*curve.between(before, after), *curve.between(before[:1], after[1:])]
-    away, back, there = map(float, np.linalg.norm(steps, axis=-1))
+    before, after = np.array([segment.first - 1]), np.array([segment.end])
+    step_in = curve.between(before, before + 1)[0]
+    step_out = curve.between(after - 1, after)[0]
+    away, back = float(np.linalg.norm(step_in)), float(np.linalg.norm(step_out))
+    left = float(np.linalg.norm(curve.between(before, after)))
     smaller = min(away, back)
-    opposite = steps[0] @ steps[1] < -OPPOSITE * away * back and max(away, back) < 2 * smaller
-    short = end - first <= LONGEST * curve.rate
-    other = (opposite and not curve.is_root) or there < CLOSES * smaller
-    return bool(short and smaller > _least(curve) and other)
+    if len(segment) > LONGEST_SECONDS * curve.rate or smaller <= _least(curve):
+        return False
+    opposite = step_in @ step_out < OPPOSITE_COSINE * away * back and max(away, back) < 2 * smaller
+    return bool((opposite and not curve.is_root) or left < CLOSING_SHARE * smaller)
 
 
-def _left(curve: Curve, first: int, end: int) -> list[float]:
+def _left(curve: Curve, segment: Segment) -> list[float]:
     """What is left of the two jumps, in metres: in the joint's own frame, and for rotations in its
     parent's (the inverse rotations)."""
-    x = curve.values[[first - 1, first, end - 1, end]]
+    x = curve.values[[segment.first - 1, segment.first, segment.end - 1, segment.end]]
     if not curve.is_rotation:
         return [float(np.linalg.norm(x[1] - x[0] + x[3] - x[2]))]
-    jumps = ([product(inverse(q[at]), q[at + 1]) for at in (0, 2)] for q in (x, inverse(x)))
-    return [curve.lever * float(angle(product(*pair))) for pair in jumps]
+    left = []
+    for q in (x, inverse(x)):
+        jump_in, jump_out = product(inverse(q[0]), q[1]), product(inverse(q[2]), q[3])
+        left.append(curve.lever * float(angle(product(jump_in, jump_out))))
+    return left
 
 
-def _undone(curve: Curve, first: int, end: int) -> np.ndarray:
-    """The values of the frames from `first` to `end` with their displacement undone."""
-    last = end == len(curve.values)
-    one_sided = last or not first
-    is_own = one_sided or not np.argmin(_left(curve, first, end))  # not in the parent's frame
-    x = curve.values if is_own else inverse(curve.values)
+def _undone(curve: Curve, frames: slice) -> np.ndarray:
+    """The values of some frames with their displacement undone."""
+    first, end = frames.start, frames.stop
+    one_sided = end == len(curve.values) or not first
+    segment = Segment(first, end, 0.0)
+    in_parent = not one_sided and np.argmin(_left(curve, segment)) == 1
+    x = inverse(curve.values) if in_parent else curve.values
     inside = x[first:end]
-    sides = [(inside[0], x[max(first - 2, 0) : first])] if first else []
-    if not last:
-        sides.append((inside[-1], x[end : end + 2][::-1]))
+    corrections = []
+    if first:
+        before = x[max(first - 2, 0) : first]
+        corrections.append(_correction(curve, inside[0], before[-1], before[0]))
+    if end < len(x):
+        after = x[end : end + 2]
+        corrections.append(_correction(curve, inside[-1], after[0], after[-1]))
     share = np.linspace(0.0, 1.0, len(inside))
     if not curve.is_rotation:
-        one, other = ([2 * y[-1] - y[0] - now for now, y in sides] * 2)[:2]
-        return inside + (1 - share[:, None]) * one + share[:, None] * other
-    turns = [
-        product(inverse(now), product(product(y[-1], inverse(y[0])), y[-1])) for now, y in sides
-    ]
-    one, other = (turns * 2)[:2]
-    rotations = product(inside, slerp(one, other, share))
-    return rotations if is_own else inverse(rotations)
+        share = share[:, None]
+        return inside + (1 - share) * corrections[0] + share * corrections[-1]
+    rotations = product(inside, slerp(corrections[0], corrections[-1], share))
+    return inverse(rotations) if in_parent else rotations
+
+
+def _correction(
+    curve: Curve, value: np.ndarray, nearest: np.ndarray, second: np.ndarray
+) -> np.ndarray:
+    """The change from a value at the end of a segment to where the two values next to it, the
+    nearest and the second one, lead."""
+    if not curve.is_rotation:
+        return 2 * nearest - second - value
+    continued = product(product(nearest, inverse(second)), nearest)
+    return product(inverse(value), continued)

@@ -2,18 +2,13 @@
 
 A foot stands while its toe is low and slow. The place where it stands is the median of the toe over
 that time, at the height at which toes stand in this motion. The displacement from the toe to that
-place fades out before and after (`EASE`). The root takes the mean displacement of both feet,
-filtered (`PATH`), so that the legs change little; each leg takes the rest by its own two bones,
-which keep their lengths (`mocap.retarget.to_rig.bent`).
-
-Many estimators from video give poses about a root that stands still. Let v_t be the step of the
-hips from frame t to t + 1, and u_t the step with which the toe of the lower foot would stand still.
-Where Σ‖v_t‖ < FOLLOWS · Σ‖u_t‖ the root does not follow the feet. Then its path is the sum of the
-medians of u_t over `AROUND`, filtered (`PATH`); if the feet make no steps (`STEPS`), the path that
-holds the mean of both toes at one place. In height, it keeps the lower toe at one height.
+place fades out before and after (`EASE_SECONDS`). The root takes the mean displacement of both
+feet, filtered (`PATH_HERTZ`), so that the legs change little; each leg takes the rest by its own
+two bones, which keep their lengths (`mocap.retarget.to_rig.bent`).
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,39 +18,43 @@ from numpy_cae.motion.contacts import FEET, foot_sliding
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.finding import BODY, Finding
-from numpy_cae.repair.jitter import butterworth, jumping_steps, median_of
-from numpy_cae.repair.jumps import confidence
+from numpy_cae.repair.filters import butterworth
+from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
+from numpy_cae.repair.jumps import jumping_steps
+from numpy_cae.repair.root_path import CALM_SECONDS, PATH_HERTZ, moved_along, path_of_root
 
 TOES = [JOINTS[foot] for foot in FEET]
-SLOW, FASTER, LOW = 0.5, 0.7, 0.05
-"""SLOW, FASTER, LOW: a toe stands if it is slower than SLOW (m/s), on a path from the feet than
-FASTER, and at most LOW (m) above the height at which toes stand, the median height of the lower toe
-where it is slow."""
-AROUND, SECONDS = 0.1, 0.15
-"""AROUND, SECONDS: the speed is the mean of AROUND (s) before and after a frame; a toe stands for
-at least SECONDS (s)."""
-LEAST = 0.04
-"""LEAST: the feet of a motion are changed if one of them is further than this (m) from its place
-while it stands."""
-TINY = 1e-4
-"""TINY: a root that moves less than this (m) stays where it is."""
-EASE = 0.2
-"""EASE: the displacement of a foot fades in and out in this time (s)."""
-ROUNDS, LITTLE = 4, 1.0
-"""ROUNDS, LITTLE: feet are looked for again at most ROUNDS times, as long as they slide less; feet
-that slide by LITTLE (cm/s) stand."""
-PATH = 2.5
-"""PATH: the cut-off of the root's path (Hz). It and `FASTER` were chosen on takes of CMU and
-synthetic ones whose root was held still (docs/lab_book/evidence.md)."""
-FOLLOWS, UPRIGHT = 0.4, 0.7
-"""FOLLOWS, UPRIGHT: of the sums of steps, if the hips are higher above the lower toe than UPRIGHT
-times the length of a leg in most frames. In 119 takes without damage the root's share is at least
-0.82; in seven files from video it is at most 0.23."""
-STEPS = 0.3
-"""STEPS: the feet make no steps if 10% and 90% quantiles of the place of one toe relative to the
-other are less than this (m) apart along the floor. Of people who stand still and wave, with noise
-of 3°, it is at most 0.23."""
+LEGS = [
+    [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")]
+    for side in ("left", "right")
+]
+SLOW, SLOW_ON_PATH = 0.5, 0.7
+"""SLOW, SLOW_ON_PATH: a toe stands only if it is slower than this (m/s); on a path from the feet
+than SLOW_ON_PATH."""
+LOW_METRES = 0.05
+"""LOW_METRES: a toe stands only if it is at most this high (m) above the height at which toes
+stand, the median height of the lower toe where it is slow."""
+LEAST_SECONDS = 0.15
+"""LEAST_SECONDS: a toe stands for at least this time (s)."""
+LEAST_METRES = 0.04
+"""LEAST_METRES: the feet of a motion are changed if one of them is further than this (m) from its
+place while it stands."""
+RESTING_METRES = 1e-4
+"""RESTING_METRES: a root that would be moved by less than this (m) stays where it is."""
+EASE_SECONDS = 0.2
+"""EASE_SECONDS: the displacement of a foot fades in and out in this time (s)."""
+ROUNDS = 4
+"""ROUNDS: feet are looked for again at most this often, as long as they slide less."""
+STANDING_CENTIMETRES = 1.0
+"""STANDING_CENTIMETRES: feet that slide by this speed (cm/s) or less stand."""
+
+
+class Stance(NamedTuple):
+    """The time in which a foot stands: its index in `FEET`, its first frame and its end."""
+
+    foot: int
+    first: int
+    end: int
 
 
 def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
@@ -71,22 +70,23 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_feet(motion)[0].kind
     'foot'
     """
-    found, path = [], _path(motion)
+    found, worst = list[Finding](), 0.0
+    path = path_of_root(motion)
     if path.any():
         why = "the root hardly moves while feet do: its path follows from the feet"
-        found.append((np.inf, Finding(BODY, (0, len(motion) - 1), "foot", why)))
-        motion = _moved(motion, path)
+        found, worst = [Finding(BODY, (0, len(motion) - 1), "foot", why)], np.inf
+        motion = moved_along(motion, path)
     toes, level = _toes(motion)
-    for foot, first, end in _stances(toes, level, motion.rate, bool(path.any())):
-        toe = toes[first:end, foot]
+    for stance in _stances(toes, level, motion.rate, bool(path.any())):
+        toe = toes[stance.first : stance.end, stance.foot]
         away = np.abs(toe - _place(toe, level)).max(axis=0)
-        slide, height = 100 * max(away[0], away[2]), 100 * away[1]
-        why = f"moves by {slide:.1f} cm, {height:.1f} cm off the floor"
-        found.append((away.max(), Finding(TOES[foot], (first, end - 1), "foot", why)))
-    worst = max((away for away, _ in found), default=0.0)
-    if worst * 2 * sensitivity <= LEAST:
+        slides = f"moves by {100 * max(away[0], away[2]):.1f} cm"
+        why = f"{slides}, {100 * away[1]:.1f} cm off the floor"
+        found.append(Finding(TOES[stance.foot], (stance.first, stance.end - 1), "foot", why))
+        worst = max(worst, float(away.max()))
+    if worst * 2 * sensitivity <= LEAST_METRES:
         return []
-    return [replace(finding, confidence=confidence(worst / LEAST)) for _, finding in found]
+    return [replace(finding, confidence=confidence(worst / LEAST_METRES)) for finding in found]
 
 
 def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
@@ -98,29 +98,31 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     """
     travels, unchanged = any(map(is_path, findings)), motion
     if travels:
-        motion = _moved(motion, _path(motion))
+        motion = moved_along(motion, path_of_root(motion))
     stances = [
-        (TOES.index(f.joint), f.frames[0], f.frames[1] + 1) for f in findings if f.joint in TOES
+        Stance(TOES.index(finding.joint), finding.stretch.start, finding.stretch.stop)
+        for finding in findings
+        if finding.joint in TOES
     ]
-    slides, jumps = max(foot_sliding(body_positions(motion), motion.rate), LITTLE), _jumps(motion)
+    slides = max(_sliding(motion), STANDING_CENTIMETRES)
+    jumps = _jumps(motion)
     for _ in range(ROUNDS):
         better = _standing(motion, stances)
         new = _jumps(better) & ~jumps
         if new.any():
-            near = with_margin(new[:, None], round(EASE * motion.rate) + 1)
-            better = _standing(motion, [(x, a, b) for x, a, b in stances if not near[a:b].any()])
-        after, left = foot_sliding(body_positions(better), motion.rate), _jumps(better)
-        if after >= slides or left.sum() > jumps.sum():
+            near = with_margin(new[:, None], round(EASE_SECONDS * motion.rate) + 1)[:, 0]
+            better = _standing(motion, [x for x in stances if not near[x.first : x.end].any()])
+        slides_after, jumps_after = _sliding(better), _jumps(better)
+        if slides_after >= slides or jumps_after.sum() > jumps.sum():
             break
-        motion, slides, jumps = better, after, left
+        motion, slides, jumps = better, slides_after, jumps_after
         stances = _stances(*_toes(motion), motion.rate, travels)
-    worse = travels and slides > foot_sliding(body_positions(unchanged), motion.rate)
-    return unchanged if worse else motion
+    return unchanged if travels and slides > _sliding(unchanged) else motion
 
 
-def is_path(finding: Finding) -> bool:
-    """Whether a finding says that the path of the root follows from the feet."""
-    return (finding.joint, finding.kind) == (BODY, "foot")
+def _sliding(motion: Motion) -> float:
+    """How fast standing feet slide, cm/s."""
+    return foot_sliding(body_positions(motion), motion.rate)
 
 
 def _jumps(motion: Motion) -> np.ndarray:
@@ -128,77 +130,49 @@ def _jumps(motion: Motion) -> np.ndarray:
     return np.asarray(jumping_steps(motion).any(axis=1))
 
 
-def _path(motion: Motion) -> np.ndarray:
-    """What the path of the root lacks, (frames, 3) in metres: 0 if the root follows the feet."""
-    body, path = body_positions(motion), np.zeros((len(motion), 3))
-    toes, hips = body[:, FEET], body[:, 0]
-    low = toes[..., 1].min(axis=1)
-    leg = np.linalg.norm(np.diff(body[0, FEET[0] - 3 : FEET[0]], axis=0), axis=-1).sum()
-    if len(motion) < 3 or np.median(hips[:, 1] - low) < UPRIGHT * leg:
-        return path
-    lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
-    v = np.diff(hips, axis=0)
-    u = v - np.diff(toes, axis=0)[np.arange(len(v)), lower]
-    moves, asked = (np.linalg.norm(steps, axis=1).sum() for steps in (v, u))
-    if moves >= FOLLOWS * asked:
-        return path
-    apart = np.ptp(np.quantile(toes[:, 0] - toes[:, 1], [0.1, 0.9], axis=0), axis=0)
-    if np.hypot(apart[0], apart[2]) > STEPS:
-        path[1:] = np.cumsum(median_of(u - v, max(round(AROUND * motion.rate), 1)), axis=0)
-    else:
-        path = toes[0].mean(axis=0) - toes.mean(axis=1)
-    path[:, 1] = np.median(low) - low
-    return butterworth(path, min(PATH, 0.48 * motion.rate), motion.rate)
-
-
-def _moved(motion: Motion, path: np.ndarray) -> Motion:
-    """The motion with its whole body moved along a path (frames, 3)."""
-    return retarget(motion, body_positions(motion) + path[:, None])
-
-
-def _stances(
-    toes: np.ndarray, level: float, rate: float, travels: bool
-) -> list[tuple[int, int, int]]:
-    """The foot, the first frame and the end of each time in which a foot stands."""
+def _stances(toes: np.ndarray, level: float, rate: float, travels: bool) -> list[Stance]:
+    """The times in which a foot stands; of both toes (frames, 2, 3)."""
     if len(toes) < 3:
         return []
-    frame, around = np.arange(len(toes)), max(round(AROUND * rate), 1)
+    frame, around = np.arange(len(toes)), max(round(CALM_SECONDS * rate), 1)
     before, after = (frame - around).clip(0), (frame + around).clip(max=len(toes) - 1)
     speed = np.linalg.norm(toes[after] - toes[before], axis=-1) * rate / (after - before)[:, None]
-    stands = (speed < (FASTER if travels else SLOW)) & (toes[..., 1] < level + LOW)
-    return [
-        (foot, first, end)
-        for foot in (0, 1)
-        for first, end in runs(stands[:, foot]).tolist()
-        if end - first >= SECONDS * rate
-    ]
+    slow = speed < (SLOW_ON_PATH if travels else SLOW)
+    stands = slow & (toes[..., 1] < level + LOW_METRES)
+    stances = [Stance(foot, *run) for foot in (0, 1) for run in runs(stands[:, foot]).tolist()]
+    return [stance for stance in stances if stance.end - stance.first >= LEAST_SECONDS * rate]
 
 
-def _standing(motion: Motion, stances: list[tuple[int, int, int]]) -> Motion:
+def _standing(motion: Motion, stances: list[Stance]) -> Motion:
     """The motion with each foot at its place while it stands."""
+    shift, weight = _shifts(motion, stances)
+    root = shift.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0)
+    root = butterworth(root, PATH_HERTZ, motion.rate)
+    body = body_positions(motion)
+    targets = body + root[:, None]
+    for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
+        targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
+        chain = body[:, [hip, knee, ankle]]
+        targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
+    changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
+    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
+
+
+def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarray]:
+    """How far both feet are from their places, (frames, 2, 3) in metres, fading in and out before
+    and after they stand; and the weight of that, (frames, 2, 1)."""
     toes, level = _toes(motion)
     shift, weight = np.zeros(toes.shape), np.zeros((*toes.shape[:2], 1))
     frame = np.arange(len(motion))
     for foot, first, end in stances:
         nearest = np.clip(frame, first, end - 1)
-        u = np.clip(1 - np.abs(frame - nearest) / (EASE * motion.rate + 1), 0.0, 1.0)
+        away = np.abs(frame - nearest) / (EASE_SECONDS * motion.rate + 1)
+        u = np.clip(1 - away, 0.0, 1.0)
         share = (u * u * (3 - 2 * u))[:, None]
         place = _place(toes[first:end, foot], level)
         shift[:, foot] += share * (place - toes[nearest, foot])
         weight[:, foot] += share
-    shift /= np.maximum(weight, 1.0)
-    weight = np.minimum(weight, 1.0)
-    root = shift.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0)
-    root = butterworth(root, min(PATH, 0.48 * motion.rate), motion.rate)
-    body = body_positions(motion)
-    targets = body + root[:, None]
-    for foot, toe in enumerate(FEET):
-        hip, knee, ankle = toe - 3, toe - 2, toe - 1
-        targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
-        chain = body[:, [hip, knee, ankle]]
-        targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
-    changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > TINY)
-    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
+    return shift / np.maximum(weight, 1.0), np.minimum(weight, 1.0)
 
 
 def _toes(motion: Motion) -> tuple[np.ndarray, float]:

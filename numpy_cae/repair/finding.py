@@ -5,18 +5,23 @@ A file of findings is a JSON list with an object for each finding:
     {"joint": "left_wrist", "frames": [30, 32], "kind": "spike",
      "evidence": "rotates by 62° and back in 3 frames", "cm": 41.3, "confidence": 0.95}
 
-A user may remove objects, change their joints and frames, and add others; `joint` and `frames` are
-enough.
+Findings that were not mended also have a "status", "proposed" or "left". A user may remove objects,
+change their joints and frames, and add others; `joint` and `frames` are enough.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.masks import runs
+from numpy_cae.motion.motion import Motion
 
 KINDS = (
     *("T-pose", "root elsewhere", "turned", "displaced", "spike", "length", "repeated", "frozen"),
@@ -42,6 +47,13 @@ KINDS = (
 """
 BODY = "body"
 """BODY: the `joint` of a finding about the whole body."""
+STATUSES = {
+    "repaired": "",
+    "proposed": "",
+    "left": "left alone, since the feet would slide more",
+}
+"""STATUSES: what became of a finding, and what is printed about it: it was mended; it is not
+certain enough and was not mended; it was not mended since mending made the motion worse."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +75,14 @@ class Finding:
         0 where nothing was moved, and then it is not printed.
     confidence : float
         0 to 1. The repair changes what has at least 1 - `sensitivity`; the rest is proposed.
+    status : str
+        One of `STATUSES`.
 
     Raises
     ------
     ValueError
-        If the frames are not in order, or the kind or the confidence is not one of these.
+        If the frames are not in order, or the kind, the confidence or the status is not one of
+        these.
 
     Examples
     --------
@@ -84,6 +99,7 @@ class Finding:
     evidence: str = ""
     cm: float = 0.0
     confidence: float = 1.0
+    status: str = "repaired"
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -92,11 +108,14 @@ class Finding:
             raise ValueError(f"frames are {list(self.frames)}, expected the first and the last")
         if not 0 <= self.confidence <= 1:
             raise ValueError(f"confidence is {self.confidence}, expected 0 to 1")
+        if self.status not in STATUSES:
+            raise ValueError(f"status is {self.status!r}, expected one of {', '.join(STATUSES)}")
 
     def __repr__(self) -> str:
         first, last = self.frames
         frames = f"frames {first} to {last}" if last > first else f"frame {first}"
-        why = f" ({self.evidence})" if self.evidence else ""
+        why = "; ".join(filter(None, [self.evidence, STATUSES[self.status]]))
+        why = f" ({why})" if why else ""
         moved = f"{self.cm:.1f} cm, " if self.cm else ""
         return f"{self.joint}: {frames}: {self.kind}{why}: {moved}confidence {self.confidence:.2f}"
 
@@ -108,7 +127,10 @@ class Finding:
     def to_json(self) -> dict:
         """The finding as an object of a file of findings."""
         rounded = {"cm": round(self.cm, 2), "confidence": round(self.confidence, 2)}
-        return asdict(self) | {"frames": list(self.frames)} | rounded
+        entry = asdict(self) | {"frames": list(self.frames)} | rounded
+        if self.status == "repaired":
+            del entry["status"]
+        return entry
 
     @staticmethod
     def from_json(entry: dict) -> Finding:
@@ -116,7 +138,8 @@ class Finding:
 
         Raises ValueError if `joint` or `frames` is missing, or a value has another type.
         """
-        match {"kind": "marked", "evidence": "", "cm": 0.0, "confidence": 1.0} | entry:
+        usual = {"kind": "marked", "evidence": "", "cm": 0.0, "confidence": 1.0}
+        match usual | {"status": "repaired"} | entry:
             case {
                 "joint": str(),
                 "frames": [int() as first, int() as last],
@@ -124,13 +147,54 @@ class Finding:
                 "evidence": str(),
                 "cm": int() | float(),
                 "confidence": int() | float(),
+                "status": str(),
                 **others,
             } if not others:
                 return Finding(**entry | {"frames": (first, last)})
         raise ValueError(f"expected an object such as {json.dumps(EXAMPLE.to_json())}")
 
 
+def is_path(finding: Finding) -> bool:
+    """Whether a finding says that the path of the root follows from the feet."""
+    return (finding.joint, finding.kind) == (BODY, "foot")
+
+
+def confidence(score: float) -> float:
+    """The confidence of a finding whose evidence is `score` times its threshold: 1 - 1 / (2 score),
+    which is 0.5 at the threshold."""
+    return 1 - 0.5 / max(float(score), 0.5)
+
+
 EXAMPLE = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
+
+
+def marked(mask: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked") -> list[Finding]:
+    """The runs of a mask (frames, joints) as findings of a kind."""
+    return [
+        Finding(name, (int(first), int(end) - 1), kind)
+        for name, column in zip(names, mask.T, strict=True)
+        for first, end in runs(column)
+    ]
+
+
+def require_usable(motion: Motion, findings: Sequence[Finding]) -> None:
+    """Raise ValueError if a finding is of no joint or frames of the motion."""
+    names = {BODY, *JOINTS, *motion.skeleton.names}
+    for finding in findings:
+        if finding.joint not in names:
+            raise ValueError(f"{finding}: the rig has no joint {finding.joint!r}")
+        if finding.frames[1] >= len(motion):
+            raise ValueError(f"{finding}: the motion has frames 0 to {len(motion) - 1}")
+
+
+def shifted(findings: Sequence[Finding], frames: int) -> list[Finding]:
+    """The findings some frames later; what lies before frame 0 is left out."""
+    later = []
+    for finding in findings:
+        first, last = finding.frames[0] + frames, finding.frames[1] + frames
+        if last >= 0:
+            later.append(replace(finding, frames=(max(first, 0), last)))
+    return later
 
 
 def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:

@@ -1,175 +1,146 @@
-"""Steps of a curve from frame to frame, and which of them are jumps.
+"""Joints that jump from frame to frame within noise, and a strong filter there.
 
-A curve is a joint's rotations (F, 4) or translations (F, 3), in the frames of the file. `between`
-is the difference of two of its values: R_i⁻¹ R_j as a rotation vector, or t_j - t_i. Differences of
-rotations are multiplied by `lever`, so that all of them are in metres at the end of the body that
-the joint moves.
+Where a joint jumps, the curves on the way to it that are not smooth are filtered strongly
+(`filters.strongly_filtered`), and the result is blended into the rest on both sides.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.joints import JOINTS, joint_mask
+from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.quaternions import inverse, product, to_vector
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.quaternions import slerp
+from numpy_cae.repair.chunks import changed_around, chunks
+from numpy_cae.repair.curves import curves_of, off_cubic
+from numpy_cae.repair.filters import LEAST_FRAMES, filter_motion, median_of, strongly_filtered
+from numpy_cae.repair.finding import BODY, Finding
 
-STILL = 1e-6
-"""STILL: a curve stands still where it changes by no more than this (m, or in quaternions)."""
-LEAST_LEVER = 0.05
-"""LEAST_LEVER: the lever (m) of a joint that moves nothing but itself, such as a hand."""
-JUMP, RATIO, USUAL = 0.08, 3.0, 8.0
-"""JUMP, RATIO, USUAL: a step is a jump if it is longer than JUMP (m), than RATIO times the steps
-before and after it, and than USUAL times the median over a second of its change."""
+OFF_MEDIAN_METRES = 0.08
+"""OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this
+(m)."""
+OFF_CUBIC_METRES = OFF_MEDIAN_METRES / 2
+"""OFF_CUBIC_METRES: a joint that jumps within a motion that is not filtered is further than this
+from a cubic (m), as after a single step of `OFF_MEDIAN_METRES`. In 88 takes of Bandai without
+damage none is (docs/lab_book/evidence.md)."""
+ROUNDS = 3
+"""ROUNDS: the strong filter acts at most this often."""
+BLENDED_SECONDS, AROUND_SECONDS = 0.25, 1.0
+"""BLENDED_SECONDS, AROUND_SECONDS: the strong filter acts from so long before a jump to so long
+after it (s), and is computed from AROUND_SECONDS before it to AROUND_SECONDS after it."""
+ROUGH_SHARE = 0.2
+"""ROUGH_SHARE: a rotation on the way to a joint that jumps is filtered if its roughness is at least
+this share of the largest on the way."""
 
 
-FASTEST = 1500.0
-"""FASTEST: the whole body does not turn faster than this (° a second)."""
+def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """The times in which one of the twenty joints jumps from frame to frame, of kind "jumps".
 
-
-@dataclass(frozen=True)
-class Curve:
-    """The rotations (F, 4) or translations (F, 3) of a joint of the rig.
-
-    `name` is that of `joint_name`. `lever` is the distance in metres that a rotation by one radian
-    moves the furthest joint below; 1 for translations. `is_root` says that it moves the whole body.
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[20:40:2, motion.skeleton.index("lwrist")] += 0.2
+    >>> find_jumps(motion)
+    [left_wrist: frames 19 to 38: jumps ...
     """
-
-    joint: int
-    name: str
-    values: np.ndarray
-    lever: float
-    rate: float
-    is_root: bool
-
-    @property
-    def kind(self) -> str:
-        """What a spike of this curve is: of the rotation, the root's place, a bone's length."""
-        return "spike" if self.is_rotation else "root elsewhere" if self.is_root else "length"
-
-    @property
-    def is_rotation(self) -> bool:
-        """Whether the values are quaternions."""
-        return self.values.shape[1] == 4
-
-    def amount(self, metres: float) -> str:
-        """A difference of rotations in degrees, of places in centimetres."""
-        if self.is_rotation:
-            return f"{np.degrees(metres / self.lever):.0f}°"
-        return f"{100 * metres:.1f} cm"
-
-    def between(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        """The difference of the values in frames i and j, (N, 3), metres."""
-        one, other = self.values[i], self.values[j]
-        if not self.is_rotation:
-            return other - one
-        return self.lever * to_vector(product(inverse(one), other))
-
-    def steps(self, frames: slice = slice(None)) -> np.ndarray:
-        """The lengths of the steps to the next frame among F frames, (F - 1,) in metres.
-
-        The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
-        everything else.
-        """
-        values = self.values[frames]
-        if not self.is_rotation:
-            return np.linalg.norm(np.diff(values, axis=0), axis=-1)
-        dot = np.abs(np.einsum("ij,ij->i", values[1:], values[:-1]))
-        return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
-
-    def continuous(self) -> np.ndarray:
-        """The values in metres, quaternions without changes of sign: their distances are those of
-        `between`, of small rotations."""
-        if not self.is_rotation:
-            return self.values
-        dot = np.einsum("ij,ij->i", self.values[1:], self.values[:-1])
-        signs = np.cumprod(np.where(dot < 0, -1.0, 1.0))
-        return 2 * self.lever * self.values * np.r_[1.0, signs][:, None]
-
-    def roughness(self) -> np.ndarray:
-        """How far each frame is from its cubic (`off_cubic`), (F,) in metres."""
-        off = off_cubic(self.continuous())
-        return np.sqrt(np.einsum("ij,ij->i", off, off))
+    curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
+    rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
+    near = with_margin(rough[:, None] > OFF_CUBIC_METRES, 1)[:, 0]
+    least = OFF_CUBIC_METRES / (2 * sensitivity)
+    jumps = jumping_steps(motion, np.flatnonzero(near[:-1]), least)
+    found = []
+    for column in np.flatnonzero(jumps.any(axis=0)).tolist():
+        joined = with_margin(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
+        for first, end in runs(joined).tolist():
+            at = first + np.flatnonzero(jumps[first:end, column])
+            by = f"by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
+            why = f"{len(at)} steps differ from those around them {by}"
+            found.append(Finding(JOINTS[column], (int(at[0]), int(at[-1])), "jumps", why))
+    return found
 
 
-def off_cubic(x: np.ndarray) -> np.ndarray:
-    """The difference of each frame of (F, …) from the cubic through the two frames before it and
-    the two after it; 0 in the first two and the last two."""
-    off = np.zeros(x.shape)
-    off[2:-2] = x[2:-2] - (2 / 3) * (x[1:-3] + x[3:-1]) + (x[:-4] + x[4:]) / 6
-    return off
+def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
+    """The motion with the joints of the findings filtered there."""
+    jumps = np.zeros((len(motion), len(JOINTS)), bool)
+    for finding in findings:
+        joints = JOINTS if finding.joint == BODY else [finding.joint]
+        jumps |= joint_mask(len(motion), joints, finding.stretch)
+    return without_jumps(motion, jumps)
 
 
-def curves_of(motion: Motion) -> Iterator[Curve]:
-    """The curves of a motion that change: rotations of joints that move others, or are among the
-    twenty, then translations of all."""
-    skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
-    rig = rig_of(motion)
-    names, root = joint_names(motion), skeleton.path(rig.joints[0])
-    for values in (motion.rotations, motion.translations):
-        # One pass over all joints: a pass for each would read an hour from memory sixty times.
-        high, low = values.max(axis=0, initial=-np.inf), values.min(axis=0, initial=np.inf)
-        change = np.maximum(high - values[:1], values[:1] - low).max(axis=(0, 2), initial=0.0)
-        for joint, name in enumerate(names):
-            # The last bone of a finger moves no joint.
-            counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
-            if counts and change[joint] > STILL and joint not in rig.added:
-                lever = levers[joint] if values.shape[2] == 4 else 1.0
-                yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
+def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = None) -> Motion:
+    """The motion with the joints that jump (frames, 20) filtered strongly around, and again where
+    they still jump; first with the values of `source`, in which a jump is not smeared, if given."""
+    source = motion if source is None else source
+    margin = round(AROUND_SECONDS * motion.rate)
+    for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
+        some = np.asarray(jumps.any(axis=1))
+
+        def filtered(frames: slice, now=motion, before=source, where=jumps) -> Motion:
+            return _filtered_around(now.at(frames), where[frames], before.at(frames))
+
+        motion = source = changed_around(motion, some, margin, LEAST_FRAMES, filtered)
+        near = with_margin(some[:, None], margin)[:, 0]
+        beside = with_margin(jumps, round(BLENDED_SECONDS * motion.rate))
+        jumps = jumping_steps(motion, np.flatnonzero(near[:-1])) & beside
+        if not jumps.any():
+            break
+    return motion
 
 
-def joint_names(motion: Motion) -> list[str]:
-    """Our name of each joint of a rig that is one of the twenty, else the rig's."""
-    names = list(motion.skeleton.names)
-    for name, joint in zip(JOINTS, rig_of(motion).joints, strict=True):
-        names[joint] = name
-    return names
+def jumping_steps(
+    motion: Motion, frames: np.ndarray | None = None, least: float = 0.0
+) -> np.ndarray:
+    """The steps to the next frame that jump: those that differ by more than `OFF_MEDIAN_METRES`
+    from the median of seven steps, (frames, 20) of bool.
+
+    If `frames` are given, only these are looked at. If `least` (m) is, a joint must also be at
+    least this far from the cubic through the two frames before it and the two after it.
+    """
+    jumps, joints = np.zeros((len(motion), len(JOINTS)), bool), rig_of(motion).joints
+    for part, around in chunks(np.arange(len(motion) - 1) if frames is None else frames, 4):
+        positions = motion.at(around).positions(joints)
+        steps = np.diff(positions, axis=0)
+        steps -= median_of(steps, 3)
+        off = np.linalg.norm(off_cubic(positions), axis=-1)
+        row = part - around.start
+        jumps[part] = (np.linalg.norm(steps, axis=-1) > OFF_MEDIAN_METRES)[row]
+        jumps[part] &= np.maximum(off[:-1], off[1:])[row] >= least
+    return jumps
 
 
-def levers_of(skeleton: Skeleton) -> np.ndarray:
-    """The distance from each joint of a rig to the furthest joint or end below it, (J,) metres."""
-    levers = np.full(len(skeleton.names), LEAST_LEVER)
-    for joint in reversed(range(len(levers))):
-        if joint in skeleton.end_sites:
-            levers[joint] = max(levers[joint], np.linalg.norm(skeleton.end_sites[joint]))
-        parent, length = skeleton.parents[joint], np.linalg.norm(skeleton.offsets[joint])
-        if parent >= 0:
-            below = levers[joint] if skeleton.children(joint) else 0.0
-            levers[parent] = max(levers[parent], length + below)
-    return levers
+def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
+    """The motion with the rotations and translations of the joints on the way from the root to
+    those that jump (frames, 20) those of `source` filtered around, as far as they are not smooth
+    there."""
+    strong = filter_motion(source, lambda curve: strongly_filtered(curve, motion.rate))
+    near = with_margin(_rough_on_the_way(source, jumps), round(BLENDED_SECONDS * motion.rate))
+    width = max(2 * round(BLENDED_SECONDS * motion.rate / 2) + 1, 3)
+    window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for joint in np.flatnonzero(near.any(axis=0)).tolist():
+        padded = np.pad(near[:, joint].astype(float), width // 2, "edge")
+        share = np.convolve(padded, window, "valid")
+        rotations[:, joint] = slerp(rotations[:, joint], strong.rotations[:, joint], share)
+        change = strong.translations[:, joint] - translations[:, joint]
+        translations[:, joint] += share[:, None] * change
+    return replace(motion, rotations=rotations, translations=translations)
 
 
-def local_median(values: np.ndarray, rate: float) -> np.ndarray:
-    """The median of values (N,) over the second around each, for some frames at once."""
-    half = max(round(rate / 2), 1)
-    some = max(half // 4, 1)
-    padded = np.pad(values, (half, half + some), mode="edge")
-    medians = np.median(sliding_window_view(padded, 2 * half + 1)[some // 2 :: some], axis=1)
-    return np.repeat(medians, some)[: len(values)]
-
-
-def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
-    """The frames after which a curve jumps, with the score of each: the jump is the step from frame
-    t to t + 1."""
-    steps = curve.steps()
-    large = np.flatnonzero(steps > JUMP / (2 * sensitivity))
-    if not len(large):
-        return []
-    padded = np.pad(steps, 1)
-    beside = np.maximum(padded[large], padded[large + 2])
-    level = local_median(np.abs(np.diff(steps, append=steps[-1:])), curve.rate)[large]
-    score = steps[large] / np.maximum(JUMP, np.maximum(RATIO * beside, USUAL * level))
-    if curve.is_root and curve.is_rotation:
-        score = np.maximum(score, steps[large] * curve.rate / (np.radians(FASTEST) * curve.lever))
-    likely = score > 1 / (2 * sensitivity)
-    return list(zip(large[likely].tolist(), score[likely].tolist(), strict=True))
-
-
-def confidence(score: float) -> float:
-    """The confidence of a finding whose evidence is `score` times its threshold: 1 - 1 / (2 score),
-    which is 0.5 at the threshold."""
-    return float(np.clip(1 - 0.5 / max(score, 0.5), 0.0, 1.0))
+def _rough_on_the_way(motion: Motion, jumps: np.ndarray) -> np.ndarray:
+    """The joints of the rig (frames, J) that are on the way to one of the twenty that jumps
+    (frames, 20), and among the roughest on that way."""
+    rough = np.zeros((len(motion), len(motion.skeleton.names)))
+    for curve in curves_of(motion):
+        rough[:, curve.joint] += curve.roughness()
+    rough[:-1] = np.maximum(rough[:-1], rough[1:])
+    there = np.zeros(rough.shape, bool)
+    for column, joint in enumerate(rig_of(motion).joints):
+        path = motion.skeleton.path(joint)
+        roughest = rough[:, path].max(axis=1, keepdims=True)
+        there[:, path] |= jumps[:, [column]] & (rough[:, path] >= ROUGH_SHARE * roughest)
+    return there

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.jitter import ROUGH, jumping_steps
-from numpy_cae.repair.t_pose import find_t_pose
+from numpy_cae.repair.jumps import OFF_CUBIC_METRES, jumping_steps
 
 
 @dataclass(frozen=True)
@@ -63,26 +63,38 @@ PRESETS = {
     "optical": Preset(cut=True),
 }
 """Presets for motion estimated from video or depth, of inertial suits, and of optical systems."""
-SHAKES, JUMPY, SLIDES = 20.0, 0.02, 20.0
-"""SHAKES, JUMPY, SLIDES: the accelerations of motion from video change by more than SHAKES (m/s²)
-from frame to frame, in the median of all joints and frames at 30 a second; or joints jump in more
-than this part of the frames (`jumping_steps`) and in more than two, as a limb jumps that is turned
-for a while, and standing feet slide faster than SLIDES (cm/s; docs/lab_book/evidence.md)."""
+SHAKING = 20.0
+"""SHAKING: motion from video shakes: its accelerations change by more than this (m/s²) from frame
+to frame, in the median of all joints and frames at 30 a second (docs/lab_book/evidence.md)."""
+JUMPING_SHARE, JUMPING_FRAMES = 0.02, 2
+"""JUMPING_SHARE, JUMPING_FRAMES: other motion from video jumps in more than this share of its
+frames, and in more than two frames: a limb that is turned for a while jumps twice."""
+SLIDING = 20.0
+"""SLIDING: motion from video that jumps also has standing feet that slide faster than this
+(cm/s)."""
+LONGEST_SECONDS = 20.0
+"""LONGEST_SECONDS: no more than this time of a motion is looked at (s)."""
 
 
 def fitting_preset(motion: Motion) -> str | None:
     """The name of the preset that fits a motion: "video" if it shakes, or jumps and slides; "suit"
     if it begins with a pose of reference; else None."""
-    t_pose = find_t_pose(motion)
-    first = t_pose[0].frames[1] + 1 if t_pose else 0
-    some = motion.at(slice(first, first + int(20 * motion.rate)))
+    t_pose = leading_t_pose(motion)
+    first = t_pose.frames if t_pose else 0
+    some = motion.at(slice(first, first + int(LONGEST_SECONDS * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
-    if len(some) > 4:
-        body = body_positions(some)
-        change = np.diff(body, 3, axis=0) * some.rate**2
-        jumps = jumping_steps(some, rough=ROUGH).any(axis=1).sum() > max(JUMPY * len(some), 2)
-        if np.median(np.linalg.norm(change, axis=-1)) > SHAKES or (
-            jumps and foot_sliding(body, some.rate) > SLIDES
-        ):
-            return "video"
+    if len(some) > 4 and (_shakes(some) or _jumps_and_slides(some)):
+        return "video"
     return "suit" if t_pose else None
+
+
+def _shakes(motion: Motion) -> bool:
+    change = np.diff(body_positions(motion), 3, axis=0) * motion.rate**2
+    return bool(np.median(np.linalg.norm(change, axis=-1)) > SHAKING)
+
+
+def _jumps_and_slides(motion: Motion) -> bool:
+    jumps = jumping_steps(motion, least=OFF_CUBIC_METRES).any(axis=1).sum()
+    if jumps <= max(JUMPING_SHARE * len(motion), JUMPING_FRAMES):
+        return False
+    return bool(foot_sliding(body_positions(motion), motion.rate) > SLIDING)

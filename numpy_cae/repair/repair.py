@@ -1,13 +1,21 @@
 """Repair of a motion (holden2015, section 7, "Fixing Corrupt Motion Data").
 
 The paper projects the whole motion (`project_motion`), which also changes what was right. `repair`
-changes only what is damaged, and `fill_motion` only what the user says is missing. A motion is
-taken to thirty frames a second once, (F, …), and the repaired joints are taken back to the frames
-of the file once, (frames, …).
+changes only what is damaged, and `fill_motion` only what the user says is missing. A repair is
+
+    find a T-pose at the start, and set it aside
+    find and mend what the file itself shows: each of `STEPS`
+    fill in what is missing for long, by the manifold
+    put the T-pose back
+
+Between the first and the last line, frames are counted from the end of the T-pose. For the manifold
+a motion is taken to thirty frames a second once, (F, …), and the repaired joints are taken back to
+the frames of the file once, (frames, …).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,31 +23,60 @@ from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.feet import is_path
-from numpy_cae.repair.finding import BODY, Finding
+from numpy_cae.repair.displaced import find_displaced, mend_displaced
+from numpy_cae.repair.feet import find_feet, mend_feet
+from numpy_cae.repair.finding import Finding, is_path, marked, require_usable, shifted
 from numpy_cae.repair.holes import Holes
-from numpy_cae.repair.interpolated import POSITIONS, interpolate, missing_joints
-from numpy_cae.repair.jumps import joint_names
+from numpy_cae.repair.interpolated import (
+    POSITION_KINDS,
+    interpolate_channels,
+    missing_joints,
+    with_finite_values,
+)
+from numpy_cae.repair.jitter import find_jitter, smooth_motion
+from numpy_cae.repair.jumps import find_jumps, mend_jumps
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, with_centimetres
-from numpy_cae.repair.rotation_curves import channels_on_curves, on_curves
-from numpy_cae.repair.steps import LEFT, mend
+from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.spikes import find_spikes
+from numpy_cae.repair.still import find_still
 from numpy_cae.repair.t_pose import find_t_pose
 from numpy_cae.repair.trials import chosen
 from numpy_cae.repair.unlikely import find_unlikely
 
-UNKNOWN = 0.12
-"""UNKNOWN: a motion is unlike what the manifold knows if its residual exceeds this (m), which is
-more than that of any take of a source left out of training (docs/lab_book/detection.md)."""
-LONG = 0.1
-"""LONG: the manifold corrects what was interpolated over more than this time (s)."""
-MOVED = 1e-6
-"""MOVED: a joint is touched if it moves by more than this (m)."""
-FILLED = ("repeated", "frozen", "displaced", "not finite")
-"""Kinds of findings that the manifold fills in where they are long, besides `POSITIONS`."""
+UNKNOWN_METRES = 0.12
+"""UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),
+which is more than that of any take of a source left out of training
+(docs/lab_book/detection.md)."""
+LONG_SECONDS = 0.1
+"""LONG_SECONDS: the manifold corrects what was interpolated over at least this time (s)."""
+MOVED_METRES = 1e-6
+"""MOVED_METRES: a joint is touched if it moves by more than this (m)."""
+FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
+"""FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and those of
+`POSITION_KINDS`."""
+
+
+class Step(NamedTuple):
+    """How damage of some kinds is found and mended; `option` is the setting of a preset with which
+    the step is taken, "" if it is always taken."""
+
+    kinds: tuple[str, ...]
+    find: Callable[[Motion, float], list[Finding]]
+    mend: Callable[[Motion, list[Finding]], Motion]
+    option: str = ""
+
+
+STEPS = (
+    Step(("repeated", "frozen"), find_still, interpolate_channels),
+    Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
+    Step(("spike",), find_spikes, interpolate_channels),
+    Step(("jitter",), find_jitter, smooth_motion, "smooth"),
+    Step(("jumps",), find_jumps, mend_jumps),
+    Step(("foot",), find_feet, mend_feet, "feet"),
+)
+"""STEPS: what is mended without a model, in this order."""
 
 
 def repair(
@@ -51,7 +88,7 @@ def repair(
 ) -> Repaired:
     """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
 
-    What the file itself shows is mended first, without the manifold (`evidence`). The manifold then
+    What the file itself shows is mended first, without the manifold, by `STEPS`. The manifold then
     corrects what was interpolated for long. What only the manifold says is proposed. A motion that
     is unlike what the manifold knows (`Repaired.known` False) gets the first part, and from the
     manifold only what is marked.
@@ -67,7 +104,8 @@ def repair(
     preset : Preset, optional
         Which steps are taken; `Preset()` by default.
     findings : sequence of Finding, optional
-        Only these are mended, whatever their confidence, and nothing is looked for.
+        Only these are mended, whatever their confidence, unless their status is "proposed" or
+        "left"; nothing is looked for.
 
     Returns
     -------
@@ -91,37 +129,120 @@ def repair(
     ('left_elbow', (30, 32), 'spike')
     """
     preset = preset or Preset()
-    rest = findings if damaged is None else marked(damaged)
-    _require_usable(motion, rest or [])
-    whole, broken = _finite(motion)
-    pose = find_t_pose(whole) if rest is None else [f for f in rest if f.kind == "T-pose"]
-    first = max((finding.frames[1] + 1 for finding in pose), default=0)
-    moving = whole.at(slice(first, None)) if first else whole
-    if rest is not None:
-        rest = _shifted([finding for finding in rest if finding not in pose], -first)
-    mended, found = mend(moving, preset, rest)
-    found += _shifted(broken, -first) + [f for f in rest or [] if f.kind in POSITIONS]
-    distance, unlikely = 0.0, list[Finding]()
+    given = findings if damaged is None else marked(damaged)
+    require_usable(motion, given or [])
+    finite, broken = with_finite_values(motion)
+    t_pose = find_t_pose(finite) if given is None else [f for f in given if f.kind == "T-pose"]
+    first = max((finding.stretch.stop for finding in t_pose), default=0)
+    moving = finite.at(slice(first, None)) if first else finite
+    rest = None if given is None else [finding for finding in given if finding not in t_pose]
+    rest = None if rest is None else shifted(rest, -first)
+    repaired = _repaired(moving, manifold, preset, rest, shifted(broken, -first))
+    return _with_t_pose(repaired, t_pose, finite.at(slice(0 if preset.cut else first)), broken)
+
+
+def _repaired(
+    motion: Motion,
+    manifold: MotionManifold | None,
+    preset: Preset,
+    given: list[Finding] | None,
+    broken: list[Finding],
+) -> Repaired:
+    """A motion without its T-pose, repaired. `broken` values are interpolated already."""
+    not_mended = [finding for finding in given or [] if finding.status != "repaired"]
+    if given is not None:
+        given = [finding for finding in given if finding.status == "repaired"]
+    mended, found = mend(motion, preset, given)
+    found += broken + [finding for finding in given or [] if finding.kind in POSITION_KINDS]
+    residual, unlikely = 0.0, list[Finding]()
     if manifold is not None:
-        look = preset if rest is None else None
         # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
-        filling, features, distance, unlikely = _filling(mended, manifold, found, look)
-        mended = filling.filled(features, moving)
-    kept = whole.at(slice(0 if preset.cut else first))
-    if len(kept):
-        mended = _joined(kept, mended)
-    before = whole.at(slice(first - len(kept), None))
-    moved = posed = distances(before, mended)
+        filling = _filling(mended, manifold, found, preset if given is None else None)
+        residual, unlikely = filling.residual, filling.unlikely
+        mended = filling.holes.filled(filling.features, motion)
+    moved = posed = distances(motion, mended)
     if any(is_path(finding) for finding in found):
-        posed = distances(before, mended, from_hips=True)
-    touched = (moved > MOVED) | missing_joints(mended, _shifted(broken, len(kept) - first))
-    found += [finding for finding in unlikely if preset.is_sure(finding)]
-    left = [finding for finding in found if finding.evidence.endswith(LEFT)]
-    found = [finding for finding in found if finding not in left]
-    left += [finding for finding in unlikely if not preset.is_sure(finding)]
-    known, left = distance <= UNKNOWN, _shifted(left, first)
-    found = pose + _shifted(with_centimetres(found, moved, posed, len(kept)), first)
-    return Repaired(mended, touched, moved, distance, known, tuple(found), tuple(left))
+        posed = distances(motion, mended, from_hips=True)
+    touched = (moved > MOVED_METRES) | missing_joints(mended, broken)
+    done = [finding for finding in found + unlikely if finding.status == "repaired"]
+    left = [finding for finding in found + unlikely if finding.status != "repaired"]
+    return Repaired(
+        mended,
+        touched,
+        moved,
+        residual,
+        residual <= UNKNOWN_METRES,
+        tuple(with_centimetres(done, moved, posed)),
+        tuple(left + not_mended),
+    )
+
+
+def _with_t_pose(
+    repaired: Repaired, t_pose: list[Finding], kept: Motion, broken: list[Finding]
+) -> Repaired:
+    """The repaired motion after the frames of the T-pose that are kept, in the frames of the file.
+    The motion of the T-pose has `broken` values, which are interpolated already."""
+    first = max((finding.stretch.stop for finding in t_pose), default=0)
+    findings = (*t_pose, *shifted(repaired.findings, first))
+    repaired = replace(
+        repaired, findings=findings, proposed=tuple(shifted(repaired.proposed, first))
+    )
+    if not len(kept):
+        return repaired
+    motion = replace(
+        repaired.motion,
+        rotations=np.concatenate([kept.rotations, repaired.motion.rotations]),
+        translations=np.concatenate([kept.translations, repaired.motion.translations]),
+    )
+    before = [finding for finding in broken if finding.frames[0] < len(kept)]
+    touched = missing_joints(motion, before)[: len(kept)]
+    return replace(
+        repaired,
+        motion=motion,
+        touched=np.concatenate([touched, repaired.touched]),
+        moved=np.concatenate([np.zeros(touched.shape), repaired.moved]),
+    )
+
+
+def mend(
+    motion: Motion, preset: Preset | None = None, given: Sequence[Finding] | None = None
+) -> tuple[Motion, list[Finding]]:
+    """The motion without the damage that the file itself shows, and what was found.
+
+    Parameters
+    ----------
+    motion : Motion
+    preset : Preset, optional
+        Findings have a confidence of at least 1 - `preset.sensitivity`.
+    given : sequence of Finding, optional
+        Only these are mended, and nothing is looked for but what an option of the preset asks for.
+
+    Returns
+    -------
+    Motion, list of Finding
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.rotations[30:32, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
+    >>> [finding.kind for finding in mend(motion)[1]]
+    ['spike']
+    """
+    preset, found = preset or Preset(), list[Finding]()
+    for step in STEPS:
+        if step.option and getattr(preset, step.option):
+            damage = step.find(motion, preset.sensitivity)
+        elif given is not None:
+            damage = [finding for finding in given if finding.kind in step.kinds]
+        else:
+            damage = [] if step.option else step.find(motion, preset.sensitivity)
+        if damage:
+            mended = step.mend(motion, damage)
+            if step.option and mended is motion:
+                damage = [replace(finding, status="left") for finding in damage]
+            motion, found = mended, found + damage
+    return motion, found
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
@@ -167,81 +288,48 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     return Repaired(filled, missing, distances(motion, filled))
 
 
-def marked(mask: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked") -> list[Finding]:
-    """The runs of a mask (frames, joints) as findings of a kind."""
-    return [
-        Finding(name, (int(first), int(end) - 1), kind)
-        for name, column in zip(names, mask.T, strict=True)
-        for first, end in runs(column)
-    ]
+class _Filling(NamedTuple):
+    """The holes of findings, the features (F, 63) with which the manifold fills them, the typical
+    distance (m) of the motion from the manifold, and what is unlikely."""
+
+    holes: Holes
+    features: np.ndarray
+    residual: float
+    unlikely: list[Finding]
 
 
 def _filling(
     motion: Motion, manifold: MotionManifold, found: list[Finding], preset: Preset | None
-) -> tuple[Holes, np.ndarray, float, list[Finding]]:
-    """The holes of findings, the features with which the manifold fills them, the typical distance
-    of the motion from it, and, with a preset, what is unlikely; what is sure enough is a hole too.
+) -> _Filling:
+    """How the manifold fills in findings; with a preset it is also asked what is unlikely, and what
+    is sure enough is filled in too.
 
     A motion that is unlike what the manifold knows gets only what the user marked.
     """
     manifold = manifold.remembering()
-    body, least = Body(motion, manifold.lengths), LONG * motion.rate
-
-    def is_filled(finding: Finding) -> bool:
-        long = finding.frames[1] - finding.frames[0] >= least
-        return finding.kind in POSITIONS or (finding.kind in FILLED and long)
-
-    def holes(findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
-        missing = missing_joints(motion, findings)
-        there = np.asarray(missing.any(axis=1))
-        return Holes(body, missing, interpolate(motion, findings, curve_at, there))
-
-    found = list(filter(is_filled, found))
-    filling = holes(found)
-    distance, unlikely = filling.typical_residual(manifold), []
-    if distance > UNKNOWN:
-        found = [finding for finding in found if finding.kind in POSITIONS]
+    body, least_frames = Body(motion, manifold.lengths), LONG_SECONDS * motion.rate
+    found = [finding for finding in found if _is_filled(finding, least_frames)]
+    holes = _holes_of(body, found)
+    residual, unlikely = holes.typical_residual(manifold), list[Finding]()
+    if residual > UNKNOWN_METRES:
+        found = [finding for finding in found if finding.kind in POSITION_KINDS]
     elif preset is not None:
-        unlikely = find_unlikely(manifold, body, filling.in_file)
-        found += [finding for finding in unlikely if preset.is_sure(finding)]
+        for finding in find_unlikely(manifold, body, holes.in_file):
+            sure = preset.is_sure(finding)
+            unlikely.append(replace(finding, status="repaired") if sure else finding)
+        found += [finding for finding in unlikely if finding.status == "repaired"]
     curve_at, strength = chosen(manifold, body, missing_joints(motion, found))
-    filling = holes(found, curve_at)
-    features = corrected(manifold, filling.features, filling.mask, strength)
-    return filling, features, distance, unlikely
+    holes = _holes_of(body, found, curve_at)
+    features = corrected(manifold, holes.features, holes.mask, strength)
+    return _Filling(holes, features, residual, unlikely)
 
 
-def _require_usable(motion: Motion, findings: Sequence[Finding]) -> None:
-    """ValueError if a finding is of no joint or frames of the motion."""
-    names = {BODY, *JOINTS, *motion.skeleton.names}
-    for finding in findings:
-        if finding.joint not in names:
-            raise ValueError(f"{finding}: the rig has no joint {finding.joint!r}")
-        if finding.frames[1] >= len(motion):
-            raise ValueError(f"{finding}: the motion has frames 0 to {len(motion) - 1}")
+def _is_filled(finding: Finding, least_frames: float) -> bool:
+    is_long = finding.frames[1] - finding.frames[0] >= least_frames
+    return finding.kind in POSITION_KINDS or (finding.kind in FILLED_KINDS and is_long)
 
 
-def _shifted(findings: Sequence[Finding], later: int) -> list[Finding]:
-    """The findings some frames later; what lies before frame 0 is left out."""
-    ends = [(finding, *np.add(finding.frames, later).tolist()) for finding in findings]
-    return [replace(finding, frames=(max(a, 0), b)) for finding, a, b in ends if b >= 0]
-
-
-def _joined(start: Motion, rest: Motion) -> Motion:
-    """The frames of one motion and then those of another."""
-    return replace(
-        rest,
-        rotations=np.concatenate([start.rotations, rest.rotations]),
-        translations=np.concatenate([start.translations, rest.translations]),
-    )
-
-
-def _finite(motion: Motion) -> tuple[Motion, list[Finding]]:
-    """The motion with rotations and translations that are not finite interpolated, and these."""
-    wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
-    if not wrong.any():
-        return motion, []
-    rotations = np.where(wrong[..., None], [0.0, 0.0, 0.0, 1.0], motion.rotations)
-    translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
-    known = replace(motion, rotations=rotations, translations=translations)
-    found = marked(wrong, joint_names(motion), "not finite")
-    return channels_on_curves(known, wrong, wrong), found
+def _holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
+    missing = missing_joints(body.motion, findings)
+    there = np.asarray(missing.any(axis=1))
+    return Holes(body, missing, interpolate_channels(body.motion, findings, curve_at, there))

@@ -9,12 +9,12 @@ import numpy as np
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion, blocks
-from numpy_cae.repair.feet import is_path
-from numpy_cae.repair.finding import Finding
+from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.chunks import chunks
+from numpy_cae.repair.finding import Finding, is_path
 
-MOST_RUNS = 5
-"""MOST_RUNS: at most this many runs of frames, and findings, are printed in full."""
+MOST_PRINTED = 5
+"""MOST_PRINTED: at most this many runs of frames, and findings, are printed in full."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,7 +83,7 @@ class Repaired:
 
 def _listed(title: str, findings: Sequence[Finding]) -> list[str]:
     """Lines with the findings of the largest centimetres, and the number of the others."""
-    some = sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))[:MOST_RUNS]
+    some = sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))[:MOST_PRINTED]
     more = len(findings) - len(some)
     lines = [title, *(f"  {finding}" for finding in some)] if findings else []
     return lines + [f"  and {more} more"] * bool(more)
@@ -92,8 +92,8 @@ def _listed(title: str, findings: Sequence[Finding]) -> list[str]:
 def _frames_of(mask: np.ndarray) -> str:
     """The runs of a mask (frames,), such as "frames 30 to 45, 102"."""
     ends = runs(mask)
-    texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_RUNS]]
-    more = f" and {len(ends) - MOST_RUNS} more" if len(ends) > MOST_RUNS else ""
+    texts = [f"{a} to {b - 1}" if b - a > 1 else f"{a}" for a, b in ends[:MOST_PRINTED]]
+    more = f" and {len(ends) - MOST_PRINTED} more" if len(ends) > MOST_PRINTED else ""
     return f"frame{'' if mask.sum() == 1 else 's'} {', '.join(texts)}{more}"
 
 
@@ -109,7 +109,7 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     changed = np.any(before.rotations != after.rotations, axis=(1, 2))
     changed |= np.any(before.translations != after.translations, axis=(1, 2))
     moved = np.zeros((len(after), len(joints)))
-    for frames in blocks(np.flatnonzero(changed)):
+    for frames, _ in chunks(np.flatnonzero(changed)):
         change = after.at(frames).positions() - before.at(frames).positions()
         change -= from_hips * change[:, joints[:1]]
         distance = np.linalg.norm(change, axis=-1)
@@ -119,18 +119,17 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
 
 
 def with_centimetres(
-    findings: Sequence[Finding], moved: np.ndarray, posed: np.ndarray, offset: int
+    findings: Sequence[Finding], moved: np.ndarray, posed: np.ndarray
 ) -> list[Finding]:
     """The findings with the largest distance (m) of their joint or one below it, in centimetres: in
-    `moved` for a path of the root, in `posed` for others. Frame 0 of the findings is frame `offset`
-    of both."""
+    `moved` for a path of the root, in `posed` for others."""
     measured = []
     for finding in findings:
         below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
         for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
             if JOINTS[parent] in below:
                 below.add(joint)
-        there = (moved if is_path(finding) else posed)[offset:][finding.stretch]
+        there = (moved if is_path(finding) else posed)[finding.stretch]
         cm = 100 * there[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
         measured.append(replace(finding, cm=float(cm)))
     return measured

@@ -6,30 +6,33 @@ the spike, or beside it, is nearly 0. Of runs that touch each other, the one wit
 deviation is the spike. It is removed and the rest is searched again, as a spike also distorts the
 cubics beside it.
 
-The joints below must deviate from their cubics too: where the rotations of several joints jump and
-these jumps cancel, the body does not.
+The joints below must deviate from their cubics too: several rotations may jump together and cancel
+each other, so that the body does not move.
 """
 
 import numpy as np
 
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.interpolated import interpolated
-from numpy_cae.repair.jumps import Curve, confidence, curves_of, local_median
+from numpy_cae.repair.curves import Curve, curves_of, local_median
+from numpy_cae.repair.finding import Finding, confidence
+from numpy_cae.repair.interpolated import interpolated_curve
+from numpy_cae.repair.segments import Segment
 
-SECONDS = 0.1
-"""SECONDS: the longest spike, but at any rate three frames."""
-LEAST, TIMES = 0.08, 9.0
-"""LEAST, TIMES: a spike deviates by more than LEAST (m), and than TIMES the median over a second of
-the deviations of single frames, which is that of the noise."""
-BESIDE = 1.5
-"""BESIDE: and by more than this times the larger step just before or after it, plus the first step
-within it."""
-SAME_WAY = 0.5
-"""SAME_WAY: a run is no spike if the cosine of the angle between the steps to it and from it is at
-least this: it is passed through, as by the elbow of a runner at 24 frames a second."""
+LONGEST_SECONDS, LONGEST_FRAMES = 0.1, 3
+"""LONGEST_SECONDS, LONGEST_FRAMES: a spike lasts at most this time (s), or so many frames."""
+LEAST_METRES = 0.08
+"""LEAST_METRES: a spike deviates by more than this (m)."""
+NOISE_RATIO = 9.0
+"""NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
+second of the deviations of single frames."""
+NEIGHBOUR_RATIO = 1.5
+"""NEIGHBOUR_RATIO: a spike deviates by more than this times the sum of the larger step just before
+or after it and the first step within it."""
+SAME_WAY_COSINE = 0.5
+"""SAME_WAY_COSINE: a run is no spike if the cosine of the angle between the steps to it and from it
+is at least this: the joint passes through, as the elbow of a runner at 24 frames a second does."""
 ROUNDS = 4
-"""ROUNDS: how often the rest is searched again."""
+"""ROUNDS: spikes are removed and looked for again at most this often."""
 
 
 def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
@@ -47,63 +50,77 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     found = []
     for curve in curves_of(motion):
         for _ in range(ROUNDS):
-            runs = _that_move(motion, curve, _spikes(curve, sensitivity), sensitivity)
-            if not runs:
+            spikes = _that_move(motion, curve, _spikes(curve, sensitivity), sensitivity)
+            if not spikes:
                 break
-            for first, end, size, score in runs:
-                why = f"{curve.amount(size)} from the frames before and after"
-                sure = confidence(score)
-                found.append(Finding(curve.name, (first, end - 1), curve.kind, why, 0.0, sure))
-            curve = interpolated(curve, [(first, end) for first, end, *_ in runs])
+            for spike in spikes:
+                why = f"{curve.amount(spike.size)} from the frames before and after"
+                frames, sure = (spike.first, spike.end - 1), confidence(spike.score)
+                found.append(Finding(curve.name, frames, curve.kind, why, 0.0, sure))
+            curve = interpolated_curve(curve, spikes)
     return list(dict.fromkeys(found))  # a replaced frame may deviate again
 
 
-def _spikes(curve: Curve, sensitivity: float) -> list[tuple[int, int, float, float]]:
-    """The first frame and the end of each spike, its deviation (m) and its score."""
-    steps = curve.steps()
-    # Most curves have no step that is long enough, and need no median.
-    if len(steps) < 4 or steps.max() * 4 * sensitivity <= LEAST:
-        return []
-    level = np.maximum(LEAST, TIMES * local_median(curve.roughness(), curve.rate))
-    values = curve.continuous()
-    candidates: list[tuple[float, float, int, int]] = []
-    for length in range(1, max(3, round(SECONDS * curve.rate)) + 1):
-        # The step to the first frame and the one from the last are at least half of the deviation.
-        least = level[1 : len(steps) - length + 1] / (4 * sensitivity)
-        first = 1 + np.flatnonzero(np.minimum(steps[:-length], steps[length:]) > least)
-        first = first[(first >= 2) & (first + length + 1 < len(curve.values))]
-        into, out = first - 1, first + length - 1
-        turn = np.sum((values[into + 1] - values[into]) * (values[out + 1] - values[out]), axis=-1)
-        first = first[turn < SAME_WAY * steps[into] * steps[out]]
-        size = _deviation(values, first, length)
-        beside = np.maximum(steps[first - 2], steps[first + length])
-        inside = steps[first] if length > 1 else 0.0
-        score = size / np.maximum(level[first], BESIDE * (beside + inside))
-        likely = np.flatnonzero(score > 1 / (2 * sensitivity))
-        candidates += [(size[i], score[i], first[i], first[i] + length) for i in likely]
+def _spikes(curve: Curve, sensitivity: float) -> list[Segment]:
+    """Of the runs of a curve that may be spikes, those with the largest deviations, no two of which
+    touch each other."""
+    candidates = sorted(_candidates(curve, sensitivity), key=_deviation_first, reverse=True)
     taken = np.zeros(len(curve.values), bool)
     spikes = []
-    for deviation, times, begin, end in sorted(candidates, reverse=True):
-        if not taken[begin - 1 : end + 1].any():
-            taken[begin:end] = True
-            spikes.append((int(begin), int(end), float(deviation), float(times)))
+    for run in candidates:
+        if not taken[run.first - 1 : run.end + 1].any():
+            taken[run.first : run.end] = True
+            spikes.append(run)
     return spikes
 
 
+def _deviation_first(run: Segment) -> tuple[float, float, int, int]:
+    return run.size, run.score, run.first, run.end
+
+
+def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
+    """The runs of a curve that deviate from the frames around them more than noise and the motion
+    do."""
+    steps = curve.steps()  # steps[t] is from frame t to frame t + 1
+    # Most curves have no step that is long enough, and need no median.
+    if len(steps) < 4 or steps.max() * 4 * sensitivity <= LEAST_METRES:
+        return []
+    level = np.maximum(LEAST_METRES, NOISE_RATIO * local_median(curve.roughness(), curve.rate))
+    values = curve.continuous()
+    runs = []
+    for length in range(1, max(LONGEST_FRAMES, round(LONGEST_SECONDS * curve.rate)) + 1):
+        first = np.arange(2, len(values) - length - 1)  # with two frames before and after the run
+        # The step to the first frame and the one from the last are at least half of the deviation.
+        smaller_step = np.minimum(steps[first - 1], steps[first + length - 1])
+        first = first[smaller_step > level[first] / (4 * sensitivity)]
+        end = first + length
+        step_in, step_out = values[first] - values[first - 1], values[end] - values[end - 1]
+        cosine = np.sum(step_in * step_out, axis=-1)
+        back = cosine < SAME_WAY_COSINE * steps[first - 1] * steps[end - 1]
+        first, end = first[back], end[back]
+        size = _deviation(values, first, length)
+        beside = np.maximum(steps[first - 2], steps[end])
+        within = steps[first] if length > 1 else 0.0
+        score = size / np.maximum(level[first], NEIGHBOUR_RATIO * (beside + within))
+        for i in np.flatnonzero(score > 1 / (2 * sensitivity)):
+            runs.append(Segment(int(first[i]), int(end[i]), float(score[i]), float(size[i])))
+    return runs
+
+
 def _that_move(
-    motion: Motion, curve: Curve, spikes: list[tuple[int, int, float, float]], sensitivity: float
-) -> list[tuple[int, int, float, float]]:
-    """The spikes of a curve with which a joint below deviates by `LEAST` from its own cubic; all
-    of them if there is no joint below."""
+    motion: Motion, curve: Curve, spikes: list[Segment], sensitivity: float
+) -> list[Segment]:
+    """The spikes of a curve with which a joint below deviates by `LEAST_METRES` from its own cubic;
+    all of them if there is no joint below."""
     path, joints = motion.skeleton.path, range(len(motion.skeleton.names))
     below = [joint for joint in joints if curve.joint in path(joint)[curve.is_rotation :]]
-
-    def moves(first: int, end: int) -> bool:
-        positions = motion.at(slice(first - 2, end + 2)).positions(below)
-        off = _deviation(positions, np.array([2]), end - first).max()
-        return bool(off * 2 * sensitivity > LEAST)
-
-    return [spike for spike in spikes if not below or moves(*spike[:2])]
+    moving = []
+    for spike in spikes:
+        around = motion.at(slice(spike.first - 2, spike.end + 2))
+        off = _deviation(around.positions(below), np.array([2]), len(spike)).max(initial=0.0)
+        if not below or off * 2 * sensitivity > LEAST_METRES:
+            moving.append(spike)
+    return moving
 
 
 def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray:

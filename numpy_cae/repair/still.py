@@ -5,20 +5,23 @@ still is never exactly still, a channel that is not used does not jump, and a jo
 returns to the same value.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.finding import BODY, Finding
-from numpy_cae.repair.jumps import STILL, Curve, confidence, curves_of
+from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of
+from numpy_cae.repair.finding import BODY, Finding, confidence
+from numpy_cae.repair.segments import Segment, still_segments
 
-SECONDS = 0.2
-"""SECONDS: a single rotation is frozen if it stands still for at least this (s), and 6 frames."""
-LEAST, CAUGHT_UP = 0.03, 2.5
-"""LEAST, CAUGHT_UP: it then moves by more than LEAST (m), and than CAUGHT_UP times the median of
-the three steps after that; so does the body after repeated frames, by the mean of its steps."""
-USED = 0.75
-"""USED: a rotation that stands still for more than this part of the file is not frozen."""
+FROZEN_SECONDS, FROZEN_FRAMES = 0.2, 6
+"""FROZEN_SECONDS, FROZEN_FRAMES: a rotation is frozen if it stands still for at least this time (s)
+and at least so many steps."""
+FROZEN_JUMP_METRES = 0.03
+"""FROZEN_JUMP_METRES: a frozen rotation then jumps by more than this (m)."""
+UNUSED_SHARE = 0.75
+"""UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
+but not used."""
 
 
 def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
@@ -32,50 +35,43 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     [body: frames 30 to 34: repeated (...
     """
     curves = [curve for curve in curves_of(motion) if curve.kind != "length"]
-    if not curves:
-        return []
-    body, found = np.zeros(len(motion) - 1), []
+    body, frozen = np.zeros(max(len(motion) - 1, 0)), list[Finding]()
     for curve in curves:
         steps = curve.steps()
         body += steps / len(curves)
-        if curve.is_rotation and np.mean(steps <= STILL) < USED:
-            least = max(6, round(SECONDS * motion.rate))
-            frozen = _still(curve.name, "frozen", steps, least, LEAST, sensitivity)
-            found += [finding for finding in frozen if not _recurs(curve, *finding.frames)]
-    repeated = _still(BODY, "repeated", body, 1, 0.0, sensitivity)
-    whole = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
-    return repeated + [f for f in found if not whole.issuperset(range(f.frames[0], f.frames[1]))]
+        frozen += _frozen(curve, steps, sensitivity)
+    repeated = list(_repeated(body, sensitivity)) if curves else []
+    covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
+    return repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
+
+
+def _repeated(steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
+    """The runs of frames that repeat the pose of the frame before them."""
+    for segment, into in still_segments(steps, 1, 0.0, sensitivity):
+        # A jump into the run shows that its first pose is wrong too.
+        yield _finding(BODY, "repeated", segment, segment.first + (into <= 1))
+
+
+def _frozen(curve: Curve, steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
+    """The runs of frames in which a rotation stands still and then jumps."""
+    if not curve.is_rotation or np.mean(steps <= STILL_METRES) >= UNUSED_SHARE:
+        return
+    least_frames = max(FROZEN_FRAMES, round(FROZEN_SECONDS * curve.rate))
+    for segment, into in still_segments(steps, least_frames, FROZEN_JUMP_METRES, sensitivity):
+        # A jump into the run, or its start at that of the file, shows that its first frame is
+        # wrong too.
+        first = segment.first + (into <= 1 and segment.first > 0)
+        if not _recurs(curve, first, segment.end - 1):
+            yield _finding(curve.name, "frozen", segment, first)
 
 
 def _recurs(curve: Curve, first: int, last: int) -> bool:
     """Whether a value that stands still is also met elsewhere: the limit of a joint."""
-    same = np.abs(curve.values - curve.values[last]).max(axis=-1) <= STILL
+    same = np.abs(curve.values - curve.values[last]).max(axis=-1) <= STILL_METRES
     return bool(same[: max(first - 1, 0)].any() or same[last + 1 :].any())
 
 
-def _still(
-    joint: str, kind: str, steps: np.ndarray, frames: int, least: float, sensitivity: float
-) -> list[Finding]:
-    """The runs of at least `frames` steps that stand still and end with a jump."""
-    found = []
-    for first, end in runs(steps <= STILL):
-        if end - first < frames or end == len(steps):
-            continue
-        into = _score(steps[first - 1], steps[max(first - 4, 0) : first - 1], least) if first else 0
-        score = _score(steps[end], steps[end + 1 : end + 4], least)
-        if max(score, into) * 2 * sensitivity > 1:
-            # A jump into the run, or its start at that of the file, shows that its first frame is
-            # wrong too; of a whole body the first pose is a true one.
-            start = first if into > 1 or (least > 0 and first == 0) else first + 1
-            moves = f"then moves by {100 * steps[end]:.1f} cm"
-            why = f"stands still for {end - first + 1} frames, {moves}"
-            sure = confidence(max(score, into))
-            found.append(Finding(joint, (int(start), int(end)), kind, why, 0.0, sure))
-    return found
-
-
-def _score(step: float, beside: np.ndarray, least: float) -> float:
-    """How many times the threshold of a jump a step is."""
-    if not len(beside):
-        return 0.0
-    return float(step / max(least, CAUGHT_UP * float(np.median(beside)), STILL))
+def _finding(joint: str, kind: str, segment: Segment, first: int) -> Finding:
+    moves = f"then moves by {100 * segment.size:.1f} cm"
+    why = f"stands still for {len(segment)} frames, {moves}"
+    return Finding(joint, (first, segment.end - 1), kind, why, 0.0, confidence(segment.score))

@@ -37,21 +37,23 @@ from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.rotation_curves import on_curves
 
 STRENGTHS = np.linspace(0.0, 1.0, 5)
-"""s of the module's equation."""
+"""STRENGTHS: these values of s of the module's equation are tried."""
 POWERS = {"curves": 8.0, "strengths": 16.0}
+"""POWERS: p of the module's equation, chosen on sources left out of training
+(docs/lab_book/filling.md)."""
 PRIOR = 2.0
-"""p of the module's equation, and the number of trials that other sources count as: chosen on
-sources left out of training (docs/lab_book/filling.md)."""
-NEAR = 5.0
-"""NEAR: trials are in so many seconds before and after a hole."""
-MARGIN, APART = 0.2, 0.5
-"""MARGIN, APART: the least time (s) between a trial and an unknown frame, and between two trials;
-two trials are also at least as far apart as they are long."""
-MOST = 40
-"""MOST: the longest holes, so many of them, have trials; all others have the prior's weights. The
-trials of a hole take a tenth to half of a second."""
-LEAST = 2e-4
-"""LEAST: smaller errors (m) count as this."""
+"""PRIOR: the number of trials that other sources count as, chosen in the same way."""
+NEAR_SECONDS = 5.0
+"""NEAR_SECONDS: trials are at most this far before and after a hole (s)."""
+MARGIN_SECONDS = 0.2
+"""MARGIN_SECONDS: a trial is at least this far from an unknown frame (s)."""
+APART_SECONDS = 0.5
+"""APART_SECONDS: two trials are at least this far apart (s), and as far as they are long."""
+MOST_HOLES = 40
+"""MOST_HOLES: the longest holes, so many of them, have trials; all others have the prior's weights.
+The trials of a hole take a tenth to half of a second."""
+LEAST_METRES = 2e-4
+"""LEAST_METRES: smaller errors (m) count as this."""
 
 
 class Trials(NamedTuple):
@@ -89,17 +91,19 @@ def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[C
         For a joint and a frame in which it is missing, the mean of `CURVES`; s of the module's
         equation at thirty frames a second, 0 where nothing is missing.
     """
-    source, number = body.motion.source_frames(RATE), run_numbers(missing)
-    kinds, at_rate = map(kinds_of_holes, (missing, at_thirty(body.motion, missing)))
-    strength, curves = np.zeros(at_rate.shape), dict[int, Curve]()
+    motion = body.motion
+    source, number = motion.source_frames(RATE), run_numbers(missing)
+    kinds, kinds_at_rate = kinds_of_holes(missing), kinds_of_holes(at_thirty(motion, missing))
+    strength, curves = np.zeros(kinds_at_rate.shape), dict[int, Curve]()
     always = np.asarray(missing.all(axis=0))
     holes = runs(np.asarray((missing & ~always).any(axis=1)))
-    for rank, hole in enumerate(holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]):
-        frames, near = slice(*hole), slice(*np.searchsorted(source, hole + [-1, 1]))
-        best = chosen_for(manifold, body, kinds, always, frames, rank < MOST)
+    longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
+    for rank, (first, end) in enumerate(longest_first.tolist()):
+        best = chosen_for(manifold, body, kinds, always, slice(first, end), rank < MOST_HOLES)
+        at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
         for kind, (curve, s) in best.items():
-            strength[near][at_rate[near] == kind.encode()] = s
-            alike = number[frames][kinds[frames] == kind.encode()]
+            strength[at_rate][kinds_at_rate[at_rate] == kind.encode()] = s
+            alike = number[first:end][kinds[first:end] == kind.encode()]
             curves |= dict.fromkeys(np.unique(alike), curve)
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
@@ -118,27 +122,42 @@ def chosen_for(
     are missing in all frames. Only if `tried` there are trials.
     """
     rate, pattern = body.motion.rate, np.where(always, "", kinds[hole].astype(str))
-    near = slice(max(hole.start - round(NEAR * rate), 0), hole.stop + round(NEAR * rate))
+    margin = round(NEAR_SECONDS * rate)
+    near = slice(max(hole.start - margin, 0), hole.stop + margin)
     clip, missing = replace(body, motion=body.motion.at(near)), kinds[near] != b""
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
-    prior = {
-        str(kind): priors(kind, np.count_nonzero((pattern == kind).any(axis=1)) / rate)
-        for kind in np.unique(pattern[pattern != ""])
+    prior = _priors_of(pattern, rate)
+    candidates = (on_one(clip, hidden, curve) for curve in CURVES.values())
+    by_curve = _weights_of("curves", prior, errors_in(clip, trials, candidates))
+    curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
+
+    def curve_at(joint: int, frame: int) -> Curve:
+        return curves.get(trials.kinds[frame, joint], eased)
+
+    candidates = on_strengths(manifold, clip, hidden, curve_at)
+    by_strength = _weights_of("strengths", prior, errors_in(clip, trials, candidates))
+    return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in prior}
+
+
+def _priors_of(pattern: np.ndarray, rate: float) -> dict[str, dict[str, np.ndarray]]:
+    """`priors` for each kind of a pattern (n, 20) of kinds."""
+    by_kind = {}
+    for kind in np.unique(pattern[pattern != ""]):
+        frames = np.count_nonzero((pattern == kind).any(axis=1))
+        by_kind[str(kind)] = priors(str(kind), frames / rate)
+    return by_kind
+
+
+def _weights_of(
+    name: str, prior: dict[str, dict[str, np.ndarray]], errors: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The weights of the candidates for "curves" or "strengths", for each kind of hole."""
+    return {
+        kind: weights(of_kind[name], errors.get(kind), POWERS[name])
+        for kind, of_kind in prior.items()
     }
-
-    def weights_of(name: str, candidates: Iterable[np.ndarray]) -> dict[str, np.ndarray]:
-        errors = errors_in(clip, trials, candidates) if trials.starts else {}
-        return {k: weights(r[name], errors.get(k), POWERS[name]) for k, r in prior.items()}
-
-    on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
-    curves = {kind: mean_curve(w) for kind, w in weights_of("curves", on_curve).items()}
-    corrections = on_strengths(
-        manifold, clip, hidden, lambda joint, frame: curves.get(trials.kinds[frame, joint], eased)
-    )
-    strengths = weights_of("strengths", corrections)
-    return {kind: (curves[kind], float(strengths[kind] @ STRENGTHS)) for kind in prior}
 
 
 def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
@@ -160,7 +179,12 @@ def on_strengths(
 def errors_in(
     body: Body, trials: Trials, candidates: Iterable[np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """The mean errors (m) of candidates (F, 20, 3) in trials, (I, K), for each kind of hole."""
+    """The mean errors (m) of candidates (F, 20, 3) in trials, (I, K), for each kind of hole.
+
+    Without trials no candidate is computed.
+    """
+    if not trials.starts:
+        return {}
     distances = [np.linalg.norm(each - body.positions, axis=-1) for each in candidates]
     source = body.motion.source_frames(RATE)
     errors: dict[str, list[list[float]]] = defaultdict(list)
@@ -175,7 +199,7 @@ def errors_in(
 
 def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.ndarray:
     """w of the module's equation, (K,), from r (K,) and the errors of trials (I, K), if any."""
-    logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST))
+    logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST_METRES))
     logs -= logs[:, :1]  # trials that are hard for all candidates weigh no more
     score = (logs.sum(axis=0) + PRIOR * prior) / (len(logs) + PRIOR)
     weight = np.exp(-power * (score - score.min()))
@@ -187,9 +211,9 @@ def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
 
     `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
     """
-    margin, size = round(MARGIN * rate), len(pattern)
+    margin, size = round(MARGIN_SECONDS * rate), len(pattern)
     kinds, starts = np.zeros((len(known), len(JOINTS)), "U4"), list[int]()
-    apart = size + max(size, round(APART * rate))
+    apart = size + max(size, round(APART_SECONDS * rate))
     for first, end in runs(known) + [margin, -margin - size]:
         if end >= first:
             starts += np.linspace(first, end, (end - first) // apart + 1).astype(int).tolist()

@@ -15,18 +15,19 @@ from numpy_cae.motion.features import local_positions
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, in_file, runs, runs_with
 from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.curves import curves_of
 from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.jumps import curves_of, jumps_of
+from numpy_cae.repair.segments import jumps_of
 
-RATIO = 4.0
-"""RATIO: a joint is far where its distance from the manifold exceeds max(RATIO · the median of this
-distance in the clip, FAR). The stretch extends to the frames around that exceed half of it."""
-FAR = 0.1
-"""FAR: the least distance from the manifold (m) at which a joint is far; see RATIO."""
-NEAR = 0.1
-"""NEAR: a jump is at an end of a stretch if it is nearer than this (s)."""
-SURE = (0.05, 0.2, 0.6)
-"""SURE: the confidence of a stretch with jumps at none, at one and at both of its ends."""
+FAR_METRES, FAR_RATIO = 0.1, 4.0
+"""FAR_METRES, FAR_RATIO: a joint is far where its distance from the manifold exceeds FAR_METRES (m)
+and FAR_RATIO times the median of this distance in the clip. The stretch extends to the frames
+around that exceed half of it."""
+NEAR_SECONDS = 0.1
+"""NEAR_SECONDS: a jump is at an end of a stretch if it is nearer than this (s)."""
+CONFIDENCES = (0.05, 0.2, 0.6)
+"""CONFIDENCES: a stretch has one of these confidences, with jumps at none, at one and at both of
+its ends."""
 
 
 def find_unlikely(
@@ -45,7 +46,7 @@ def find_unlikely(
     Returns
     -------
     list of Finding
-        Of kind "unlikely". Their confidence is `SURE`.
+        Of kind "unlikely", proposed; their confidence is one of `CONFIDENCES`.
 
     Examples
     --------
@@ -67,17 +68,18 @@ def find_unlikely(
     difference = residual(manifold, body.features, known)
     # Rigs place joints differently: a constant distance in the whole clip is no damage.
     distance = np.linalg.norm(difference - typical(difference, known), axis=-1)
-    level = distance / np.maximum(FAR, RATIO * typical(distance, known))
+    level = distance / np.maximum(FAR_METRES, FAR_RATIO * typical(distance, known))
     stretches = in_file(motion, runs_with((level > 0.5) & ~known, level > 1))
     jumps = _jumps(motion) if stretches.any() else stretches
-    near, found = round(NEAR * motion.rate), []
+    near, found = round(NEAR_SECONDS * motion.rate), []
     for joint in np.flatnonzero(stretches.any(axis=0)):
         for ends in runs(stretches[:, joint]).tolist():
             jumping = sum(int(jumps[max(at - near, 0) : at + near, joint].any()) for at in ends)
             where = ("at neither end", "at one end", "at both ends")[jumping]
             why = f"far from what the model knows; jumps {where}"
             frames = ends[0], ends[1] - 1
-            found.append(Finding(JOINTS[joint], frames, "unlikely", why, 0.0, SURE[jumping]))
+            sure = CONFIDENCES[jumping]
+            found.append(Finding(JOINTS[joint], frames, "unlikely", why, 0.0, sure, "proposed"))
     return found
 
 
@@ -88,7 +90,7 @@ def _jumps(motion: Motion) -> np.ndarray:
     paths = [motion.skeleton.path(joint) for joint in rig_of(motion).joints]
     for curve in curves_of(motion):
         for frame, _ in jumps_of(curve):
-            jumps[frame] |= [curve.joint in path for path in paths]
+            jumps[frame - 1] |= [curve.joint in path for path in paths]
     return jumps
 
 

@@ -14,10 +14,12 @@ from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.repair import PRESETS, Finding, Preset, find_unlikely, repair
-from numpy_cae.repair.feet import find_feet, is_path, mend_feet
-from numpy_cae.repair.jitter import filter_motion, jumping_steps, strongly_filtered
+from numpy_cae.repair.feet import find_feet, mend_feet
+from numpy_cae.repair.filters import filter_motion, strongly_filtered
+from numpy_cae.repair.finding import is_path
+from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
-from numpy_cae.repair.steps import LEFT, mend
+from numpy_cae.repair.repair import mend
 from numpy_cae.repair.t_pose import find_t_pose
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
@@ -211,7 +213,7 @@ def test_feet_are_left_alone_where_they_would_slide_more(walk):
     assert mend_feet(walk, wrong) is walk
     repaired = repair(walk, None, findings=wrong)
     assert not repaired.touched.any()
-    assert [finding.evidence for finding in repaired.proposed] == [f"; {LEFT}"]
+    assert [finding.status for finding in repaired.proposed] == ["left"]
 
 
 def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk):

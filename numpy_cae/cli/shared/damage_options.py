@@ -19,7 +19,7 @@ from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.repair import Finding
-from numpy_cae.repair.repair import marked
+from numpy_cae.repair.finding import marked
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 

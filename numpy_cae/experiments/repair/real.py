@@ -19,7 +19,8 @@ from numpy_cae.mocap import body_positions, find_motion_files, load_motion
 from numpy_cae.motion import PARENTS, Motion
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.repair import PRESETS, Preset, repair
-from numpy_cae.repair.jitter import filter_motion, jumping_steps, strongly_filtered
+from numpy_cae.repair.filters import filter_motion, strongly_filtered
+from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
 

@@ -1,0 +1,93 @@
+"""A T-pose at the start of a motion: arms held out, or no joint rotated, until the body jumps.
+
+Conversions of the CMU database and inertial suits begin with such frames. They are not part of the
+motion. A person who was recorded in a T-pose leaves it slowly, and keeps it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion
+
+LONGEST_SECONDS = 3.0
+"""LONGEST_SECONDS: a T-pose lasts at most this (s)."""
+JUMP_RATIO = 4.0
+"""JUMP_RATIO: a T-pose ends with a step, the mean of all joints, of more than this times the
+largest of the ten steps after it."""
+ARM_DEGREES = 25.0
+"""ARM_DEGREES: an arm is held out if it is within this angle of the line of the shoulders (°)."""
+UNCHANGED = 1e-6
+"""UNCHANGED: a step (m) or a rotation (in quaternions) of no more than this is rounding."""
+
+
+@dataclass(frozen=True)
+class TPose:
+    """A T-pose at the start of a motion.
+
+    Parameters
+    ----------
+    frames : int
+        How many frames the T-pose lasts.
+    step : float
+        The mean step of all joints after it, in metres.
+    score : float
+        The step divided by the threshold: a T-pose is certain enough above 1.
+    """
+
+    frames: int
+    step: float
+    score: float
+
+
+def leading_t_pose(motion: Motion, least_score: float = 1.0) -> TPose | None:
+    """The T-pose with which a motion begins; None if there is none.
+
+    Parameters
+    ----------
+    motion : Motion
+        At the rate of its file: resampling would blend the T-pose with the next frames.
+    least_score : float
+        The score that the T-pose exceeds.
+
+    Raises
+    ------
+    UnknownRigError
+        If joints are missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> leading_t_pose(motion)
+    >>> motion.rotations[0, 1:] = [0.0, 0.0, 0.0, 1.0]
+    >>> leading_t_pose(motion).frames
+    1
+    """
+    frames = min(len(motion), round(LONGEST_SECONDS * motion.rate) + 12)
+    start = motion.at(slice(frames))
+    if frames < 4:
+        return None
+    steps = np.linalg.norm(np.diff(body_positions(start), axis=0), axis=-1).mean(axis=1)
+    jump = int(np.argmax(steps[: frames - 3]))
+    after = float(steps[jump + 1 : jump + 11].max())
+    before = float(steps[:jump].max(initial=0.0))
+    score = float(steps[jump] / max(JUMP_RATIO * max(after, before), UNCHANGED))
+    if score <= least_score or not _is_t_pose(start.at(slice(jump, jump + 1))):
+        return None
+    return TPose(jump + 1, float(steps[jump]), score)
+
+
+def _is_t_pose(pose: Motion) -> bool:
+    """Whether both arms are held out, or no joint but the root is rotated, in a single frame."""
+    if np.abs(pose.rotations[:, 1:, :3]).max() < UNCHANGED:
+        return True
+    body = body_positions(pose)[0]
+    left, left_wrist = body[JOINTS.index("left_shoulder")], body[JOINTS.index("left_wrist")]
+    right, right_wrist = body[JOINTS.index("right_shoulder")], body[JOINTS.index("right_wrist")]
+    line = left - right
+    arms = np.array([left_wrist - left, right - right_wrist])
+    lengths = np.linalg.norm(line) * np.linalg.norm(arms, axis=1)
+    return bool(np.all(arms @ line > np.cos(np.radians(ARM_DEGREES)) * lengths))

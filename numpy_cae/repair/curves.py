@@ -1,0 +1,145 @@
+"""Curves: what a channel of a motion does over time, as differences in metres.
+
+A curve is a joint's rotations (F, 4) or translations (F, 3), in the frames of the file. `between`
+is the difference of two of its values: R_i⁻¹ R_j as a rotation vector, or t_j - t_i. Differences of
+rotations are multiplied by `lever`, so that all of them are in metres at the end of the body that
+the joint moves.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import inverse, product, to_vector
+from numpy_cae.motion.skeleton import Skeleton
+
+STILL_METRES = 1e-6
+"""STILL_METRES: a curve stands still where it changes by no more than this (m; of quaternions, in
+their values)."""
+LEAST_LEVER_METRES = 0.05
+"""LEAST_LEVER_METRES: a joint that moves nothing but itself, such as a hand, has this lever (m)."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The rotations (F, 4) or translations (F, 3) of a joint of the rig.
+
+    `name` is that of `joint_names`. `lever` is the distance in metres that a rotation by one radian
+    moves the furthest joint below; 1 for translations. `is_root` says that it moves the whole body.
+    """
+
+    joint: int
+    name: str
+    values: np.ndarray
+    lever: float
+    rate: float
+    is_root: bool
+
+    @property
+    def kind(self) -> str:
+        """What a spike of this curve is: of the rotation, the root's place, a bone's length."""
+        return "spike" if self.is_rotation else "root elsewhere" if self.is_root else "length"
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the values are quaternions."""
+        return self.values.shape[1] == 4
+
+    def amount(self, metres: float) -> str:
+        """A difference of rotations in degrees, of places in centimetres."""
+        if self.is_rotation:
+            return f"{np.degrees(metres / self.lever):.0f}°"
+        return f"{100 * metres:.1f} cm"
+
+    def between(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """The difference of the values in frames i and j, (N, 3), metres."""
+        one, other = self.values[i], self.values[j]
+        if not self.is_rotation:
+            return other - one
+        return self.lever * to_vector(product(inverse(one), other))
+
+    def steps(self, frames: slice = slice(None)) -> np.ndarray:
+        """The lengths of the steps to the next frame among F frames, (F - 1,) in metres.
+
+        The chord of a rotation, not its arc: for an hour of motion an arc tangent takes longer than
+        everything else.
+        """
+        values = self.values[frames]
+        if not self.is_rotation:
+            return np.linalg.norm(np.diff(values, axis=0), axis=-1)
+        dot = np.abs(np.einsum("ij,ij->i", values[1:], values[:-1]))
+        return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
+
+    def continuous(self) -> np.ndarray:
+        """The values in metres, quaternions without changes of sign: their distances are those of
+        `between`, of small rotations."""
+        if not self.is_rotation:
+            return self.values
+        dot = np.einsum("ij,ij->i", self.values[1:], self.values[:-1])
+        signs = np.cumprod(np.where(dot < 0, -1.0, 1.0))
+        return 2 * self.lever * self.values * np.r_[1.0, signs][:, None]
+
+    def roughness(self) -> np.ndarray:
+        """How far each frame is from its cubic (`off_cubic`), (F,) in metres."""
+        off = off_cubic(self.continuous())
+        return np.sqrt(np.einsum("ij,ij->i", off, off))
+
+
+def off_cubic(x: np.ndarray) -> np.ndarray:
+    """The difference of each frame of (F, …) from the cubic through the two frames before it and
+    the two after it; 0 in the first two and the last two."""
+    off = np.zeros(x.shape)
+    off[2:-2] = x[2:-2] - (2 / 3) * (x[1:-3] + x[3:-1]) + (x[:-4] + x[4:]) / 6
+    return off
+
+
+def curves_of(motion: Motion) -> Iterator[Curve]:
+    """The curves of a motion that change: rotations of joints that move others, or are among the
+    twenty, then translations of all."""
+    skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
+    names, root = joint_names(skeleton), skeleton.path(find_joints(skeleton)[0])
+    for values in (motion.rotations, motion.translations):
+        # One pass over all joints: a pass for each would read an hour from memory sixty times.
+        high, low = values.max(axis=0, initial=-np.inf), values.min(axis=0, initial=np.inf)
+        change = np.maximum(high - values[:1], values[:1] - low).max(axis=(0, 2), initial=0.0)
+        for joint, name in enumerate(names[: len(names) - skeleton.added]):
+            # The last bone of a finger moves no joint.
+            counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
+            if counts and change[joint] > STILL_METRES:
+                lever = levers[joint] if values.shape[2] == 4 else 1.0
+                yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
+
+
+def joint_names(skeleton: Skeleton) -> list[str]:
+    """Our name of each joint of a rig that is one of the twenty, else the rig's."""
+    names = list(skeleton.names)
+    for name, joint in zip(JOINTS, find_joints(skeleton), strict=True):
+        names[joint] = name
+    return names
+
+
+def levers_of(skeleton: Skeleton) -> np.ndarray:
+    """The distance from each joint of a rig to the furthest joint or end below it, (J,) metres."""
+    levers = np.full(len(skeleton.names), LEAST_LEVER_METRES)
+    for joint in reversed(range(len(levers))):
+        if joint in skeleton.end_sites:
+            levers[joint] = max(levers[joint], np.linalg.norm(skeleton.end_sites[joint]))
+        parent, length = skeleton.parents[joint], np.linalg.norm(skeleton.offsets[joint])
+        if parent >= 0:
+            below = levers[joint] if skeleton.children(joint) else 0.0
+            levers[parent] = max(levers[parent], length + below)
+    return levers
+
+
+def local_median(values: np.ndarray, rate: float) -> np.ndarray:
+    """The median of values (N,) over the second around each, for some frames at once."""
+    half = max(round(rate / 2), 1)
+    some = max(half // 4, 1)
+    padded = np.pad(values, (half, half + some), mode="edge")
+    medians = np.median(sliding_window_view(padded, 2 * half + 1)[some // 2 :: some], axis=1)
+    return np.repeat(medians, some)[: len(values)]

@@ -1,0 +1,105 @@
+"""Filters of curves: a zero-lag Butterworth filter whose cut-off is chosen from the residual.
+
+The measured curve is y = x + white noise of variance σ², and the filtered curve is ŷ = H y. The
+expected error of ŷ against the true curve x follows from the residual y - ŷ (Stein's unbiased risk
+estimate, 1981), here with k = 1:
+
+    E mean (ŷ - x)² = E mean (y - ŷ)² - σ² + 2 k σ² h_0,    h: the impulse response of the filter
+
+σ² is estimated from the residual of the cut-off `NOISE_HERTZ`, above which people hardly move.
+Noise of video has more power at low frequencies than white noise, therefore k is `COLOURED`. The
+cut-off with the least estimated error is used. Without noise, this is the highest one.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from numpy_cae.motion.motion import Motion
+
+CUT_OFFS_HERTZ = np.array([1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 9, 11, 14])
+"""CUT_OFFS_HERTZ: these cut-off frequencies (Hz) are tried; the highest is just below half of 30
+frames a second."""
+HIGHEST_SHARE = 0.48
+"""HIGHEST_SHARE: a cut-off is at most this share of the rate; at half of it the filter has no
+effect."""
+NOISE_HERTZ = 9.0
+"""NOISE_HERTZ: the residual of this cut-off (Hz) is taken for noise."""
+COLOURED = 2.0
+"""COLOURED: k of the equation."""
+RESPONSE = np.linspace(0.0, 0.4999, 1000)
+"""RESPONSE: gains are averaged over these frequencies, in cycles a frame: h_0 is the mean gain."""
+LEAST_FRAMES = 30
+"""LEAST_FRAMES: a motion of fewer frames is not filtered."""
+STRONG_SECONDS, STRONG_HERTZ = 0.17, 5.0
+"""STRONG_SECONDS, STRONG_HERTZ: the strong filter is a median over this time (s) and a Butterworth
+filter of this cut-off (Hz)."""
+
+
+def filter_motion(motion: Motion, smooth: Callable[[np.ndarray], np.ndarray]) -> Motion:
+    """The motion with each curve (F, C) of its rotations and of its translations filtered."""
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for joint in range(rotations.shape[1]):
+        q = rotations[:, joint]
+        # q and -q are the same rotation: no jumps between them.
+        dot = np.sum(q[1:] * q[:-1], axis=-1, keepdims=True)
+        q[1:] *= np.cumprod(np.where(dot < 0, -1.0, 1.0), axis=0)
+        for values in (rotations, translations):
+            if np.ptp(values[:, joint], axis=0).max() > 1e-9:
+                values[:, joint] = smooth(values[:, joint])
+        rotations[:, joint] /= np.linalg.norm(q, axis=-1, keepdims=True)
+    return replace(motion, rotations=rotations, translations=translations)
+
+
+def smooth_curve(values: np.ndarray, rate: float) -> np.ndarray:
+    """A curve (F, C) at `rate` frames a second, filtered with the cut-off that the module's
+    equation chooses."""
+    cut_offs = CUT_OFFS_HERTZ[CUT_OFFS_HERTZ < HIGHEST_SHARE * rate]
+    if len(values) < LEAST_FRAMES or len(cut_offs) < 2:
+        return values
+    best, least, noise = values, np.inf, 0.0
+    # From the highest cut-off down, beginning with the one whose residual is the noise.
+    first = min(int(np.searchsorted(cut_offs, NOISE_HERTZ)), len(cut_offs) - 1)
+    for cut_off in cut_offs[[first, *range(len(cut_offs))]]:
+        filtered, gain = butterworth(values, cut_off, rate), gain_of(RESPONSE, cut_off / rate)
+        residual = float(np.mean((filtered - values) ** 2))
+        if noise == 0:  # the residual by the share of white noise that the filter removes
+            noise = residual / float(np.mean((1 - gain) ** 2))
+        risk = residual + 2 * COLOURED * noise * float(np.mean(gain))
+        if risk < least:
+            best, least = filtered, risk
+    return best
+
+
+def butterworth(values: np.ndarray, cut_off: float, rate: float) -> np.ndarray:
+    """A curve (F, C) after a Butterworth filter of second order, forwards and backwards.
+
+    The curve is extended by its own reflection about its first and its last point. The cut-off
+    (Hz) is at most `HIGHEST_SHARE` of the rate.
+    """
+    cut_off = min(cut_off, HIGHEST_SHARE * rate)
+    first, last = 2 * values[:1] - values[:0:-1], 2 * values[-1:] - values[-2::-1]
+    extended = np.concatenate([first, values, last])
+    gain = gain_of(np.fft.rfftfreq(len(extended)), cut_off / rate)
+    filtered = np.fft.irfft(gain[:, None] * np.fft.rfft(extended, axis=0), len(extended), axis=0)
+    return filtered[len(first) : len(first) + len(values)]
+
+
+def gain_of(frequency: np.ndarray, cut_off: float) -> np.ndarray:
+    """The squared gain of a Butterworth filter of second order, by the bilinear transform:
+    1 / (1 + (tan πf / tan πc)⁴), f and c in cycles a frame."""
+    return 1 / (1 + (np.tan(np.pi * frequency) / np.tan(np.pi * cut_off)) ** 4)
+
+
+def strongly_filtered(values: np.ndarray, rate: float) -> np.ndarray:
+    """A curve (F, C) after a median and a Butterworth filter."""
+    calm = median_of(values, round(STRONG_SECONDS * rate / 2))
+    return butterworth(calm, STRONG_HERTZ, rate)
+
+
+def median_of(values: np.ndarray, around: int) -> np.ndarray:
+    """The median of each frame of (F, …) and as many frames before and after it."""
+    padded = np.pad(values, ((around, around), *[(0, 0)] * (values.ndim - 1)), mode="edge")
+    return np.median(sliding_window_view(padded, 2 * around + 1, axis=0), axis=-1)
