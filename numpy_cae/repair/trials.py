@@ -129,15 +129,15 @@ def chosen_for(
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
     prior = _priors_of(pattern, rate)
-    candidates = (on_one(clip, hidden, curve) for curve in CURVES.values())
-    by_curve = _weights_of("curves", prior, errors_in(clip, trials, candidates))
+    on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
+    by_curve = _weights_of("curves", prior, errors_in(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
 
     def curve_at(joint: int, frame: int) -> Curve:
         return curves.get(trials.kinds[frame, joint], eased)
 
-    candidates = on_strengths(manifold, clip, hidden, curve_at)
-    by_strength = _weights_of("strengths", prior, errors_in(clip, trials, candidates))
+    corrections = on_strengths(manifold, clip, hidden, curve_at)
+    by_strength = _weights_of("strengths", prior, errors_in(clip, trials, corrections))
     return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in prior}
 
 
