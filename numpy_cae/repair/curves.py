@@ -102,23 +102,24 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
     """The curves of a motion that change: rotations of joints that move others, or are among the
     twenty, then translations of all."""
     skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
-    names, root = joint_names(skeleton), skeleton.path(find_joints(skeleton)[0])
+    rig, names = rig_of(motion), joint_names(motion)
+    root = skeleton.path(rig.joints[0])
     for values in (motion.rotations, motion.translations):
         # One pass over all joints: a pass for each would read an hour from memory sixty times.
         high, low = values.max(axis=0, initial=-np.inf), values.min(axis=0, initial=np.inf)
         change = np.maximum(high - values[:1], values[:1] - low).max(axis=(0, 2), initial=0.0)
-        for joint, name in enumerate(names[: len(names) - skeleton.added]):
+        for joint, name in enumerate(names):
             # The last bone of a finger moves no joint.
             counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
-            if counts and change[joint] > STILL_METRES:
+            if counts and change[joint] > STILL_METRES and joint not in rig.added:
                 lever = levers[joint] if values.shape[2] == 4 else 1.0
                 yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
 
 
-def joint_names(skeleton: Skeleton) -> list[str]:
+def joint_names(motion: Motion) -> list[str]:
     """Our name of each joint of a rig that is one of the twenty, else the rig's."""
-    names = list(skeleton.names)
-    for name, joint in zip(JOINTS, find_joints(skeleton), strict=True):
+    names = list(motion.skeleton.names)
+    for name, joint in zip(JOINTS, rig_of(motion).joints, strict=True):
         names[joint] = name
     return names
 

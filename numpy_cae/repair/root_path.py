@@ -10,8 +10,8 @@ toe at one height.
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion

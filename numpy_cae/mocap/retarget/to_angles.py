@@ -15,7 +15,6 @@ from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import quaternions
 from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, AngleTable
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
-from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 
 
