@@ -94,8 +94,7 @@ def test_damage_is_found_and_mended_without_a_model(walk, kind):
         assert frames.start - 2 <= finding.frames[0] <= finding.frames[1] <= last + 1
         assert 0.5 <= finding.confidence <= 1
         assert finding.cm > 0
-    every = slice(None)
-    assert error(repaired.motion, walk, frames, every) < share * error(damaged, walk, frames, every)
+    assert error(repaired.motion, walk, frames, ALL) < share * error(damaged, walk, frames, ALL)
     assert_other_frames_are_kept(repaired, damaged)
 
 
