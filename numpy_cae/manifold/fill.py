@@ -1,48 +1,26 @@
 """Filling in missing joints and poses (holden2015, section 7, "Filling in Missing Data").
 
-The paper projects a motion whose missing values are zero. Here it is known which values are
-missing, so the motion starts as an interpolation of the others. The motion is projected, Φ†(Φ(X)),
-and the difference from the motion on both sides of a hole is interpolated over the hole, so that
-there is no jump:
-
-    X_0 = interpolation of X,    X_{n+1} = P(X_n) + interpolation of (X - P(X_n)),
-
-with the projection P averaged over all shifts of the pooling grid. Only missing values are taken
-from it; all other values are unchanged. Arrays are at thirty frames a second, (F, …).
-
-Where X_0 comes from:
-
-- `fill_motion` and `repair` have a motion in a rig. X_0 is the motion whose unknown rotations are
-  on curves (`on_curves`), and `corrected` returns X_0 + s (X_N - X_0) for each joint and hole.
-  `repair.trials` chooses the curves and s in the known frames of the same motion. The differences
-  X - P(X_n) are interpolated by a curve with the speed of the motion at both ends of the hole.
-- `fill` has only features, without a rig. X_0 is a spline (PCHIP) through positions in the body's
-  frame, and in holes of a few frames the result is a mean of X_N and X_0.
+`fill` has only features, without a rig, and is `MotionManifold.complete` for joints. `fill_motion`
+and `repair` have a motion in a rig: X_0 is the motion whose unknown rotations are on curves
+(`on_curves`), and `corrected` returns X_0 + s (X_N - X_0) for each joint and hole, by the same
+iteration (`manifold.complete`). `repair.trials` chooses the curves and s in the known frames of the
+same motion. There the interpolation I is a curve with the speed of the motion at both ends of the
+hole. Arrays are at thirty frames a second, (F, …).
 """
-
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
+from numpy_cae.manifold.complete import completed
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import POSITIONS, local_positions
 from numpy_cae.motion.hole_curves import over_holes
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.key_curves import pchip
-from numpy_cae.motion.masks import run_lengths, runs_with
+from numpy_cae.motion.masks import runs_with
 from numpy_cae.motion.motion import RATE
 
-REPEATS = 3
-"""REPEATS: leg joints are projected this many times, all others once; by `fill` only in holes of at
-least LONG frames. Chosen on sources left out of training (docs/lab_book/filling.md)."""
-REPEATS_ON_CURVES = 5
-"""REPEATS_ON_CURVES: the same for `corrected`, in holes of any length in the legs."""
-LONG = 30
-"""LONG: the frames of a long hole; see REPEATS."""
-SHORT = 16
-"""SHORT: in `fill`, the spline, which is better in short holes, has a weight that falls from 0.8 to
-0 as the hole grows to this many frames. Chosen like REPEATS."""
+AGAIN = 4
+"""AGAIN: after a first projection of all joints, legs are projected this many times by
+`corrected`. Chosen on sources left out of training (docs/lab_book/filling.md)."""
 _ARMS = range(JOINTS.index("left_collar"), JOINTS.index("left_hip"))
 _LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 _ENDS = [joint for joint in range(len(JOINTS)) if joint not in PARENTS]
@@ -87,14 +65,9 @@ def fill(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) ->
     0.05
     """
     missing = checked_mask(missing, len(features))
-    lengths = run_lengths(missing)
-    again = missing & (lengths >= LONG) & np.isin(np.arange(len(JOINTS)), _LEGS)
-    masks = [missing, *[again] * (REPEATS - 1 if again.any() else 0)]
-    share = np.minimum(1.0, 0.2 + 0.8 * lengths / SHORT)
-    started = _with_mean_pose(manifold, features, missing)
-    points = local_positions(started)  # a view
-    points[...] = spline(points, missing)
-    return _projected(manifold, started, masks, spline, share)
+    known = np.ones(features.shape, dtype=bool)
+    known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
+    return manifold.complete(features, known)
 
 
 def corrected(
@@ -117,44 +90,28 @@ def corrected(
     (F, 63) array of float64
         Only the missing joints differ from `features`.
     """
-    started = _with_mean_pose(manifold, features, missing)
-    again = kinds_of_holes(missing) == b"leg"
-    masks = [missing, *[again] * (REPEATS_ON_CURVES - 1 if again.any() else 0)]
-    share = np.where(missing.all(axis=0), 1.0, strength) * missing
-    return _projected(manifold, started, masks, partial(over_holes, rate=RATE), share)
-
-
-def _with_mean_pose(
-    manifold: MotionManifold, features: np.ndarray, missing: np.ndarray
-) -> np.ndarray:
-    """A copy (F, 63) with joints that are missing in all frames where they are in the mean pose."""
     features = np.array(features, dtype=np.float64)
-    always = np.repeat(missing.all(axis=0), 3)
-    features[:, POSITIONS][:, always] = manifold.mean_pose[POSITIONS][always]
+    always = np.asarray(missing.all(axis=0))
+    points = local_positions(features)  # a view
+    points[:, always] = manifold.mean_pose[POSITIONS].reshape(-1, 3)[always]
+    share = np.where(always, 1.0, strength) * missing
+    if not share.any():
+        return features
+
+    def project(points: np.ndarray) -> np.ndarray:
+        moved = features.copy()
+        local_positions(moved)[...] = points
+        return local_positions(manifold.project(moved, average_shifts=True))
+
+    def interpolate(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+        return over_holes(values, ~known[..., 0], RATE)
+
+    legs = np.repeat((kinds_of_holes(missing) == b"leg")[..., None], 3, axis=-1)
+    known = ~np.repeat(missing[..., None], 3, axis=-1)
+    once = completed(points, known, points, project, interpolate, projections=1)
+    found = completed(once, ~legs, once, project, interpolate, AGAIN)
+    points += share[..., None] * (found - points)
     return features
-
-
-def _projected(
-    manifold: MotionManifold,
-    start: np.ndarray,
-    masks: list[np.ndarray],
-    interpolate: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    share: np.ndarray,
-) -> np.ndarray:
-    """X_0 + share · (X_N - X_0) by the module's equation, of X_0 (F, 63) and shares (F, 20).
-
-    In iteration n the joints of the n-th mask (F, 20) are changed; the first are all that are
-    missing.
-    """
-    filled = start.copy()
-    points, initial = map(local_positions, (filled, start))
-    missing, always = masks[0], np.asarray(masks[0].all(axis=0))[:, None]
-    for unknown in masks if share.any() else []:
-        projected = local_positions(manifold.project(filled, average_shifts=True))
-        error = interpolate(np.where(always, 0.0, points - projected), missing)
-        points[unknown] = (projected + error)[unknown]
-    points[missing] = (initial + share[..., None] * (points - initial))[missing]
-    return filled
 
 
 def kinds_of_holes(missing: np.ndarray) -> np.ndarray:
@@ -170,16 +127,6 @@ def kinds_of_holes(missing: np.ndarray) -> np.ndarray:
     kinds[:, _ENDS] = np.where(with_parent, kinds, b"end")[:, _ENDS]
     with_hips = runs_with(missing, np.repeat(missing[:, :1], len(JOINTS), axis=1))
     return np.where(missing, np.where(with_hips, b"pose", kinds), b"")
-
-
-def spline(values: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """Values (F, N, …) interpolated over the frames and columns of a mask (F, N).
-
-    The curve is a monotone cubic (PCHIP), which does not overshoot. Before the first and after the
-    last frame that is not missing, the value of that frame is repeated. A column that is missing in
-    all frames is left unchanged.
-    """
-    return over_holes(values, missing, RATE, lambda *_: pchip)
 
 
 def keyframe_mask(frames: int, every: int) -> np.ndarray:

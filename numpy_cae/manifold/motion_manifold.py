@@ -12,6 +12,7 @@ import numpy as np
 
 from numpy_cae.array_file import save_arrays
 from numpy_cae.fast import accelerate
+from numpy_cae.manifold.complete import completed, interpolated
 from numpy_cae.manifold.mixture import Project, mixture
 from numpy_cae.manifold.model_arrays import (
     MAX_FRAMES,
@@ -175,6 +176,64 @@ class MotionManifold:
         """
         project = partial(self._project_clip, average_shifts=average_shifts)
         return self.denormalise(self._repaired(self.normalise(features)[None], project)[0])
+
+    def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
+        """A clip of which some values are missing, completed (`manifold.complete`).
+
+            X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
+
+        P is the projection averaged over all shifts of the pooling grid and I the linear
+        interpolation over time; N = 3.
+
+        Parameters
+        ----------
+        features : (F, 63) array of float
+            On the mean skeleton. What is unknown is ignored.
+        known : (F, 63) array of bool, optional
+            By default every value that is not exactly that of the mean pose: holden2015 sets lost
+            values to zero, which is the mean pose, and a measured value is hardly ever equal to it.
+
+        Returns
+        -------
+        (F, 63) array of float64
+            Known values as they are given. A feature without a known value starts as that of the
+            mean pose, and is what the network makes of the others.
+
+        Raises
+        ------
+        ValueError
+            If `known` has another shape.
+
+        Examples
+        --------
+        Half of the values of a walk are lost. The mean error of a position, in centimetres:
+
+        >>> from data_synth import make_take
+        >>> from numpy_cae.manifold import starter
+        >>> from numpy_cae.mocap import body_of
+        >>> from numpy_cae.motion import POSITIONS
+        >>> manifold = starter()
+        >>> walk = body_of(make_take("walk", 0, seconds=4.0, rate=30.0).motion)
+        >>> features, _ = manifold.features(walk)
+        >>> known = np.random.default_rng(0).random(features.shape) < 0.5
+        >>> off = manifold.complete(features, known) - features
+        >>> print((100 * np.abs(off[:, POSITIONS]).mean()).round(1))
+        0.1
+        """
+        if known is None:
+            # The hips' place in the body's frame is always zero, and so is its mean.
+            known = (features != self.mean_pose) | (self.mean_pose == 0)
+        known = np.asarray(known, dtype=bool)
+        if known.shape != np.shape(features):
+            raise ValueError(f"known has shape {known.shape}, expected {np.shape(features)}")
+        x = self.normalise(np.where(known, features, self.mean_pose))[None].astype(np.float64)
+
+        def project(x: np.ndarray) -> np.ndarray:
+            x = x.astype(self.network.layers[0].w.dtype)
+            return self._project_clip(self._rescaled(x), average_shifts=True).astype(np.float64)
+
+        found = completed(x, known[None], interpolated(x, known[None]), project, interpolated)[0]
+        return np.where(known, features, self.denormalise(found))
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""

@@ -40,6 +40,41 @@ def test_known_values_are_unchanged_and_missing_ones_are_ignored(
     np.testing.assert_array_equal(filled[:, 60:], clip[:, 60:])
 
 
+def plainly_completed(manifold, features, known):
+    """The equation of `manifold.complete`, column by column."""
+
+    def curve(values):
+        filled, frame = np.zeros_like(values), np.arange(len(values))
+        for column in np.flatnonzero(known.any(axis=0)):
+            there = known[:, column]
+            filled[:, column] = np.interp(frame, frame[there], values[there, column])
+        return filled
+
+    x = (features - manifold.mean_pose) * manifold.scale
+    guess = curve(x)
+    for _ in range(3):
+        whole = np.where(known, x, guess) / manifold.scale + manifold.mean_pose
+        projected = manifold.project(whole, average_shifts=True)
+        projected = (projected - manifold.mean_pose) * manifold.scale
+        guess = projected + curve(x - projected)
+    return np.where(known, features, guess / manifold.scale + manifold.mean_pose)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.995])
+def test_completion_is_its_equation(walk_manifold, walk_features, share):
+    known = np.random.default_rng(0).random(walk_features.shape) >= share
+    known[:, 5] = False
+    known[:, [0, 2]] = True  # always zero
+    expected = plainly_completed(walk_manifold, walk_features, known)
+    completed = walk_manifold.complete(np.where(known, walk_features, np.nan), known)
+    np.testing.assert_allclose(completed, expected, atol=1e-6)
+    np.testing.assert_array_equal(completed[known], walk_features[known])
+    lost = np.where(known, walk_features, walk_manifold.mean_pose)
+    np.testing.assert_array_equal(walk_manifold.complete(lost), completed)
+    with pytest.raises(ValueError, match=r"known has shape \(3, 63\), expected \(72, 63\)"):
+        walk_manifold.complete(walk_features, known[:3])
+
+
 def test_invalid_arguments_are_refused(walk_manifold):
     with pytest.raises(ValueError, match=r"missing has shape \(3, 20\), expected \(60, 20\)"):
         fill_motion(walk(1), walk_manifold, np.zeros((3, 20), bool))
