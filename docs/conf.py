@@ -24,15 +24,14 @@ import numpy_cae
 from numpy_cae import cli
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))
-from docstring_examples import example_modules, failures  # noqa: E402
-from equations import as_tex, is_equation  # noqa: E402
-from example_repair import write_example  # noqa: E402
-from lesson_pages import write_lessons  # noqa: E402
+sys.path.append(str(HERE.parent))
+from tools.docstring_examples import example_modules, failures  # noqa: E402
+from tools.equations import as_tex, is_equation  # noqa: E402
+from tools.example_repair import write_example  # noqa: E402
+from tools.lesson_pages import write_lessons  # noqa: E402
 
 PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
-            "evaluation", "viz", "beyond", "course", "experiments", "bench",
-            "download")  # fmt: skip
+            "evaluation", "viz", "course", "download")  # fmt: skip
 
 project = "numpy_cae"
 author = "the numpy_cae authors"

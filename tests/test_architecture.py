@@ -16,7 +16,6 @@ PACKAGE = ROOT / "numpy_cae"
 LAYERS = [
     *({"ops"}, {"models"}, {"training"}, {"motion"}, {"fast", "verify"}, {"manifold"}),
     *({"viz", "mocap"}, {"repair"}, {"evaluation"}, {"course", "download"}),
-    *({"beyond"}, {"bench"}, {"experiments"}),  # leave the package
     {"public", "notebook", "pytest_plugin"},
     *({"cli"}, {"__main__"}, {"__init__"}),
 ]
@@ -63,7 +62,7 @@ def test_imports_point_to_earlier_layers(part):
             own = name.split(".")[1:2] == [part] or name == "numpy_cae.__version__"
             if name.startswith("numpy_cae") and not own and layer_of(name) >= layer_of(module):
                 wrong.add((module, name))
-            if name.startswith("data_synth") and part not in ("cli", "experiments"):
+            if name.startswith("data_synth") and part != "cli":
                 wrong.add((module, name))
     assert not wrong
 

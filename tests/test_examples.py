@@ -3,13 +3,10 @@
 import importlib
 import inspect
 import re
-import sys
-from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[1] / "docs"))
-from docstring_examples import PACKAGES, example_modules, failures
+from tools.docstring_examples import PACKAGES, example_modules, failures
 
 
 def public_names():

@@ -1,15 +1,14 @@
 """The pages that docs/conf.py makes: equations of docstrings, lessons as articles, their index."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
 
+from tools.equations import as_tex, is_equation
+from tools.lesson_pages import alternative_text, write_lessons
+
 ROOT = Path(__file__).parents[1]
-sys.path.append(str(ROOT / "docs"))
-from equations import as_tex, is_equation  # noqa: E402
-from lesson_pages import alternative_text, write_lessons  # noqa: E402
 
 
 @pytest.fixture(scope="module")

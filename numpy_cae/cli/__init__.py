@@ -34,8 +34,7 @@ def _first_sentence(name: str) -> str:
 SUBCOMMANDS = {
     name: _first_sentence(name)
     for name in (
-        "demo download train repair fill interpolate compare sample rig show report study lessons "
-        "verify bench"
+        "demo download train repair fill interpolate compare sample rig show lessons verify"
     ).split()
 }
 """Each subcommand, which is the module of that name, with its help in one sentence."""

@@ -4,8 +4,8 @@ Each hole, a run of frames in which joints are missing, is imitated in the known
 motion, where the truth is known: the same joints are hidden in as many frames, and every candidate
 k fills them in. With e_ik the mean error of candidate k in trial i of I, for the joints of one kind
 (`fill.kinds_of_holes`), and r_k the mean of log e_k in holes of that kind and length of other
-sources (`fill_strengths.json`, which
-docs/choose_fill_strengths.py makes), the candidates' mean is
+sources (`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the candidates' mean
+is
 
     X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + PRIOR r_k) / (I + PRIOR)
 

@@ -1,6 +1,4 @@
-"""`numpy-cae train --model sequential` and `numpy-cae study`."""
-
-import re
+"""`numpy-cae train --model sequential`."""
 
 import numpy as np
 
@@ -28,19 +26,3 @@ def test_it_trains_on_exponential_map_text(tmp_path, run):
         np.savetxt(tmp_path / f"walking_{number}.txt", rows, delimiter=",")
     run("train", tmp_path, "-o", tmp_path / "seq.npz", *TINY)
     assert load_manifold(tmp_path / "seq.npz").settings["motions"] == 2
-
-
-def test_a_study_writes_its_claims_pictures_and_models(walks, tmp_path, capsys, monkeypatch, run):
-    sizes = {"sequential.PCA_CLIPS": 200, "samples.SAMPLES": 20}
-    for name, fewer in {**sizes, "sequential.REPEATS": 1}.items():
-        monkeypatch.setattr(f"numpy_cae.experiments.sequences.{name}", fewer)
-    out = tmp_path / "study"
-    options = ["--test", "*_2.bvh", *NETWORK[:-1], "--frames", 20]
-    run("study", "--data", walks, "-o", out, *options)
-    said, page = ((out / f"study.{kind}").read_text(encoding="utf-8") for kind in ("txt", "html"))
-    assert page.count("confirmed</span>") > said.count("confirmed:")  # and in the summary
-    printed = capsys.readouterr()
-    assert printed.out == said and "walking, λ = 0: sequences, epoch 1/1" in printed.err
-    assert len(re.findall("^(not )?confirmed: .* Measured: ", said, re.MULTILINE)) > 3
-    written = {path.name for path in out.iterdir()}
-    assert {"figure_2.png", "walking_fitted.png", "walking_fitted.html", "walking.npz"} <= written

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -17,15 +16,14 @@ from numpy_cae.course.notebook import find_lessons, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from tools.execute_lessons import execute, mine_before, source_hash
+from tools.gallery import MADE_OF, picture_of, picture_path
+from tools.gift import QUIZ, as_gift
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
 SLIDERS = {"01", "03", "05", "08", "09", "10", "11", "12"}
 DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
-sys.path.append(str(FOLDER.parent / "docs"))
-from make_gallery import MADE_OF, picture_of, picture_path  # noqa: E402
-from make_gift import QUIZ, as_gift  # noqa: E402
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 
@@ -76,7 +74,7 @@ def test_its_picture_in_the_gallery_is_of_its_outputs(path):
     picture, number = picture_path(path), path.name[:2]
     shown = hashlib.sha256(picture_of(read_notebook(path))).hexdigest()
     with Image.open(picture) as stored:
-        assert stored.info[MADE_OF] == shown, f"run: python docs/make_gallery.py {number}"
+        assert stored.info[MADE_OF] == shown, f"run: python -m tools.gallery {number}"
     assert picture.stat().st_size < LARGEST_PICTURE
     listed = f'<a href="{path.name}"><img src="pictures/{number}.png"'
     assert listed in FOLDER.joinpath("README.md").read_text(encoding="utf-8")

@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from data_synth import make_take
 from numpy_cae import evaluation, mocap, motion
-from numpy_cae.evaluation.retrieval import average_precision
 from numpy_cae.evaluation.samples import clip_distances
 from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.motion import JOINTS
+from studies.shared.retrieval import average_precision
+from studies.shared.validity import Validity, ValidityMeasure
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
@@ -85,22 +86,20 @@ def test_the_nearest_pose_equals_an_exhaustive_search(walk):
     queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
     apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
     expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
-    measure = evaluation.ValidityMeasure([features], LENGTHS, 30.0)
+    measure = ValidityMeasure([features], LENGTHS, 30.0)
     np.testing.assert_allclose(measure.nearest_distances(queries), expected)
 
 
 def test_validity_is_all_measures(walk):
     features, _ = motion.positions_to_features(walk, 30.0)
-    measure = evaluation.ValidityMeasure([features], motion.bone_lengths(walk), 30.0)
+    measure = ValidityMeasure([features], motion.bone_lengths(walk), 30.0)
     real = measure.of(features)
     noisy = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
     assert real.nearest_pose == 0
     for name in ("bone_length", "foot_sliding", "jitter", "nearest_pose"):
         assert getattr(noisy, name) > getattr(real, name)
-    assert evaluation.Validity.mean([real, noisy]).jitter == pytest.approx(
-        (real.jitter + noisy.jitter) / 2
-    )
-    text = evaluation.Validity(1, 2, 3, 1).against(evaluation.Validity(1, 2, 4, 1))
+    assert Validity.mean([real, noisy]).jitter == pytest.approx((real.jitter + noisy.jitter) / 2)
+    text = Validity(1, 2, 3, 1).against(Validity(1, 2, 4, 1))
     assert "jitter, m/s² 3.00 against 4.00" in text
 
 

@@ -1,12 +1,11 @@
-import runpy
 from copy import deepcopy
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from numpy_cae import ops
 from numpy_cae.verify import check_adjoint, check_gradients
+from studies.gradients.cases import RIGHT, WRONG
 
 
 def judged(f, *inputs, **options):
@@ -76,13 +75,11 @@ def test_rejects_an_altered_argument(altered):
     assert f"{altered} was altered" in judged(doubled, np.ones(2))
 
 
-@pytest.mark.parametrize(("kind", "count"), [("RIGHT", 22), ("WRONG", 30)])
+@pytest.mark.parametrize(("kind", "count"), [(RIGHT, 22), (WRONG, 30)], ids=["right", "wrong"])
 def test_the_functions_of_the_comparison_in_the_documentation_are_judged_right(kind, count):
-    script = Path(__file__).parents[2] / "docs" / "compare_gradient_checks.py"
-    cases = runpy.run_path(str(script))[kind]
-    found = {name: judged(f, *deepcopy(inputs)) for name, (f, *inputs) in cases.items()}
+    found = {name: judged(f, *deepcopy(inputs)) for name, (f, *inputs) in kind.items()}
     assert len(found) == count
-    assert {name for name, problem in found.items() if bool(problem) != (kind == "WRONG")} == set()
+    assert {name for name, problem in found.items() if bool(problem) != (kind is WRONG)} == set()
 
 
 def test_small_entries_of_a_large_array_are_checked_too():

@@ -1,16 +1,13 @@
-"""The wrong gradients of tests/verify/historical are found; docs/historical_gradients.py tries all
-of their fixed versions, this file every fourth."""
-
-import runpy
-from pathlib import Path
+"""The wrong gradients of studies/gradients/historical are found; `python -m studies
+gradient_checks` tries all of their fixed versions, this file every fourth."""
 
 import pytest
 
 from numpy_cae import verify
 from numpy_cae.verify.operations.trial import failing_case
+from studies.gradients.bugs import bugs
 
-SCRIPT = Path(__file__).parents[2] / "docs" / "historical_gradients.py"
-BUGS = runpy.run_path(str(SCRIPT))["bugs"]()
+BUGS = bugs()
 
 
 def properties(bug):

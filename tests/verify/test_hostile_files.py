@@ -12,9 +12,15 @@ from numpy_cae.course.solutions.lesson_03 import unfold
 from numpy_cae.verify.grading import student_file as grading
 from numpy_cae.verify.grading.sandbox.child import SEVERAL_THREADS, do_apart
 from numpy_cae.verify.grading.submission import read_submission
+from studies.marks.hostile import (
+    CHEAT,
+    FILLS,
+    IMPORTS,
+    REPLACES_MODULES,
+    REPLACES_TESTS,
+    WAITS,
+)
 
-IMPORTS = "import atexit, builtins, ctypes, json, os, socket, subprocess, sys, threading, time\n"
-IMPORTS += "import warnings\nimport numpy as np\n"
 TANH = """
 def tanh(x):
     y = np.tanh(x)
@@ -25,15 +31,6 @@ RIGHT = IMPORTS + TANH.format("")
 WRONG = RIGHT.replace("1 - y * y", "1 - x * x")
 TO_ALL = "[os.write(i, {!r}) for i in range(3, 60) if os.path.exists(f'/proc/self/fd/{{i}}')]"
 EVIL = "type('Evil', (Exception,), {'__str__': lambda self: 1 / 0})()"
-CHEAT = """
-class Cheat(np.ndarray):
-    __sub__ = __rsub__ = lambda self, other: np.zeros(self.shape)
-    __abs__ = __eq__ = __sub__
-right = tanh
-def tanh(x):
-    y, pullback = right(x)
-    return y.view(Cheat), lambda dy: pullback(dy).view(Cheat)
-"""
 GRANDCHILD = """
 pid = ctypes.CDLL(None).fork()
 if pid == 0:
@@ -41,7 +38,6 @@ if pid == 0:
     time.sleep(100)
 open('pid', 'w').write(str(pid))
 """
-FILLS = "[open(str(n), 'wb').write(bytes(2**23)) for n in range(16)]; time.sleep(60)"
 
 
 @pytest.mark.parametrize(
@@ -78,20 +74,6 @@ def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
 
 
 WRITES = "print('x' * 10**5, chr(0xd800), file=sys.stderr); os.write(1, b'x' * 10**5)"
-REPLACES_MODULES = """
-warnings.simplefilter('error'); np.seterr(all='raise')
-np.abs = np.sum = np.asarray = np.random = np.linalg = None
-builtins.len = builtins.isinstance = builtins.AssertionError = None
-json.dumps = json.dump = os.write = os._exit = time.monotonic = None
-sys.stdout = sys.stderr = sys.excepthook = None
-"""
-WAITS = """
-atexit.register(time.sleep, 100)
-try:
-    threading.Thread(target=time.sleep, args=(100,)).start()
-except RuntimeError:
-    pass
-"""
 
 
 @pytest.mark.parametrize(
@@ -108,13 +90,6 @@ except RuntimeError:
 def test_what_harms_nobody_costs_no_points(graded, content):
     file = graded(content)
     assert file.held and (file.points, file.possible) == (10, 10), str(file)
-
-
-REPLACES_TESTS = """
-np.testing.assert_allclose = np.allclose = np.array_equal = lambda *a, **k: True
-builtins.all = builtins.AssertionError = builtins.max = lambda *a: True
-json.dumps = lambda *a, **k: '{"properties": []}'
-"""
 
 
 @pytest.mark.parametrize("attempt", [REPLACES_TESTS, CHEAT], ids=["functions", "results"])

@@ -18,18 +18,16 @@ from typing import Any
 
 from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import note, require_place
-from numpy_cae.cli.shared.takes import minutes_of, read_takes
-from numpy_cae.experiments.material import unlabelled
-from numpy_cae.experiments.result import Result
+from numpy_cae.cli.shared.takes import each_usable, minutes_of, read_takes
 from numpy_cae.manifold import learn_manifold, learn_sequences
 from numpy_cae.mocap import find_motion_files
-from numpy_cae.mocap.load import is_test
-from numpy_cae.motion.angles import ANGLE_RATE
+from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
 from numpy_cae.training import Checkpoint, ProgressPrinter
 
 MEASURES = {
-    "convolutional": "numpy_cae.experiments.repair.half_removed",
-    "sequential": "numpy_cae.experiments.sequences.sequential",
+    "convolutional": "numpy_cae.evaluation.half_removed",
+    "sequential": "numpy_cae.evaluation.reconstruction",
 }
 """The module that measures a model on test takes."""
 
@@ -81,21 +79,21 @@ def run(args: argparse.Namespace) -> int:
         checkpoint.remove()
     text = f"{args.output}: learned from {source}"
     try:
-        text += f"\n\n{measure().text()}" if args.test else "; no error is measured without --test"
+        text += f"\n\n{measure()}" if args.test else "; no error is measured without --test"
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
     print(text)
     return 0
 
 
-Learned = tuple[Any, str, Callable[[], Result]]
+Learned = tuple[Any, str, Callable[[], str]]
 """A trained manifold, what it was learned from in words, and a function that measures its errors on
-the test takes."""
+the test takes and returns them as text."""
 
 
 def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the convolutional model from every file in the folders."""
-    from numpy_cae.experiments.repair import half_removed
+    from numpy_cae.evaluation.half_removed import NOTE, half_removed
 
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
@@ -108,29 +106,31 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
         | {"test": sum(is_test(path, args.test) for path in group)}
         for folder, group in files.items()
     ]
-    material = unlabelled(training, testing)
     source = f"{manifold.settings['windows']} windows"
-    return manifold, source, lambda: half_removed.run(manifold, material)
+    return manifold, source, lambda: f"{half_removed(manifold, training, testing).text()}\n\n{NOTE}"
 
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    from numpy_cae.experiments.sequences.sequential import reconstruction
-    from numpy_cae.experiments.sequences.study import Study, read_action
+    from numpy_cae.evaluation.reconstruction import reconstruction
 
-    name = args.folders[0].resolve().name
-    action = read_action(name, args.folders, args.test, *arguments.reading(args))
-    if args.test and not action.testing:
+    halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
+    reading = arguments.reading(args)
+    for path, angles in each_usable(args.folders, lambda path: load_angles(path, *reading)):
+        halves[is_test(path, args.test)].append(angles)
+    training, testing = halves
+    if args.test and not testing:
         raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
-    if not action.training:
+    if not training:
         raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
-    count, minutes = len(action.training), minutes_of(action.training, ANGLE_RATE)
-    note(f"{count} motions to train on ({minutes}), {len(action.testing)} to test")
+    minutes = minutes_of(training, ANGLE_RATE)
+    note(f"{len(training)} motions to train on ({minutes}), {len(testing)} to test")
     schedule = train_options.sequence_schedule_of(args, args.recipe)
     settings |= train_options.given(args, "hidden", "latent", "frames")
-    study = Study(action, learn_sequences(action.training, schedule, **settings))
-    source = f"clips of {study.manifold.frames} frames of {count} motions"
-    return study.manifold, source, lambda: reconstruction([study])
+    manifold = learn_sequences(training, schedule, **settings)
+    source = f"clips of {manifold.frames} frames of {len(training)} motions"
+    name = args.folders[0].resolve().name
+    return manifold, source, lambda: reconstruction(name, manifold, *halves).text()
 
 
 @contextmanager

@@ -1,17 +1,20 @@
 """Takes to train and to test on, from motion files."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.mocap import Coordinates
+from numpy_cae.mocap import Coordinates, MotionFileError, UnknownRigError, find_motion_files
 from numpy_cae.mocap.bodies import ReadResult, read_bodies
 from numpy_cae.mocap.load import is_test
 from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.mocap.units import unit_name
+
+Take = TypeVar("Take")
 
 
 def read_takes(
@@ -80,3 +83,19 @@ def usable_bodies(
             note(f"left out: {body.problem}")
     if left_out == len(paths):
         raise ValueError(f"none of {left_out} files can be used, see above")
+
+
+def each_usable(
+    folders: Sequence[str | Path], read: Callable[[Path], Take]
+) -> Iterator[tuple[Path, Take]]:
+    """Yield the path of every motion file below the folders and what `read` makes of the file.
+
+    A file that cannot be used is reported and left out.
+    """
+    for path in (path for folder in folders for path in find_motion_files(folder)):
+        try:
+            take = read(path)
+        except (MotionFileError, UnknownRigError) as problem:
+            note(f"left out: {problem}")
+        else:
+            yield path, take

@@ -1,4 +1,4 @@
-"""The options of `train` and `study` that change a recipe or a network.
+"""The options of `train`, and of a study, that change a recipe or a network.
 
 The Python functions `learn_manifold` and `learn_sequences` take every other setting of a training.
 """

@@ -1,1 +1,0 @@
-"""Public protocols with published results."""

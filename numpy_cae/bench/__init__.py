@@ -1,1 +1,0 @@
-"""The speed of training and projection, compared with PyTorch and with the paper's minutes."""

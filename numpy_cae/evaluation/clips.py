@@ -1,0 +1,58 @@
+"""Normalised windows of takes, and the errors of repaired windows against them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from numpy_cae.evaluation.errors import position_error
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE
+from numpy_cae.motion.windows import cut_windows
+
+
+@dataclass(frozen=True)
+class Clips:
+    """The true windows with which repaired windows are compared."""
+
+    manifold: MotionManifold  # gives the mean skeleton and the scale
+    x: np.ndarray  # X: normalised windows (N, T, 63); zero is the mean pose
+    real: np.ndarray  # (N, T) bool: frames that count, not those that pad a short take
+    take: np.ndarray  # (N,) number of the take of each window
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def error(self, x: np.ndarray, joint: str | None = None) -> float:
+        """The `position_error` of windows, cm, over all joints or one."""
+        squares, frames = [], []
+        for first in range(0, len(x), WINDOWS_AT_ONCE):
+            part = slice(first, first + WINDOWS_AT_ONCE)
+            gap = (x[part] - self.x[part]) / self.manifold.scale  # the mean pose cancels
+            frames.append(np.count_nonzero(self.real[part]))
+            if frames[-1]:
+                error = position_error(gap, np.zeros(gap.shape[-1]), self.real[part], joint)
+                squares.append(error**2 * frames[-1])
+        return float(np.sqrt(sum(squares) / sum(frames)))
+
+    def evenly(self, count: int) -> Clips:
+        """At most `count` of the windows, evenly spaced."""
+        chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
+        return replace(self, x=self.x[chosen], real=self.real[chosen], take=self.take[chosen])
+
+
+def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
+    """Cut world positions (F, 20, 3) of takes into windows of the manifold's length.
+
+    The windows overlap by half, whatever the overlap in training, so that two networks are measured
+    on the same windows. ValueError if there are no takes.
+    """
+    if not takes:
+        raise ValueError("there are no takes to cut into windows")
+    length = manifold.window
+    cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
+    numbers = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
+    x = np.concatenate([manifold.normalise(windows) for windows, _ in cut])
+    return Clips(manifold, x, np.concatenate([real for _, real in cut]), numbers)

@@ -1,0 +1,60 @@
+"""Reconstruction of held-out clips by jang2018's network, which `train` prints.
+
+The network is compared with PCA of whole clips with as many numbers as z has, the mean pose, and
+the first frame held. Errors are mean squares of standardised numbers (the mean pose has about 1)
+and jang2018's own, the Euclidean distance of a frame's 51 angles in radians.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.sparse.linalg import svds
+
+from numpy_cae.evaluation.errors import angle_distance
+from numpy_cae.evaluation.pca import PCA
+from numpy_cae.evaluation.table import Table
+from numpy_cae.manifold import SequenceManifold
+from numpy_cae.motion import cut_clips, draw_clips
+from numpy_cae.motion.angles import AngleSequence
+
+NETWORK, LINEAR, MEAN, HELD = "the network", "PCA", "the mean pose", "the first frame held"
+SQUARED, RADIANS = "mean square, standardised", "distance, rad"
+PCA_CLIPS = 2500
+"""Training clips that PCA is fitted to."""
+
+
+def reconstruction(
+    name: str,
+    manifold: SequenceManifold,
+    training: Sequence[AngleSequence],
+    testing: Sequence[AngleSequence],
+    seed: int = 0,
+) -> Table:
+    """Measure the manifold of an action on clips of test motions.
+
+    The seed chooses the clips of the training motions that PCA is fitted to.
+    """
+    rng, latent = np.random.default_rng(seed), manifold.network.latent
+    x = manifold.normalise(cut_clips(testing, frames=manifold.frames))
+    learned = manifold.normalise(draw_clips(training, PCA_CLIPS, rng, manifold.frames))
+    reconstructions = {
+        NETWORK: manifold.network.denoise(x),
+        LINEAR: _project_on_pca(learned.reshape(PCA_CLIPS, -1), x, latent, seed),
+        MEAN: np.zeros_like(x),
+        HELD: np.broadcast_to(x[:, :1], x.shape),
+    }
+    truth, rows = manifold.denormalise(x), []
+    for method, x_hat in reconstructions.items():
+        squared = float(np.mean((x_hat.astype(np.float64) - x) ** 2))
+        distance = angle_distance(manifold.denormalise(x_hat), truth)
+        rows.append([f"{name}: {method}", squared, distance])
+    return Table("", [f"{latent} numbers a clip", SQUARED, RADIANS], rows, ".3f", "low")
+
+
+def _project_on_pca(learned: np.ndarray, x: np.ndarray, size: int, seed: int) -> np.ndarray:
+    """Clips on the first `size` axes of whole clips; all axes would take minutes to compute."""
+    rows = learned.astype(np.float64)
+    mean = rows.mean(axis=0)
+    _, spread, axes = svds(rows - mean, size, random_state=seed)
+    pca = PCA(mean, axes[::-1], spread[::-1] ** 2 / len(rows))
+    return pca.project(x.astype(np.float64), size)

@@ -1,0 +1,106 @@
+"""Run studies and print their results: `python -m studies NAME ... [options]`."""
+
+import argparse
+import ast
+import json
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from importlib import import_module
+from itertools import takewhile
+from pathlib import Path
+
+from numpy_cae.cli.shared.output import note, visible_output, working, write_texts
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.viz import save_figure, save_viewer
+from studies.shared.options import Inputs, add_options
+from studies.shared.render import data, page, text
+from studies.shared.result import Result
+
+HERE = Path(__file__).parent
+NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
+"""The studies, which are the modules beside this one."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the studies that are named first, with the options that follow; without a name, list
+    them. The exit status is 2 if none could be run."""
+    words = sys.argv[1:] if argv is None else list(argv)
+    names = list(takewhile(lambda word: not word.startswith("-"), words))
+    with visible_output():
+        try:
+            return _run(names, words[len(names) :]) if names else _list()
+        except (NumpyCaeError, ValueError, OSError) as error:
+            print(f"python -m studies {' '.join(names)}: {error}", file=sys.stderr)
+            return 2
+
+
+def _list() -> int:
+    print("python -m studies NAME ... [options], of these; --help lists the options of a study:\n")
+    for name in NAMES:
+        docstring = ast.get_docstring(ast.parse((HERE / f"{name}.py").read_text("utf-8"))) or ""
+        print(f"{name:24}{' '.join(docstring.split()).split('. ')[0].rstrip('.')}.")
+    return 0
+
+
+def _run(names: list[str], words: list[str]) -> int:
+    for name in (name for name in names if name not in NAMES):
+        close = get_close_matches(name, NAMES, 1)
+        raise ValueError(f"no study {name}" + (f", did you mean {close[0]}?" if close else ""))
+    modules = {name: import_module(f"studies.{name}") for name in names}
+    parser = argparse.ArgumentParser(
+        prog=f"python -m studies {' '.join(names)}",
+        description="\n\n".join(module.__doc__ or "" for module in modules.values()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_options(parser, (module.run for module in modules.values()))
+    parser.add_argument("-o", "--output", type=Path, help="folder for a page, JSON and pictures")
+    args = parser.parse_args(words)
+    inputs, results = Inputs(args), {}
+    for name, module in modules.items():
+        result = results[name] = _measured(name, module.run, inputs, alone=len(names) == 1)
+        print(text(result), end="\n\n", flush=True)
+    if args.output:
+        _write(results, args.output)
+    return 0 if any(result.tables for result in results.values()) else 2
+
+
+def _measured(name: str, run, inputs: Inputs, alone: bool) -> Result:
+    """The result of a study with its provenance. Where a study among others cannot be run, its
+    result has no tables and its note says why."""
+    try:
+        given = inputs.of(run)
+        began, processor = time.monotonic(), time.process_time()
+        with working(name):
+            result = run(**given)
+    except (NumpyCaeError, ValueError, ArithmeticError) as error:
+        if alone:
+            raise
+        note(f"{name} could not be run: {error}")
+        return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
+    seconds = f"{time.monotonic() - began:.0f} s, {time.process_time() - processor:.0f} s of the "
+    made = result.provenance | inputs.provenance(run) | {"time": f"{seconds}processor"}
+    return replace(result, provenance=made)
+
+
+def _write(results: dict[str, Result], folder: Path) -> None:
+    """Write the results as a page and as JSON, and each figure as a file of its own."""
+    folder.mkdir(parents=True, exist_ok=True)
+    each = {name: data(result) for name, result in results.items()}
+    texts = {"report.html": page(results)}
+    texts["report.json"] = json.dumps(each, indent=1, default=lambda value: value.item())
+    write_texts(folder, texts)
+    for result in results.values():
+        for name, picture in result.figures.items():
+            save_figure(picture.draw(), folder / f"{name}.png")
+            if picture.actors:
+                save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
+    confirmed = sum(result.confirmed for result in results.values())
+    claims = sum(len(result.claims) for result in results.values())
+    print(f"{folder / 'report.html'}: {confirmed} of {claims} claims confirmed")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

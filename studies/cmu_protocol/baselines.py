@@ -1,0 +1,95 @@
+"""Simple methods of filling in hidden columns; each is a `Method` or returns one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from studies.cmu_protocol.protocol import Fill, Method
+from studies.shared.interpolate_linearly import interpolate_linearly
+
+OFFSET, MEMORY = 0.5, 10
+"""OFFSET: the variance of a take's constant error, relative to that of its varying error. MEMORY:
+the number of rows in which the correlation of the varying error falls by e."""
+
+
+def corrected(method: Method) -> Method:
+    """The method followed by `add_residual`."""
+    return lambda takes, columns: add_residual(method(takes, columns), columns)
+
+
+def add_residual(fill: Fill, columns: list[int]) -> Fill:
+    """Predict the error of a fill in the hole from its error in the rows before the hole.
+
+    The error is modelled as a Gaussian process over time. It is the sum of a constant of the take
+    (posture), a part that fades within `MEMORY` rows (so that the hole begins without a jump), and
+    noise.
+    """
+
+    def filled(take: np.ndarray, first: int) -> np.ndarray:
+        values = fill(take, first)
+        error = take[:first, columns] - values[:first]
+        rows = np.arange(len(take))
+        covariance = OFFSET + np.exp(-np.abs(rows[:, None] - rows[:first]) / MEMORY)
+        return values + covariance @ np.linalg.solve(covariance[:first] + np.eye(first), error)
+
+    return filled
+
+
+def nearest(spread: np.ndarray) -> Method:
+    """Copy the training row with the nearest visible columns, each multiplied by its `spread`."""
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        rows, visible = np.concatenate(takes), others(columns)
+        weighted = rows[:, visible] * spread[visible]
+
+        def fill(take: np.ndarray, first: int) -> np.ndarray:
+            queries = take[:, visible] * spread[visible]
+            chosen = [np.square(weighted - query).sum(axis=1).argmin() for query in queries]
+            return rows[chosen][:, columns]
+
+        return fill
+
+    return learn
+
+
+def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+    """Repeat the last known value; no later value is known to interpolate to."""
+    return lambda take, first: interpolate_linearly(take, ~np.isnan(take))[:, columns]
+
+
+def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
+    """Ridge regression on the visible columns of `taps` rows.
+
+    With a width it is kernel ridge regression, the mean of a Gaussian process, with the kernel
+    exp(-d² / (width · number of values)) of the distance d of the visible columns.
+    """
+
+    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+        seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
+        hidden = np.concatenate([take[:, columns] for take in takes])
+        mean = hidden.mean(axis=0)
+
+        def kernel(rows: np.ndarray) -> np.ndarray:
+            if width is None:
+                return rows @ seen.T
+            lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
+            return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
+
+        weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
+        return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
+
+    return learn
+
+
+def around(take: np.ndarray, taps: int) -> np.ndarray:
+    """Concatenate the `taps` rows around each row, with end rows repeated.
+
+    (F, C) to (F, taps · C).
+    """
+    padded = np.pad(take, ((taps // 2, taps // 2), (0, 0)), mode="edge")
+    return np.concatenate([padded[k : k + len(take)] for k in range(taps)], axis=1)
+
+
+def others(columns: list[int]) -> list[int]:
+    """The visible columns."""
+    return [column for column in range(59) if column not in columns]

@@ -1,0 +1,331 @@
+"""Damage of eleven kinds in the rig of the file, repaired with the mask unknown, with the mask
+given, and by simple methods; holes of several lengths; and what repair does to motions without
+damage.
+
+    python -m studies damage --data bandai --test '*_005.bvh'
+
+docs/lab_book/damage.md has the findings. Positions are those of forward kinematics in the file's
+rig, in the frames of the file. An error is the mean distance of a joint from its true position over
+the damaged joints and frames.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import butter, savgol_filter, sosfiltfilt
+
+from numpy_cae.evaluation import PCA, foot_sliding
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.models.linear_denoiser import TAPS, contexts
+from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
+from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
+from numpy_cae.repair import Preset, project_motion, repair
+from numpy_cae.repair.filters import filter_motion, strongly_filtered
+from numpy_cae.repair.holes import Holes
+from numpy_cae.repair.interpolated import missing_joints
+from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
+from studies.shared.damages import DAMAGES, stretch
+from studies.shared.material import LabelledTake, Material, evenly, features_of
+from studies.shared.result import Claim, Picture, Result, Table
+
+TAKES, HOLE_TAKES = 10, 16
+"""Of each source at most so many takes are damaged, and get holes."""
+HOLES = (10, 20, 45, 90)
+"""Lengths of holes, in frames at 30 a second."""
+PARTS: dict[str, tuple[Sequence[str], float]] = {
+    "wrist": (("left_wrist",), 1.0),
+    "arm": (LIMBS["left_arm"], 0.95),
+    "leg": (LIMBS["left_leg"], 0.8),
+    "whole body": (JOINTS, 1.0),
+}
+"""Name of a part to its joints, which are missing in the holes, and the share of the error of the
+best rotation curve that repair with the mask given may have."""
+DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
+LINEAR, PROJECTION, JITTER, BEST = "PCA, mask given", "plain projection", "jitter", "best curve"
+CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
+"""What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
+the rig on both sides. The curves are given the mask and the undamaged rotations."""
+LEAST_ERROR = 0.02
+"""LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
+REMAINS = dict.fromkeys(("frozen in channels", "frozen in the world"), 13 / 19)
+REMAINS |= {"spikes": 1 / 20, "twisted leg": 12 / 56}
+"""Repair with the mask unknown may leave at most this share of the damage."""
+RECALL, PRECISION, PROPOSED = (
+    "of the damage, found",
+    "of what is found, damaged",
+    ", with proposals",
+)
+FOUND = 50.0
+"""FOUND: at least this percentage of the damage, and of what is found, is to be right."""
+CLEAN = ("change, cm", "touched, %", "sliding before, cm/s", "sliding after, cm/s", "known, %")
+"""What repair does to takes without damage: mean change, share of joints and frames that it
+touched, sliding of the standing foot, share of takes that are like what the model learned from."""
+PCA_TAKES, EXPLAINED = 60, 0.95
+"""PCA is fitted to every third frame of at most PCA_TAKES takes, with as many axes as explain the
+share EXPLAINED of the variance."""
+KINDS = tuple(DAMAGES)
+ERROR = (
+    "error, cm. Methods with the mask given know the damaged joints and frames; `repair` smooths "
+    "where the damage is jitter"
+)
+ELSEWHERE, INTACT = "change of everything else, cm", "without damage"
+FINDINGS = "what repair finds, mask unknown, % of joints and frames"
+HOLE_ERROR = "holes in takes without damage, cm"
+RATIO = "the same holes, error of repair by that of each curve, geometric mean over the holes"
+TABLES: dict[str, tuple[Sequence[str], str]] = {
+    ERROR: (KINDS, "low"),
+    ELSEWHERE: (KINDS, ""),
+    FINDINGS: (KINDS, ""),
+    INTACT: (CLEAN, ""),
+    HOLE_ERROR: ((*CURVES, GIVEN), "low across"),
+    RATIO: ((*CURVES, BEST), ""),
+}
+"""Caption to the columns and to what is marked as the best."""
+Values = dict[str, dict[str, list[float]]]
+"""Row to column to one number for each take; where a method does not apply there is no column."""
+Filling = Callable[[Motion, np.ndarray], Motion]
+"""A motion with the joints of a mask (frames, 20) filled in."""
+FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
+    "Savitzky-Golay, 0.3 s": lambda x, rate: savgol_filter(x, _window(0.3, rate), 2, axis=0),
+    "Savitzky-Golay, 0.7 s": lambda x, rate: savgol_filter(x, _window(0.7, rate), 2, axis=0),
+    # Of second order, applied forwards and backwards, so that it does not delay.
+    "Butterworth, 3 Hz": lambda x, rate: sosfiltfilt(butter(2, 3, fs=rate, output="sos"), x, 0),
+    "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
+    "median, 0.17 s, then Butterworth, 5 Hz": strongly_filtered,
+}
+"""Name to a function of curves (F, C) and their frames a second."""
+
+
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Damage test takes of each source and repair them; `seed` draws the damage."""
+    fillings: dict[str, Filling] = {
+        GIVEN: lambda motion, mask: repair(motion, manifold, mask).motion,
+        **{name: partial(curve_filling, curve) for name, curve in CURVES.items()},
+        LINEAR: pca_filling(manifold, material.training),
+    }
+    tables, claims, trials = [], [], {}
+    for source in dict.fromkeys(take.source for take in material.testing):
+        testing = material.of(source).testing
+        trial = trials[source] = _Trial(manifold, fillings, seed)
+        takes = evenly(testing, TAKES)
+        for number, take in enumerate(takes):
+            trial.add(material.motion(take), number)
+        for number, take in enumerate(evenly(testing, HOLE_TAKES)):
+            trial.add_holes(material.motion(take), number)
+        trial.add_ratios()
+        tables += trial.tables(f"{source}, {len(takes)} takes")
+        claims += trial.claims(source)
+    source, first = next(iter(trials.items()))
+    learned = manifold.settings.get("takes")
+    return Result(
+        "Repair: damage in the file's own rig",
+        tables,
+        claims,
+        {"damage": Picture(lambda: _figure(source, first.values[ERROR]))},
+        note=f"The network learned from {learned} takes, PCA from {len(material.training)}.",
+    )
+
+
+class _Trial:
+    """What every method makes of the takes of one source."""
+
+    def __init__(self, manifold: MotionManifold, fillings: dict[str, Filling], seed: int):
+        self.manifold, self.fillings, self.seed = manifold, fillings, seed
+        self.values: dict[str, Values] = {c: defaultdict(lambda: defaultdict(list)) for c in TABLES}
+
+    def add(self, truth: Motion, number: int) -> None:
+        """Repair a take without damage, and by every method with damage of each kind."""
+        true, repaired = body_positions(truth), repair(truth, self.manifold)
+        after = body_positions(repaired.motion)
+        slides = [foot_sliding(positions, truth.rate) for positions in (true, after)]
+        change, touched = _distance(after, true).mean(), 100 * repaired.touched.mean()
+        measures = (change, touched, *slides, 100.0 * repaired.known)
+        for column, value in zip(CLEAN, measures, strict=True):
+            self.values[INTACT][UNKNOWN][column].append(value)
+        projected = body_positions(project_motion(truth, self.manifold))
+        self.values[INTACT][PROJECTION][CLEAN[0]].append(_distance(projected, true).mean())
+        for kind, damage in DAMAGES.items():
+            damaged, mask = damage(truth, np.random.default_rng([self.seed, number]))
+            before = body_positions(damaged)
+            for name, motion in self._made(damaged, mask, kind).items():
+                after = body_positions(motion)
+                self.values[ERROR][name][kind].append(_distance(after, true)[mask].mean())
+                if not mask.all():
+                    moved = _distance(after, before)[~mask].mean()
+                    self.values[ELSEWHERE][name][kind].append(moved)
+
+    def _made(self, damaged: Motion, mask: np.ndarray, kind: str) -> dict[str, Motion]:
+        """The damaged take by every method; what repair finds is compared with the mask."""
+        repaired = repair(damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER)))
+        findings = [finding for finding in repaired.findings if finding.kind != JITTER]
+        for more, each in (("", findings), (PROPOSED, [*findings, *repaired.proposed])):
+            found = missing_joints(damaged, each)
+            self.values[FINDINGS][RECALL + more][kind].append(100 * found[mask].mean())
+            if found.any():
+                self.values[FINDINGS][PRECISION + more][kind].append(100 * mask[found].mean())
+        made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
+        if not mask.all():
+            made |= {name: filling(damaged, mask) for name, filling in self.fillings.items()}
+        made |= {name: filtered(damaged, name) for name in FILTERS}
+        return made | {PROJECTION: project_motion(damaged, self.manifold)}
+
+    def add_holes(self, motion: Motion, number: int) -> None:
+        """Fill holes in a take without damage, mask given; where the take is too short, none."""
+        true = body_positions(motion)
+        for frames in (each for each in HOLES if motion.seconds >= each / RATE + 1):
+            rng = np.random.default_rng([self.seed, number, frames])
+            hole = stretch(motion, frames / RATE, rng)
+            for part, (joints, _) in PARTS.items():
+                mask = joint_mask(len(motion), joints, hole)
+                for name in (*CURVES, GIVEN):
+                    made = body_positions(self.fillings[name](motion, mask))
+                    error = _distance(made, true)[mask].mean()
+                    self.values[HOLE_ERROR][f"{part}, {frames} frames"][name].append(error)
+
+    def add_ratios(self) -> None:
+        """For each kind of hole the geometric mean over the holes of the error of repair by that of
+        each rotation curve; and the largest of the three, that of the best curve."""
+        for hole, errors in self.values[HOLE_ERROR].items():
+            logs = {name: np.log(np.maximum(each, LEAST_ERROR)) for name, each in errors.items()}
+            means = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
+            for name, ratio in (means | {BEST: max(means.values())}).items():
+                self.values[RATIO][hole][name].append(ratio)
+
+    def tables(self, source: str) -> list[Table]:
+        """All of them."""
+        return [
+            Table(f"{source}: {caption}.", ["", *columns], self._rows(caption, columns), best=best)
+            for caption, (columns, best) in TABLES.items()
+        ]
+
+    def _rows(self, caption: str, columns: Sequence[str]) -> list[list[object]]:
+        return [
+            [name, *(np.mean(numbers[column]) if column in numbers else None for column in columns)]
+            for name, numbers in self.values[caption].items()
+        ]
+
+    def claims(self, source: str) -> list[Claim]:
+        """The claims of the lab book on careful repair."""
+        means = {
+            caption: {row: {c: np.mean(n) for c, n in each.items()} for row, each in rows.items()}
+            for caption, rows in self.values.items()
+        }
+        error, ratios = means[ERROR], means[RATIO]
+        before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
+        change, touched, slides, slides_after, _ = means[INTACT][UNKNOWN].values()
+        moved = max(means[ELSEWHERE][UNKNOWN].values())
+        best = min(FILTERS, key=lambda name: error[name][JITTER])
+        best_curve = {kind: min(error[name][kind] for name in CURVES) for kind in given}
+        worse = [kind for kind in given if given[kind] > best_curve[kind]]
+        of_damage, of_found = (means[FINDINGS].get(row, {}) for row in (RECALL, PRECISION))
+        missed = [k for k in KINDS if min(of_damage[k], of_found.get(k, 0.0)) < FOUND]
+        measured = [
+            (
+                "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it; its "
+                "standing foot slides no more, to 0.01 cm/s",
+                change <= 0.2 and touched <= 1.0 and slides_after <= slides + 0.01,
+                f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {slides_after:.3f} after",
+            ),
+            (
+                "Smoothing leaves no more jitter than the best filter",
+                unknown[JITTER] <= error[best][JITTER],
+                f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, "
+                f"{error[best][JITTER]:.2f} by {best}",
+            ),
+            (
+                "Where the damage is marked, repair has at most the error of the best curve of "
+                "animation programs, for each kind of damage",
+                not worse,
+                f"not for {', '.join(worse) or 'none'}",
+            ),
+            (
+                "Of each kind of damage at least half is found, and of what is found at least half "
+                "is damaged",
+                not missed,
+                f"not of {', '.join(missed) or 'none'}",
+            ),
+            (
+                "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
+                moved <= 0.2,
+                f"at most {moved:.2f} cm in the mean of a kind of damage",
+            ),
+        ]
+        for kind, share in REMAINS.items():
+            left, figures = unknown[kind] / before[kind], f"{before[kind]:.2f} cm before"
+            what = f"Without a mark of the damage, repair leaves at most {share:.0%} of its error"
+            measured.append((f"{what}: {kind}", left <= share, f"{figures}, {left:.0%} left"))
+        for part, (_, most) in PARTS.items():
+            of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
+            what = f"In marked holes, {part}, fill has at most {most:.0%} of the best curve's error"
+            figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
+            measured.append((what, max(of_part.values(), default=np.inf) <= most, figures))
+        return [
+            Claim(f"{sentence} ({source} takes; not in the paper).", bool(confirmed), f"{figures}.")
+            for sentence, confirmed, figures in measured
+        ]
+
+
+def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Centimetres."""
+    return 100 * np.linalg.norm(one - other, axis=-1)
+
+
+def _figure(source: str, errors: Values):
+    colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", next(iter(CURVES)): PLAIN}
+    colours[next(iter(FILTERS))] = "#4aa6a6"
+    groups = [
+        (name, [np.mean(errors[name].get(kind, 0.0)) for kind in KINDS], colour)
+        for name, colour in colours.items()
+    ]
+    return bars_figure(KINDS, groups, f"error of {source} takes, cm")
+
+
+def _window(seconds: float, rate: float) -> int:
+    return 2 * round(seconds * rate / 2) + 1
+
+
+def filtered(motion: Motion, name: str) -> Motion:
+    """The motion with its curves of translations and rotations (quaternions) filtered."""
+    return filter_motion(motion, lambda curve: FILTERS[name](curve, motion.rate))
+
+
+def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
+    """The unknown rotations on a curve, other joints back at their positions."""
+    start = on_curves(motion, mask, lambda *_: curve)
+    positions = np.where(mask[..., None], body_positions(start), body_positions(motion))
+    return retarget(motion, positions, mask, start.at(mask.any(axis=1)))
+
+
+def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
+    """PCA of the 15 frames around each frame: the missing values are the most likely ones."""
+
+    def rows(features: np.ndarray) -> np.ndarray:
+        return contexts(manifold.normalise(features)[None], TAPS)[0]
+
+    some = [rows(features)[::3] for features in features_of(manifold, evenly(takes, PCA_TAKES))]
+    fitted = PCA.fit(np.concatenate(some).astype(np.float64))
+    explained = np.cumsum(fitted.variances) / fitted.variances.sum()
+    size = int(np.searchsorted(explained, EXPLAINED)) + 1
+
+    def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
+        holes = Holes(Body(motion, manifold.lengths), mask)
+        features, missing = holes.features, holes.mask
+        known = np.ones(features.shape, bool)
+        known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
+        frames = np.flatnonzero(missing.any(axis=1))
+        sure = contexts(known[None], TAPS)[0][frames]
+        found = fitted.fill(rows(features)[frames], sure, size)
+        middle = np.split(found, TAPS, axis=1)[TAPS // 2]
+        result = features.copy()
+        result[frames] = manifold.denormalise(middle)
+        return holes.filled(np.where(known, features, result))
+
+    return fill_in

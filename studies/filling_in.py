@@ -1,0 +1,133 @@
+"""A wrist that is missing for a whole clip, and stepped animation: holden2015, section 7, "Filling
+in Missing Data".
+
+The network is not given the mask of what is missing. A missing joint is placed where it is in the
+mean pose, which is zero for the network, and read from the projection. For stepped animation, which
+repeats every 15th frame, the paper finds smooth transitions. The rotation curves of animation
+programs are given which frames are keys, and the rotations of the rig in these. A wrist that is
+missing for a whole clip has no keys; `python -m studies damage` has holes between known frames.
+"""
+
+import numpy as np
+
+from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.fill import keyframe_mask
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion import Motion, features_to_positions, joint_slice
+from numpy_cae.motion.key_curves import ROTATION_CURVES
+from numpy_cae.motion.motion import RATE
+from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from studies.shared.clips import NETWORK, REPEATED, project_repeated, testing_of
+from studies.shared.material import Material, evenly
+from studies.shared.result import Claim, Result, Table, moving
+
+EVERY = 15
+CURVE = " of the rotations, keys given"
+DELAY = (EVERY - 1) // 2
+"""Mean number of frames that a held key lags behind."""
+MEAN_POSE, HELD, TRUE = "the mean pose", "held", "truth"
+WRISTS = ("left_wrist", "right_wrist")
+TARGET = 0.85
+"""The wrist's error is to be below this share of the mean pose's."""
+HEADER = ("method", "error, cm", "delayed, cm", "jitter, m/s²")
+STEPPED_TAKES = 20
+"""The most takes that are stepped, spread evenly over all."""
+STEPPED = (
+    f"Every {EVERY}th frame held, measured up to the last key, mean of {{}} takes. A held key lags "
+    f'behind by {DELAY} frames on average: "delayed" is the error against the truth so many frames '
+    "before. The curves through the rotations of the rig are given the keys and which they are:"
+)
+
+
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Remove each wrist from test windows; hold every 15th frame of them; project both."""
+    testing, sample = testing_of(manifold, material)
+    wrists = {}
+    for joint in WRISTS:
+        lost = testing.x.copy()
+        lost[..., joint_slice(joint)] = 0  # where it is in the mean pose
+        projected = project_repeated(manifold, lost)
+        wrists[joint] = [testing.error(x, joint) for x in (lost, projected)]
+    takes = [take for take in material.testing if len(take.positions) > EVERY]
+    if not takes:
+        raise ValueError(f"it needs a test take of more than {EVERY} frames at 30 a second")
+    each = [
+        _stepped(manifold, material.motion(take).resampled(RATE))
+        for take in evenly(takes, STEPPED_TAKES)
+    ]
+    errors = [{name: _measured(x, filled[TRUE]) for name, x in filled.items()} for filled in each]
+    measured = {name: np.mean([one[name] for one in errors], axis=0) for name in errors[0]}
+    drawn = each[len(each) // 2]
+    colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
+    motions = {name: (drawn[name], colour) for name, colour in colours.items()}
+    rows = [[name, *values] for name, values in measured.items()]
+    return Result(
+        "Filling in: a missing marker and stepped keyframes",
+        [
+            Table(
+                "Error at the missing joint, cm (root mean square of a coordinate):",
+                ["missing joint", MEAN_POSE, NETWORK],
+                [[joint, *errors] for joint, errors in wrists.items()],
+                best="low across",
+            ),
+            Table(STEPPED.format(len(each)), HEADER, rows),
+        ],
+        [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)],
+        {"filling_in": moving(motions, manifold.rate)},
+        sample,
+    )
+
+
+def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
+    """The features (F, 63) of a motion at `RATE`, up to its last key, by every method."""
+    frames = np.arange((len(motion) - 1) // EVERY * EVERY + 1)
+    motion = motion.at(frames)
+    truth, mask = Body(motion, manifold.lengths).features, keyframe_mask(len(motion), EVERY)
+    held = truth[frames - frames % EVERY]
+    filled = {HELD: held, REPEATED: manifold.project(held)}
+    for name, curve in ROTATION_CURVES.items():
+        positions = body_positions(on_curves(motion, mask, lambda *_, curve=curve: curve))
+        filled[name + CURVE] = manifold.features(positions)[0]
+    return filled | {TRUE: truth}
+
+
+def _measured(x: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
+    """The error, the error against the truth delayed by `DELAY` frames, and the jitter."""
+    delayed = position_error(x[DELAY:], truth[:-DELAY])
+    return position_error(x, truth), delayed, jitter(features_to_positions(x), RATE)
+
+
+def _wrist_claim(errors: np.ndarray) -> Claim:
+    mean, network = np.sqrt(np.mean(errors**2, axis=0))
+    return Claim(
+        "Projection infers the position of a wrist whose marker is missing (holden2015, section 7; "
+        f"confirmed if the error is below {TARGET} of the mean pose's).",
+        bool(network < TARGET * mean),
+        f"{network:.2f} cm, the mean pose {mean:.2f} cm, {network / mean:.2f} of it.",
+    )
+
+
+def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
+    held, held_delayed, held_jitter = measured[HELD]
+    error, delayed, jitter = measured[REPEATED]
+    truth = measured[TRUE][2]
+    curves = {name: each[0] for name, each in measured.items() if name.endswith(CURVE)}
+    best = min(curves, key=lambda name: curves[name])
+    return [
+        Claim(
+            "Projection inserts smooth transitions between stepped keyframes (holden2015, section "
+            "7; confirmed if the jitter differs from the truth's by less than half of it).",
+            abs(jitter - truth) < truth / 2,
+            f"{held_jitter:.1f} m/s² held, {jitter:.1f} projected, truth {truth:.1f}.",
+        ),
+        Claim(
+            "The inserted transitions correspond to motion (section 7; confirmed if they are "
+            "nearer to the true motion than the held keys are, both undelayed and delayed).",
+            error < held and delayed < held_delayed,
+            f"{held:.2f} cm held, {error:.2f} cm projected; delayed {held_delayed:.2f} and "
+            f"{delayed:.2f} cm. {best}: {curves[best]:.2f} cm.",
+        ),
+    ]

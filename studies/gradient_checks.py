@@ -1,0 +1,81 @@
+"""`check_gradients` compared with the checks of PyTorch, JAX and autograd, as far as installed.
+
+Functions with pullbacks written in NumPy, right and wrong, are wrapped for each library and checked
+with its default settings (in reverse mode, which alone uses the pullback). Then both versions, the
+wrong and the fixed one, of the wrong gradients that libraries really had are tried, also with the
+properties of `verify.properties_of` and with differences of the sum of the outputs.
+docs/verify.md and docs/historical_gradients.md have the tables:
+
+    python -m studies gradient_checks
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from copy import deepcopy
+
+import numpy as np
+
+from studies.gradients.bugs import bugs
+from studies.gradients.cases import RIGHT, WRONG
+from studies.gradients.libraries import CHECKS, by_numpy_cae, with_arrays
+from studies.gradients.on_bugs import CHECKS as CHECKS_ON_BUGS
+from studies.gradients.on_bugs import verdict
+from studies.shared.result import Result, Table
+
+
+def run() -> Result:
+    """Try every check on every function and every bug."""
+    warnings.simplefilter("ignore")
+    return Result("Checks of gradients", [_on_functions(), *_on_bugs()])
+
+
+def _on_functions() -> Table:
+    """A row for each function, and how often each check was right."""
+    rows, counts = [], dict.fromkeys(CHECKS, 0)
+    for word, cases in (("right", RIGHT), ("wrong", WRONG)):
+        for name, case in cases.items():
+            verdicts = {n: judged(check, case, word == "right") for n, check in CHECKS.items()}
+            for check, said in verdicts.items():
+                counts[check] += said == "right"
+            rows.append([name, word, *verdicts.values()])
+    rows.append([f"right of {len(rows)}", "", *counts.values()])
+    return Table("", ["function", "pullback", *CHECKS], rows)
+
+
+def _on_bugs() -> list[Table]:
+    """A row for each bug, with the checks that miss it, and what each check found and refused."""
+    found, refused = dict.fromkeys(CHECKS_ON_BUGS, 0), dict.fromkeys(CHECKS_ON_BUGS, 0)
+    rows, every = [], bugs()
+    for bug in every:
+        missed = []
+        for check in CHECKS_ON_BUGS:
+            accepted = verdict(check, bug, fixed=False)
+            missed += [check] if accepted else []
+            found[check] += accepted is False
+            refused[check] += verdict(check, bug, fixed=True) is False
+        project, thread, fix = (bug.fields[name] for name in ("project", "thread", "fix"))
+        links = f"[{project}, {bug.fields['operation']}]({thread}) ([fix]({fix}))"
+        rows.append([links, bug.fields["mistake"], ", ".join(missed)])
+    of = f"of {len(every)}"
+    header = ["check", f"wrong ones found, {of}", f"right ones refused, {of}"]
+    counts = [[check, found[check], refused[check]] for check in CHECKS_ON_BUGS]
+    return [Table("", ["wrong gradient", "mistake", "missed by"], rows), Table("", header, counts)]
+
+
+def judged(check: Callable, case: tuple, is_right: bool) -> str:
+    """What a check makes of a case."""
+    f, *inputs = case
+    np.random.seed(0)  # noqa: NPY002 (autograd draws from it)
+    try:
+        if check is not by_numpy_cae:
+            f, inputs = with_arrays(f, tuple(inputs))
+        passed = check(f, tuple(deepcopy(inputs)))
+    except ImportError:
+        return "not installed"
+    except Exception as error:
+        return type(error).__name__
+    if passed == is_right:
+        return "right"
+    return "false alarm" if is_right else "missed"

@@ -1,0 +1,120 @@
+"""Interpolation of two motions: holden2015, section 7, "Motion Interpolation".
+
+"We interpolate two distinctly separate motions of doing press ups and walking forward. Compared
+to a linear interpolation, which creates an impossible walk, interpolation along the manifold
+creates motion which remains valid." Pairs of press-ups and a walk are interpolated, and pairs of
+walks in two styles.
+"""
+
+from dataclasses import astuple
+from itertools import combinations, product
+
+import numpy as np
+
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from studies.shared.material import LabelledTake, Material, features_of
+from studies.shared.result import Claim, Result, Table, moving
+from studies.shared.validity import Validity, ValidityMeasure
+
+SHARES = (0.25, 0.5, 0.75)
+PAIRS = 5
+"""Of each kind of pair at most this many are measured."""
+LINEAR, ALONG = "linear", "along the manifold"
+ENDS, PROJECTED_ENDS = "the two motions", "the two, projected"
+PRESS_UPS, STYLES = "press-ups and walking", "walks of two styles"
+Clips = tuple[np.ndarray, np.ndarray]
+"""The features (F, 63) of two motions of one length."""
+
+
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Interpolate pairs of test takes linearly and along the manifold.
+
+    Nearest poses are those of the training takes. Raises ValueError where the test takes have
+    neither press-ups and walking nor walks of two styles. The seed is not used.
+    """
+    pairs = pairs_of(material.testing)
+    if not pairs:
+        raise ValueError("the test takes have neither press-ups and walks nor walks of two styles")
+    training = features_of(manifold, material.training)
+    measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
+    tables, claims, motions = [], [], {}
+    for kind, takes in pairs.items():
+        clips = [clips_of_pair(manifold, *pair) for pair in takes]
+        measured = _measured(manifold, measure, clips)
+        listed = ", ".join(map(str, SHARES))
+        caption = f"{kind}, {len(clips)} pairs, s = {listed} and 0 to 1:"
+        rows = [[name, *astuple(validity)] for name, validity in measured.items()]
+        tables.append(Table(caption, ["motion", *Validity.HEADER], rows, Validity.FORMATS))
+        claims.append(_claim(kind, measured))
+        if not motions:
+            one, other = clips[0]
+            motions = {"one": (one, TRUTH), "the other": (other, TRUTH)}
+            motions[LINEAR] = linear(one, other, 0.5), CORRUPTED
+            motions[ALONG] = interpolate(manifold, one, other, 0.5), PROJECTED
+    picture = moving(motions, manifold.rate, azimuth=75.0)
+    return Result("Interpolation of two motions", tables, claims, {"interpolation": picture})
+
+
+def linear(one: np.ndarray, other: np.ndarray, share: float | str) -> np.ndarray:
+    """(1 - s) X_0 + s X_1."""
+    s = shares(share, len(one))
+    return (1 - s) * one + s * other
+
+
+def _measured(
+    manifold: MotionManifold, measure: ValidityMeasure, pairs: list[Clips]
+) -> dict[str, Validity]:
+    """Name of a kind of motion to the mean of its measures."""
+    ends = [clip for pair in pairs for clip in pair]
+    between = [(*pair, share) for pair in pairs for share in (*SHARES, TRANSITION)]
+    motions = {
+        ENDS: ends,
+        PROJECTED_ENDS: [manifold.project(clip) for clip in ends],
+        LINEAR: [linear(*given) for given in between],
+        ALONG: [interpolate(manifold, *given) for given in between],
+    }
+    return {name: Validity.mean([*map(measure.of, clips)]) for name, clips in motions.items()}
+
+
+def _claim(kind: str, measured: dict[str, Validity]) -> Claim:
+    """Compare all measures; for jitter, which is nearer to the jitter of the two motions."""
+
+    def errors(motion: Validity) -> tuple[float, ...]:
+        jitter = abs(np.log(max(motion.jitter, 1e-9) / max(measured[ENDS].jitter, 1e-9)))
+        return motion.bone_length, motion.foot_sliding, jitter, motion.nearest_pose
+
+    columns = zip(Validity.HEADER, errors(measured[ALONG]), errors(measured[LINEAR]), strict=True)
+    better = [heading.split(",")[0] for heading, ours, theirs in columns if ours < theirs]
+    return Claim(
+        "Compared to a linear interpolation, which creates an impossible walk, interpolation along "
+        f"the manifold creates motion which remains valid (holden2015, section 7): {kind}.",
+        len(better) == len(Validity.HEADER),
+        f"{ALONG} is better than {LINEAR} on {len(better)} of {len(Validity.HEADER)} measures "
+        f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[LINEAR])}. Confirmed "
+        "if better on all of them.",
+    )
+
+
+def clips_of_pair(manifold: MotionManifold, one: LabelledTake, other: LabelledTake) -> Clips:
+    """The features of both from their first frames, the longer one truncated, at most a window."""
+    first, second = features_of(manifold, [one, other])
+    frames = min(len(first), len(second), manifold.window)
+    return first[:frames], second[:frames]
+
+
+def pairs_of(takes: list[LabelledTake]) -> dict[str, list[tuple[LabelledTake, LabelledTake]]]:
+    """The pairs of each kind that there is, at most `PAIRS`."""
+    walks = [take for take in takes if take.content in ("walk", "confident_walk")]
+    press_ups = [take for take in takes if "press_up" in take.content]
+    styled = [(one, other) for one, other in combinations(walks, 2) if one.style and other.style]
+    styles = [(a, b) for a, b in styled if a.source == b.source and a.style != b.style]
+    every = {PRESS_UPS: list(product(press_ups, walks)), STYLES: styles}
+    return {kind: _some(pairs) for kind, pairs in every.items() if pairs}
+
+
+def _some(pairs: list) -> list:
+    """At most `PAIRS`, spread over all."""
+    count = min(PAIRS, len(pairs))
+    return [pairs[k * len(pairs) // count] for k in range(count)]

@@ -1,0 +1,67 @@
+"""The actions of jang2018: motions of one kind, split by take, read or synthesised."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from data_synth import plan_takes
+from numpy_cae.cli.shared.output import note
+from numpy_cae.cli.shared.takes import each_usable
+from numpy_cae.mocap import Coordinates, angles_of
+from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
+
+ACTIONS = ("walking", "waiting", "walking_dog")
+PERIODIC = ("walking", "walking_extra")
+"""Actions of which jang2018 says that all samples look alike."""
+INTERVAL_SECONDS = 5.0
+"""INTERVAL_SECONDS: a line counts the takes that are made so often (s)."""
+
+
+@dataclass(frozen=True)
+class Action:
+    """Motions of one action, split by take, and whether it repeats itself, as walking does."""
+
+    name: str
+    training: list[AngleSequence]
+    testing: list[AngleSequence]
+    periodic: bool = False
+
+
+def synthetic_action(kind: str, minutes: float, seed: int = 0, quiet: bool = True) -> Action:
+    """Synthesise an action of `data_synth.JANG2018_KINDS`, so many minutes to train on and to test
+    on; every take is of another person.
+
+    With few people, the discrepancy of the held-out clips would measure who these people are
+    rather than how the network encodes them.
+    """
+    plans = [plan_takes(minutes, number, [kind]) for number in (2 * seed + 1, 2 * seed + 2)]
+    halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
+    due = 0.0
+    for made, plan in enumerate([*plans[0], *plans[1]]):
+        if not quiet and time.monotonic() > due:
+            note(f"{kind}: {made} of {len(plans[0]) + len(plans[1])} takes made")
+            due = time.monotonic() + INTERVAL_SECONDS
+        take = replace(plan, person=plan.number).make(ANGLE_RATE)
+        halves[made >= len(plans[0])].append(angles_of(take.motion))
+    return Action(kind, *halves, periodic=kind in PERIODIC)
+
+
+def read_action(
+    name: str,
+    folders: Sequence[str | Path],
+    patterns: Sequence[str],
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
+) -> Action:
+    """Read every motion file below the folders; those whose name matches a pattern are for testing.
+
+    `mapping` and `coordinates` are those of `load_angles`.
+    """
+    halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
+    angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates))
+    for path, sequence in angles:
+        halves[is_test(path, patterns)].append(sequence)
+    return Action(name, *halves, periodic=name in PERIODIC)

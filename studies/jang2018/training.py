@@ -1,0 +1,106 @@
+"""Train jang2018's network on one action and measure it on held-out motions during training.
+
+error         mean over frames of ‖θ̂ - θ‖, radians: "Euclidean distance … in the joint angle
+              space"
+discrepancy   the sliced Wasserstein distance between the latent vectors of held-out clips and
+              fresh draws of the prior
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from numpy_cae import ops
+from numpy_cae.evaluation import angle_distance
+from numpy_cae.manifold import SequenceManifold
+from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
+from numpy_cae.mocap import body_positions
+from numpy_cae.motion import cut_clips, draw_clips
+from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
+from studies.jang2018.actions import Action
+
+CLIPS, DIRECTIONS = 1000, 128
+"""Latent vectors, and directions, of one measurement of the discrepancy."""
+CURVE_POINTS = 40
+Curve = dict[str, np.ndarray]
+""""error" and "discrepancy" against the number of "steps", (P,) arrays."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A trained manifold, the action it was trained on and the curve of its training."""
+
+    action: Action
+    manifold: SequenceManifold
+    curve: Curve | None = None
+
+    def held_out(self) -> np.ndarray:
+        """All normalised clips of the test motions, (N, F, 54)."""
+        return self.manifold.normalise(cut_clips(self.action.testing, frames=self.manifold.frames))
+
+    def random_clips(self, count: int, seed: int, training: bool = True) -> np.ndarray:
+        """Normalised clips with random first frames, (count, F, 54)."""
+        sequences = self.action.training if training else self.action.testing
+        clips = draw_clips(sequences, count, np.random.default_rng(seed), self.manifold.frames)
+        return self.manifold.normalise(clips)
+
+    def squared_error(self) -> float:
+        """Mean squared error of held-out clips after encoding and decoding, standardised."""
+        x = self.held_out()
+        return float(np.mean((self.manifold.network.denoise(x) - x) ** 2, dtype=np.float64))
+
+    def positions(self, clip: np.ndarray) -> np.ndarray:
+        """Joint positions (F, 20, 3) in metres of a normalised clip (F, 54)."""
+        return body_positions(self.manifold.motion(clip))
+
+
+def train_study(
+    action: Action,
+    schedule: SequenceSchedule,
+    seed: int = 0,
+    report: Callable[[TrainingState], None] | None = None,
+    **network,
+) -> Study:
+    """Train on one action and record the curve of held-out errors, only its start if λ = 0.
+
+    `network` are the arguments of `untrained_sequences` that describe the network.
+    """
+    rng, rng_of_errors = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    manifold = untrained_sequences(action.training, rng, **network)
+    interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
+    curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
+
+    def measure(step: int) -> None:
+        # Both errors use the same fresh clips: all test clips would take a third of the training.
+        clips = draw_clips(action.testing, CLIPS, rng_of_errors, manifold.frames)
+        x = manifold.normalise(clips)
+        z = manifold.network.encode(x)
+        x_hat = manifold.network.decode(z, x.shape[1])
+        error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
+        values = step, error, discrepancy(z, rng_of_errors)
+        for column, value in zip(curve.values(), values, strict=True):
+            column.append(value)
+
+    def report_and_measure(state: TrainingState) -> None:
+        if report is not None:
+            report(state)
+        step = state.epoch * state.steps + state.step
+        # Figure 2 needs no curve of a training without the regulariser.
+        if schedule.weight and step % interval == 0:
+            measure(step)
+
+    measure(0)
+    train_on_sequences(manifold, action.training, schedule, rng, report_and_measure)
+    manifold.settings = {"seed": seed} | manifold.settings
+    return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
+
+
+def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:
+    """The sliced Wasserstein distance of z (N, D) to N fresh draws of the prior."""
+    z = z.astype(np.float64)
+    prior = rng.standard_normal(z.shape)
+    directions = unit_directions(DIRECTIONS, z.shape[1], rng, np.float64)
+    return float(ops.sliced_wasserstein(z, prior, directions)[0])

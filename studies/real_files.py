@@ -1,0 +1,160 @@
+"""Motion files as people have them: what repair, its presets and a simple filter make of each.
+
+There is no truth. A frame has a jump if the step of one of the twenty joints differs from the
+median of seven by more than 8 cm. Away from jumps, in joints and frames further than `NEAR` from
+one, a method should change little. The simple filter is that of ten lines of code: a median of five
+frames at 30 a second, then a Butterworth filter of 5 Hz, on the quaternions of all rotations.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.evaluation import foot_sliding, jitter
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.mocap import body_positions, find_motion_files, load_motion
+from numpy_cae.motion import PARENTS, Motion
+from numpy_cae.motion.masks import with_margin
+from numpy_cae.repair import PRESETS, Preset, repair
+from numpy_cae.repair.filters import filter_motion, strongly_filtered
+from numpy_cae.repair.jumps import jumping_steps
+from numpy_cae.repair.presets import fitting_preset
+from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
+from studies.shared.result import Claim, Picture, Result, Table
+
+BEFORE, REPAIR, FILTER = "as it is", "repair", "ten lines"
+METHODS = {REPAIR: Preset()} | {f"--from {name}": preset for name, preset in PRESETS.items()}
+JUMPS, NEW, FEET, CHANGE = "frames with a jump", "new", "planted feet, cm/s", "change elsewhere, cm"
+PATH = "change of the hips' path, cm"
+HEADER = (JUMPS, NEW, "acceleration, m/s²", FEET, "bone lengths, cm", CHANGE, PATH)
+"""New: frames with a jump further than `NEAR` from every jump of the file. Planted feet: the speed
+of the lower foot on the floor. Bone lengths: the root mean square deviation of the rig's bones from
+their median lengths. Change elsewhere: of joints from the hips, further than `NEAR` from jumps."""
+Measures = dict[str, float]
+"""Column to measure."""
+NEAR = 0.25
+"""NEAR: the time around a jump (s)."""
+RULE = (
+    "Proposed: the preset that `repair` proposes, if any. Damaged: a frame jumps or a preset is "
+    "proposed. Helped: at most half of the jumps are left, or, without jumps, planted feet have at "
+    "most three quarters of their speed. Harmed: a jump is new, or a measure a tenth worse. Ten "
+    "lines: a median of five frames, then a Butterworth filter of 5 Hz, on all rotations."
+)
+DRAWN, POSES, RATE = 12, 9, 30.0
+"""At most DRAWN files are drawn, those with the most jumps, each around its worst moment, the
+largest acceleration: POSES poses, RATE a second."""
+
+
+class _File:
+    """A motion file, what every method makes of it, and the rows of the table."""
+
+    def __init__(self, name: str, motion: Motion, manifold: MotionManifold):
+        self.name, preset = name, fitting_preset(motion)
+        self.proposed = f"--from {preset}" if preset else REPAIR
+        filtered = filter_motion(motion, lambda curve: strongly_filtered(curve, motion.rate))
+        self.made, said = {BEFORE: motion, FILTER: filtered}, {}
+        for name, settings in METHODS.items():
+            repaired = repair(motion, manifold, preset=settings)
+            self.made[name] = repaired.motion
+            kinds = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
+            said[name] = ", ".join(kinds + ["unlike"] * (not repaired.known))
+        self.measures = {name: measures_of(motion, after) for name, after in self.made.items()}
+        self.verdict = verdict(self.measures[BEFORE], self.measures[self.proposed])
+        said[self.proposed] += f"; proposed: {self.verdict}"
+        self.rows = [
+            [f"{self.name}: {name}", *each.values(), said.get(name, "")]
+            for name, each in self.measures.items()
+        ]
+
+    def actors(self) -> list[Actor]:
+        """The worst moment as it is, repaired as proposed, and filtered."""
+        motion = self.made[BEFORE]
+        acceleration = np.diff(body_positions(motion), 2, axis=0)
+        worst = np.linalg.norm(acceleration, axis=-1).max(axis=1, initial=0.0).argmax() + 1
+        step = max(round(motion.rate / RATE), 1)
+        first = np.clip(worst - step * (POSES // 2), 0, max(len(motion) - step * POSES, 0))
+        frames = (first + step * np.arange(POSES)).clip(max=len(motion) - 1)
+        actors = []
+        for name, colour in ((BEFORE, CORRUPTED), (self.proposed, PROJECTED), (FILTER, PLAIN)):
+            after = self.made[name]
+            shown = after.at((frames - len(motion) + len(after)).clip(0))
+            label = f"{self.name}, frames {frames[0]} to {frames[-1]}: {name}"
+            actors.append(Actor(body_positions(shown), PARENTS, label, colour))
+        return actors
+
+
+def measures_of(before: Motion, after: Motion) -> Measures:
+    """The measures of a motion `after` a repair, which may have cut off its start."""
+    before = before.at(slice(len(before) - len(after), None))
+    near = with_margin(jumping_steps(before), round(NEAR * before.rate))
+    jumps, positions = jumping_steps(after), body_positions(after)
+    lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)
+    moved = positions - body_positions(before)
+    change = np.linalg.norm(moved - moved[:, :1], axis=-1)[~near]
+    values = (
+        int(jumps.any(axis=1).sum()),
+        int((jumps & ~near).any(axis=1).sum()),
+        jitter(positions, after.rate) if len(after) > 2 else np.nan,
+        foot_sliding(positions, after.rate),
+        100 * float(np.sqrt(np.mean((lengths - np.median(lengths, axis=0)) ** 2))),
+        100 * float(change.mean()) if change.size else np.nan,
+        100 * float(np.linalg.norm(moved[:, 0], axis=-1).mean()),
+    )
+    return dict(zip(HEADER, values, strict=True))
+
+
+def verdict(before: Measures, after: Measures) -> str:
+    """What `RULE` says of a repaired file: helped, harmed, or as before."""
+    # Of a measure near 0, a tenth is rounding.
+    worse = any(after[name] > 1.1 * before[name] + 0.01 for name in HEADER[:-2])
+    what, share = (JUMPS, 0.5) if before[JUMPS] else (FEET, 0.75)
+    helped = 0 < before[what] and after[what] <= share * before[what]
+    return "harmed" if after[NEW] or worse else "helped" if helped else "as before"
+
+
+def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) -> Result:
+    """Measure every motion file below the folders."""
+    files, refused = [], []
+    for path in (path for folder in folders for path in find_motion_files(folder)):
+        try:
+            files.append(_File(path.name, load_motion(path), manifold))
+        except (NumpyCaeError, ValueError) as problem:
+            refused.append([path.name, *[None] * len(HEADER), f"refused: {problem}"])
+    rows = [row for file in files for row in file.rows] + refused
+    files.sort(key=lambda file: -file.measures[BEFORE][JUMPS])
+
+    def draw():
+        return strip_figure([actor for file in files[:DRAWN] for actor in file.actors()], 0.0)
+
+    return Result(
+        "Repair: real files",
+        [Table("", ["file: method", *HEADER, "said"], rows)],
+        _claims(files, len(refused)) if files else [],
+        {"real_files": Picture(draw)},
+        RULE,
+    )
+
+
+def _claims(files: Sequence[_File], refused: int) -> list[Claim]:
+    claims = []
+    for measure, sentence in (
+        (JUMPS, "Repaired as proposed, no file has more jumps left than the filter leaves."),
+        (CHANGE, "Repaired as proposed, no file is changed more elsewhere than by the filter."),
+    ):
+        pairs = {f: [f.measures[name][measure] for name in (f.proposed, FILTER)] for f in files}
+        more = [file.name for file, (ours, theirs) in pairs.items() if ours > theirs]
+        ours, theirs = np.nansum(list(pairs.values()), axis=0)
+        figures = f"the sums are {ours:.4g} and {theirs:.4g}; not in {', '.join(more) or 'none'}."
+        claims.append(Claim(sentence, not more, figures))
+    damaged = [f for f in files if f.measures[BEFORE][JUMPS] or f.proposed != REPAIR]
+    helped, harmed = (sum(f.verdict == word for f in damaged) for word in ("helped", "harmed"))
+    touched = [f.name for f in files if f not in damaged and f.measures[REPAIR][CHANGE]]
+    figures = (
+        f"of {len(files) + refused} files {refused} refused and {len(damaged)} damaged, of these "
+        f"{helped} helped, {harmed} harmed; changed without damage: {', '.join(touched) or 'none'}."
+    )
+    sentence = "Of damaged files three quarters are helped, none is harmed; others are unchanged."
+    confirmed = helped >= 0.75 * len(damaged) and not harmed and not touched
+    return [*claims, Claim(sentence, confirmed, figures)]

@@ -1,0 +1,93 @@
+"""All results of jang2018: figures 2 and 3, reconstruction, the regulariser.
+
+The network is trained on each action, with its regulariser and without (λ = 0). Without --data the
+motions are synthetic, made by `data_synth`.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from numpy_cae.evaluation import reconstruction as evaluated
+from numpy_cae.evaluation.reconstruction import LINEAR, NETWORK, SQUARED
+from numpy_cae.evaluation.table import Table
+from numpy_cae.training import SequenceSchedule, TrainingState
+from studies.jang2018 import training
+from studies.jang2018.actions import Action
+from studies.jang2018.curves import figure_2
+from studies.jang2018.regulariser import regulariser
+from studies.jang2018.samples import COLOURS, figure_3, samples
+from studies.jang2018.training import Study
+from studies.shared.result import Claim, Result
+
+NOTE = (
+    "The network, which writes a clip in a few numbers, is compared on clips that nothing was "
+    "trained on with principal components of as many numbers, the mean pose, the first pose, and "
+    "the same network without its regulariser."
+)
+
+
+def run(
+    actions: Sequence[Action],
+    schedule: SequenceSchedule,
+    network: dict[str, int],
+    seed: int = 0,
+    progress: Callable[[str], Callable[[TrainingState], None]] | None = None,
+    models: Path | None = None,
+) -> Result:
+    """Train on each action with the regulariser and without.
+
+    The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
+    `train_study`. `progress` returns the report of a training from its name. The manifolds trained
+    with the regulariser are saved in the folder `models`, if any.
+    """
+
+    def train(action: Action, weight: float) -> Study:
+        report = progress(f"{action.name}, λ = {weight:g}") if progress else None
+        weighted = replace(schedule, weight=weight)
+        return training.train_study(action, weighted, seed, report, **network)
+
+    studies = [train(action, schedule.weight) for action in actions]
+    without = [train(action, 0.0) for action in actions]
+    if models is not None:
+        models.mkdir(parents=True, exist_ok=True)
+        for study in studies:
+            study.manifold.save(models / f"{study.action.name}.npz")
+    parts = [
+        figure_2(studies),
+        reconstruction(studies, seed),
+        samples(studies, seed),
+        regulariser(studies, without, seed),
+    ]
+    figures = {
+        f"{study.action.name}_{source}": figure_3(study, seed, source)
+        for study in studies
+        for source in COLOURS
+    }
+    return Result(
+        "jang2018: Latent Motion Manifold with Sequential Auto-Encoders",
+        [table for part in parts for table in part.tables],
+        [claim for part in parts for claim in part.claims],
+        parts[0].figures | figures,
+        NOTE,
+    )
+
+
+def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
+    """Measure each study's network on its held-out clips; z has one size in all of them."""
+    tables, claims = [], []
+    for study in studies:
+        action = study.action
+        table = evaluated.reconstruction(
+            action.name, study.manifold, action.training, action.testing, seed
+        )
+        tables.append(table)
+        network, linear = (table.value(f"{action.name}: {m}", SQUARED) for m in (NETWORK, LINEAR))
+        latent = study.manifold.network.latent
+        sentence = f"On {action.name} the network reconstructs better than PCA with {latent} "
+        figures = f"{network:.3f} of unit variance, PCA {linear:.3f}."
+        claims.append(Claim(f"{sentence}numbers.", network < linear, figures))
+    rows = [row for table in tables for row in table.rows]
+    caption = "Reconstruction of held-out clips by the network and by simpler methods:"
+    table = Table(caption, tables[0].header, rows, tables[0].formats, tables[0].best)
+    return Result("Reconstruction", [table], claims)

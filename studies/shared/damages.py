@@ -1,0 +1,215 @@
+"""Eleven kinds of damage to a motion in the rig of its file, for `python -m studies damage`.
+
+Each function returns the damaged motion and the mask of its damaged joints and frames. The last
+four kinds are those of Mu et al., "StableMotion: Training Motion Cleanup Models with Unpaired
+Corrupted Data" (SIGGRAPH Asia 2025, arXiv:2505.03154), with the numbers of the authors' program
+(github.com/Murrol/StableMotion, `motion_artifacts_smpl`), where motions have 20 frames a second.
+Unlike there, a motion has damage of one kind, and noise is never smoothed.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
+
+from numpy_cae.mocap import body_positions, find_joints, retarget
+from numpy_cae.mocap.retarget.to_rig import bent
+from numpy_cae.motion import JOINTS, Motion
+from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.repair.filters import filter_motion
+
+Rng = np.random.Generator
+Damaged = tuple[Motion, np.ndarray]
+"""The damaged motion and the mask of what is damaged, (frames, 20) bool."""
+
+SECONDS = 1.5
+"""The length of a stretch of damage if the take is long enough."""
+TWIST, SPIKE = 50.0, (20.0, 60.0)
+"""The angle of a twisted leg and the range of angles of spikes, in degrees."""
+JITTER, ROOT_JITTER = np.radians(1.5), 0.004
+"""Standard deviations of the rotation about each axis, in radians, and of the root's position, in
+metres."""
+LONG = (1.0, 2.0)
+"""LONG: the range of the length of damage as in StableMotion (s)."""
+NOISE, MOST_NOISE, SMOOTHED, LONGER, FASTEST = 0.1, 0.5, 0.2, 0.1, 0.5
+"""Numbers of StableMotion. NOISE, MOST_NOISE: the standard deviation of noise of quaternions, times
+0.5 to 1, and its bound. SMOOTHED: that of the Gaussian filter that smooths too much (s). LONGER:
+steps of a sliding body are longer by up to this share. FASTEST: a body drifts by up to this speed
+(m/s), divided by the root of the number of frames, as there."""
+WRONG = 0.001
+"""WRONG: a joint that damage moves by more than this (m) is damaged."""
+
+
+def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
+    """Random successive frames of a motion, with an eighth of the motion or more on both sides."""
+    margin = len(motion) // 8
+    count = max(1, min(round(seconds * motion.rate), len(motion) - 2 * margin - 1))
+    first = int(rng.integers(margin, len(motion) - margin - count))
+    return slice(first, first + count)
+
+
+def spikes(motion: Motion, rng: Rng) -> Damaged:
+    """One or two frames in which a limb turns by 20 to 60 degrees, about once a second."""
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    for first in rng.integers(1, len(motion) - 2, max(1, round(motion.seconds))):
+        frames = slice(int(first), int(first + rng.integers(1, 3)))
+        motion, spike = _turned(motion, frames, rng.uniform(*SPIKE), rng)
+        mask |= spike
+    return motion, mask
+
+
+def twisted_limb(motion: Motion, rng: Rng) -> Damaged:
+    """A leg turns by 50 degrees at the hip for a stretch."""
+    leg = f"{rng.choice(['left', 'right'])}_leg"
+    return _turned(motion, stretch(motion, SECONDS, rng), TWIST, rng, leg)
+
+
+def _turned(
+    motion: Motion, frames: slice, degrees: float, rng: Rng, limb: str | None = None
+) -> Damaged:
+    """Turn a limb at its hip or shoulder about a random axis perpendicular to the bone."""
+    names = LIMBS[limb or str(rng.choice(list(LIMBS)))]
+    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
+    first = JOINTS.index(names[0])
+    joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another
+    axis = np.cross(motion.skeleton.offsets[child], rng.normal(size=3))
+    turn = Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis))
+    rotations[frames, joint] = (Rotation.from_quat(rotations[frames, joint]) * turn).as_quat()
+    return replace(motion, rotations=rotations), joint_mask(len(motion), names, frames)
+
+
+def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
+    """The rotations of a shoulder and an elbow stay constant for a stretch."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
+    for name in ("shoulder", "elbow"):
+        joint = rig[JOINTS.index(f"{side}_{name}")]
+        rotations[frames, joint] = rotations[frames.start, joint]
+    mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
+    return replace(motion, rotations=rotations), mask
+
+
+def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
+    """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    positions = body_positions(motion)
+    arm = [JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")]
+    chain = positions[frames][:, arm]
+    upper, lower = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
+    way = chain[0, 2] - chain[:, 0]
+    distance = np.linalg.norm(way, axis=-1)
+    reached = distance.clip(np.abs(upper - lower) + WRONG, upper + lower - WRONG)
+    wrist = chain[:, 0] + way * (reached / np.maximum(distance, 1e-9))[:, None]
+    positions[frames, arm[1]] = bent(chain[:, 0], chain, chain[:, 1], wrist)
+    positions[frames, arm[2]] = wrist
+    mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
+    return retarget(motion, positions, mask), mask
+
+
+def missing_marker(motion: Motion, rng: Rng) -> Damaged:
+    """A forearm is in the rest pose for a stretch, as if the marker of the wrist were missing."""
+    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    rotations = motion.rotations.copy()
+    elbow = find_joints(motion.skeleton)[JOINTS.index(f"{side}_elbow")]
+    rotations[frames, elbow] = (0.0, 0.0, 0.0, 1.0)
+    mask = joint_mask(len(motion), [f"{side}_wrist"], frames)
+    return replace(motion, rotations=rotations), mask
+
+
+def dropped_frames(motion: Motion, rng: Rng) -> Damaged:
+    """Two stretches of a quarter to half of a second repeat the pose before them."""
+    mask = np.zeros((len(motion), len(JOINTS)), bool)
+    for _ in range(2):
+        frames = stretch(motion, rng.uniform(0.25, 0.5), rng)
+        shown = np.arange(len(motion))
+        shown[frames] = frames.start - 1
+        motion = motion.at(shown)
+        mask[frames] = True
+    return motion, mask
+
+
+def jitter(motion: Motion, rng: Rng) -> Damaged:
+    """Noise on the position of the root and on the rotations of all twenty joints."""
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    for joint in find_joints(motion.skeleton):
+        noise = Rotation.from_rotvec(JITTER * rng.normal(size=(len(motion), 3)))
+        rotations[:, joint] = (Rotation.from_quat(rotations[:, joint]) * noise).as_quat()
+    translations[:, 0] += ROOT_JITTER * rng.normal(size=(len(motion), 3))
+    everything = np.ones((len(motion), len(JOINTS)), bool)
+    return replace(motion, rotations=rotations, translations=translations), everything
+
+
+def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
+    """Noise on the quaternions of random joints, of both legs or of one leg, for 1 to 2 s."""
+    frames, rig = stretch(motion, rng.uniform(*LONG), rng), find_joints(motion.skeleton)
+    left, right = ([JOINTS.index(name) for name in LIMBS[f"{s}_leg"]] for s in ("left", "right"))
+    some = rng.permutation(len(JOINTS))[: rng.integers(1, len(JOINTS) + 1)].tolist()
+    chosen = [some, left + right, left, right][rng.choice(4, p=[0.4, 0.3, 0.15, 0.15])]
+    rotations = motion.rotations.copy()
+    for joint in chosen:
+        q = rotations[frames, rig[joint]]
+        noise = NOISE * rng.uniform(0.5, 1.0) * rng.normal(size=q.shape)
+        q += noise.clip(-MOST_NOISE, MOST_NOISE)
+        rotations[frames, rig[joint]] = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return _rotated(motion, rotations, frames)
+
+
+def over_smoothed(motion: Motion, rng: Rng) -> Damaged:
+    """All rotations are smoothed too much for 1 to 2 s."""
+    frames, sigma = stretch(motion, rng.uniform(*LONG), rng), SMOOTHED * motion.rate
+    smooth = filter_motion(motion, lambda x: gaussian_filter1d(x, sigma, axis=0, mode="nearest"))
+    rotations = motion.rotations.copy()
+    rotations[frames] = smooth.rotations[frames]
+    return _rotated(motion, rotations, frames)
+
+
+def sliding(motion: Motion, rng: Rng) -> Damaged:
+    """The steps of the body over the floor are longer by up to a tenth for 1 to 2 s."""
+    frames = stretch(motion, rng.uniform(*LONG), rng)
+    hips = body_positions(motion)[:, 0]
+    steps = np.diff(hips, axis=0, prepend=hips[:1])[frames]
+    return _moved(motion, LONGER * rng.random((len(steps), 1)) * steps, frames)
+
+
+def drift(motion: Motion, rng: Rng) -> Damaged:
+    """The body drifts over the floor for 1 to 2 s, about in one direction."""
+    frames = stretch(motion, rng.uniform(*LONG), rng)
+    count = frames.stop - frames.start
+    direction = rng.normal(size=(1, 3)) + 0.1 * rng.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction[:, [0, 2]]) * np.sqrt(20 / motion.rate)
+    return _moved(motion, FASTEST / motion.rate * rng.random((count, 1)) * direction, frames)
+
+
+def _rotated(motion: Motion, rotations: np.ndarray, frames: slice) -> Damaged:
+    """The motion with other rotations in a stretch, where the joints that move are damaged."""
+    damaged = replace(motion, rotations=rotations)
+    off = np.linalg.norm(body_positions(damaged) - body_positions(motion), axis=-1)
+    wrong = [name for name, of in zip(JOINTS, off.T, strict=True) if of[frames].max() > WRONG]
+    return damaged, joint_mask(len(motion), wrong, frames)
+
+
+def _moved(motion: Motion, steps: np.ndarray, frames: slice) -> Damaged:
+    """The motion with additional steps (N, 3) over the floor in a stretch."""
+    translations = motion.translations.copy()
+    shift = np.zeros((len(motion), 2))
+    shift[frames] = steps[:, [0, 2]]
+    translations[:, 0, [0, 2]] += shift.cumsum(axis=0)
+    return replace(motion, translations=translations), joint_mask(len(motion), JOINTS, frames)
+
+
+DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
+    "frozen in channels": frozen_in_channels,
+    "frozen in the world": frozen_in_world,
+    "spikes": spikes,
+    "twisted leg": twisted_limb,
+    "missing marker": missing_marker,
+    "dropped frames": dropped_frames,
+    "jitter": jitter,
+    "jitter of some joints": jitter_of_some,
+    "over-smoothed": over_smoothed,
+    "sliding": sliding,
+    "drift": drift,
+}
+"""Kind of damage to the function that makes it."""

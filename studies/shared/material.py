@@ -1,0 +1,146 @@
+"""The takes of a study with their labels, for training and for testing.
+
+They are split by take, never by window: two windows of one take overlap.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from numpy_cae.cli.shared.takes import each_usable
+from numpy_cae.mocap import Coordinates, MotionFileError
+from numpy_cae.mocap.load import is_test, load_body, load_motion
+from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion import Motion
+
+if TYPE_CHECKING:
+    from numpy_cae.manifold import MotionManifold
+
+Take = TypeVar("Take")
+_BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
+_LABELS = "labels.csv"
+_SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
+
+
+@dataclass(frozen=True)
+class LabelledTake:
+    """One take and its labels, such as "walk" and "tired", which are empty where unknown."""
+
+    path: Path
+    positions: np.ndarray  # (F, 20, 3), world positions in metres at 30 frames a second
+    source: str = _UNLABELLED  # of the labels: labels.csv of data_synth, a name of Bandai Namco
+    content: str = ""
+    style: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Takes to train on (or to fit a baseline to) and takes to measure on.
+
+    `mapping` and `coordinates` are those with which their files were read.
+    """
+
+    training: list[LabelledTake]
+    testing: list[LabelledTake]
+    mapping: Mappings = None
+    coordinates: Coordinates | None = None
+
+    def of(self, source: str) -> Material:
+        """The takes of one source, for training and for testing."""
+        halves = (self.training, self.testing)
+        chosen = [[take for take in half if take.source == source] for half in halves]
+        return Material(*chosen, self.mapping, self.coordinates)
+
+    def motion(self, take: LabelledTake) -> Motion:
+        """A take in the rig of its file, at the rate of its file."""
+        known = vars(self.coordinates or Coordinates())
+        return load_motion(take.path, mapping=self.mapping, **known)
+
+    def labelled(self, what: str) -> Material:
+        """Bandai Namco's takes if some of them are for testing, else the synthetic takes.
+
+        ValueError, which begins with `what`, if none are for training or none for testing.
+        """
+        used = self.of(_BANDAI_NAMCO)
+        if not used.testing:
+            used = self.of(_SYNTHETIC)
+        if not used.testing or not used.training:
+            raise ValueError(f"{what} labelled takes, for training and for testing")
+        return used
+
+
+def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) -> Material:
+    """A material of takes without labels, from their world positions (F, 20, 3)."""
+
+    def takes(positions: Sequence[np.ndarray]) -> list[LabelledTake]:
+        return [LabelledTake(Path(f"take {n}"), take) for n, take in enumerate(positions, 1)]
+
+    return Material(takes(training), takes(testing))
+
+
+def features_of(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> list[np.ndarray]:
+    """The features (F, 63) of each take."""
+    return [manifold.features(take.positions)[0] for take in takes]
+
+
+def evenly(takes: Sequence[Take], count: int) -> list[Take]:
+    """At most `count` takes, spread evenly over all."""
+    chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
+    return [takes[index] for index in chosen]
+
+
+def read_material(
+    folders: Sequence[str | Path],
+    patterns: Sequence[str],
+    mapping: Mappings = None,
+    coordinates: Coordinates | None = None,
+) -> Material:
+    """Read and label every motion file below the folders.
+
+    Files whose name matches one of the patterns are for testing, the others for training;
+    `mapping` and `coordinates` are arguments of `numpy_cae.mocap.load_body`.
+    """
+    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
+    bodies = each_usable(folders, lambda path: load_body(path, mapping, coordinates)[0])
+    for path, positions in bodies:
+        halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
+    return Material(*halves, mapping, coordinates)
+
+
+def labels_of(path: Path) -> tuple[str, str, str]:
+    """Source, content and style of a motion file."""
+    named = _BANDAI.fullmatch(path.stem)
+    if named:
+        return _BANDAI_NAMCO, named["content"], named["style"]
+    for folder in list(path.parents)[:2]:
+        table, name = folder / _LABELS, path.relative_to(folder).as_posix()
+        rows = _read_labels(table, table.stat().st_mtime_ns) if table.is_file() else {}
+        if name in rows:
+            return _SYNTHETIC, rows[name]["kind"], rows[name]["style"]
+    return _UNLABELLED, "", ""
+
+
+@lru_cache(maxsize=16)
+def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
+    """The rows of a labels.csv by file. The result is cached; `changed`, the time of the last
+    change, makes sure that a changed table is read again."""
+    try:
+        with open(table, newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file, strict=True)
+            rows = list(reader)
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise MotionFileError(table, None, f"is no table of labels: {error}") from None
+    if "file" not in (reader.fieldnames or ()):
+        return {}  # not a table of data_synth
+    for number, row in enumerate(rows, start=2):
+        if not all(row.get(column) is not None for column in ("file", "kind", "style")):
+            raise MotionFileError(table, number, "expected the columns file, kind and style")
+    return {row["file"]: row for row in rows}

@@ -1,0 +1,71 @@
+"""A small manifold, a few labelled takes, and the result of every study of takes on them."""
+
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
+from itertools import product
+
+import pytest
+
+from data_synth import make_take
+from numpy_cae.manifold import learn_manifold
+from numpy_cae.mocap import body_of, write_bvh
+from numpy_cae.training import Schedule, Stage
+from studies.shared.material import LabelledTake, Material
+
+CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
+SMALL = {
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
+    "damage": {
+        "TAKES": 1,
+        "HOLE_TAKES": 1,
+        "HOLES": (15, 45),
+        "PARTS": {"wrist": (("left_wrist",), 1.0)},
+    },
+    "sampling": {"DRAWN": 4},
+    "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
+}
+"""Constants of studies that would take long."""
+
+
+@pytest.fixture(scope="session")
+def labelled(tmp_path_factory):
+    """Five pairs of content and style: two training takes and a testing take of each."""
+    folder = tmp_path_factory.mktemp("labelled")
+
+    def takes(seeds):
+        made = []
+        for (kind, style), seed in product([each.split(" ") for each in CONTENTS], seeds):
+            motion = make_take(kind, seed, 3.0, 30.0, style or None).motion
+            path = folder / f"{kind}_{style}_{seed}.bvh"
+            write_bvh(motion, path, unit=0.01)
+            made.append(LabelledTake(path, body_of(motion), "bandai", kind, style))
+        return made
+
+    return Material(takes([1, 2]), takes([3]))
+
+
+@pytest.fixture(scope="session")
+def small_manifold(labelled):
+    """Two layers, learned in a second."""
+    quick = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(epochs=3, rate=0.05, alpha=0.0))
+    takes = [take.positions for take in labelled.training]
+    return learn_manifold(takes, quick, 0, 32, 16, (12, 16), 5)
+
+
+@pytest.fixture(scope="session")
+def result_of(small_manifold, labelled):
+    """The result of a study by name, run once, with its figures drawn."""
+
+    @cache
+    def run(name):
+        module = import_module(f"studies.{name}")
+        with pytest.MonkeyPatch.context() as patch:
+            for constant, value in SMALL.get(name, {}).items():
+                patch.setattr(module, constant, value)
+            result = module.run(small_manifold, labelled, 0)
+            figures = {n: (p, p.draw()) for n, p in result.figures.items()}
+            drawn = {n: replace(p, draw=lambda f=f: f) for n, (p, f) in figures.items()}
+            return replace(result, figures=drawn)
+
+    return run

@@ -1,0 +1,105 @@
+"""The command `python -m studies` on a folder of synthetic takes and a tiny network."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from numpy_cae.evaluation import reconstruction
+from studies.__main__ import NAMES, main
+from studies.jang2018 import regulariser, samples
+
+TINY = "--test *_3.bvh --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --frames 20".split()
+
+
+@pytest.fixture(scope="module")
+def folder(labelled):
+    return labelled.training[0].path.parent
+
+
+@pytest.fixture(scope="module")
+def model(small_manifold, tmp_path_factory):
+    """Files of a model that records which takes it was not trained on, and of one that does not."""
+    folder = tmp_path_factory.mktemp("model")
+    settings = small_manifold.settings
+    for name, test in (("known", ["*_3.bvh"]), ("silent", [])):
+        recorded = replace(small_manifold, settings=settings | {"test": test})
+        recorded.save(folder / f"{name}.npz")
+    return folder
+
+
+def run(*words):
+    return main([str(word) for word in words])
+
+
+def test_it_lists_the_studies(capsys):
+    assert run() == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[2:]] == NAMES
+    assert all(line.endswith(".") for line in lines[2:])
+    assert run("spead") == 2
+    assert (
+        capsys.readouterr().err == "python -m studies spead: no study spead, did you mean speed?\n"
+    )
+
+
+def test_it_writes_its_files_and_a_study_that_cannot_be_run_stops_no_other(
+    folder, model, tmp_path, capsys
+):
+    out = tmp_path / "new"
+    words = ["--data", folder, "-m", model / "known.npz", "-o", out]
+    assert run("interpolation", "filling_in", *words) == 0
+    captured = capsys.readouterr()
+    assert "interpolation could not be run: the test takes have neither" in captured.err
+    assert "claims confirmed\n" in captured.out
+    html, data = ((out / f"report.{suffix}").read_text() for suffix in ("html", "json"))
+    assert html.count('<section id="') == 2
+    assert "data:image/png;base64," in html
+    assert "the network" in html and "*_3.bvh" in html and f"NumPy {np.__version__}" in html
+    results = json.loads(data)
+    assert set(results) == {"interpolation", "filling_in"}
+    made = results["filling_in"]["provenance"]
+    assert made["data"].endswith("10 takes to fit baselines to, 5 to test")
+    assert {"seed", "model", "training", "versions", "time"} < set(made)
+    assert len(list(out.iterdir())) == 4
+    assert run("interpolation", *words) == 2  # nothing could be run
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["-m", "silent.npz"], "names no test takes: give --test"),
+        (["-m", "known.npz", "--test", "*_2.bvh"], "may be ones that it has seen"),
+        (["-m", "silent.npz", "--test", "no_such*"], "holds no take to test"),
+    ],
+)
+def test_takes_of_the_training_are_refused(
+    folder, model, tmp_path, capsys, monkeypatch, words, message
+):
+    monkeypatch.chdir(model)
+    assert run("filling_in", "--data", folder, "-o", tmp_path / "out", *words) == 2
+    assert message in capsys.readouterr().err.splitlines()[-1]
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_study_of_sequences_has_claims_pictures_and_models(
+    folder, tmp_path, capsys, monkeypatch
+):
+    for module, name, fewer in (
+        (reconstruction, "PCA_CLIPS", 200),
+        (samples, "SAMPLES", 20),
+        (regulariser, "REPEATS", 1),
+    ):
+        monkeypatch.setattr(module, name, fewer)
+    out = tmp_path / "out"
+    words = ["--data", folder, "-o", out, "--models", out, *TINY]
+    assert run("sequences", *words) == 0
+    printed, page = capsys.readouterr(), (out / "report.html").read_text(encoding="utf-8")
+    action = folder.name
+    assert f"{action}, λ = 0: sequences, epoch 1/1" in printed.err
+    assert len(re.findall("^(not )?confirmed: .* Measured: ", printed.out, re.MULTILINE)) > 3
+    assert page.count("confirmed</span>") > printed.out.count("confirmed:")  # and in the summary
+    drawn = {f"{action}_fitted.png", f"{action}_fitted.html", f"{action}.npz"}
+    assert {"figure_2.png", *drawn} <= {path.name for path in out.iterdir()}

@@ -1,0 +1,56 @@
+"""Distances between motions and what they find."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.manifold import G, hidden_units
+from studies import comparison
+from studies.comparison import EQUATION_4, EUCLIDEAN, RANDOM, distances
+from studies.shared.material import Material
+
+
+@pytest.fixture(scope="module")
+def clips(small_manifold, labelled):
+    return [small_manifold.features(take.positions)[0] for take in labelled.testing]
+
+
+def test_every_distance_is_symmetric_and_zero_on_the_diagonal(small_manifold, clips):
+    for name, rows in comparison.rows_of_distances(small_manifold).items():
+        between = distances(rows, clips, clips)
+        assert between.shape == (5, 5)
+        np.testing.assert_allclose(between, between.T, atol=1e-6)
+        np.testing.assert_allclose(np.diag(between), 0, atol=1e-5)
+        assert np.all(between[~np.eye(5, dtype=bool)] > 0)
+        np.testing.assert_allclose(distances(rows, clips, clips[:3]), between[:, :3], atol=1e-6)
+        if name == EQUATION_4:
+            units = [hidden_units(small_manifold, clip) for clip in clips]
+            assert between[0, 1] ** 2 == pytest.approx(G(units[0], units[1]), rel=1e-5)
+
+
+def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled, clips):
+    training = [small_manifold.features(take.positions)[0] for take in labelled.training]
+    rows = comparison.rows_of_distances(small_manifold)
+    between = {name: distances(rows[name], clips, training) for name in (EQUATION_4, EUCLIDEAN)}
+    between[RANDOM] = np.random.default_rng(0).random((5, 10))
+    average = comparison.retrieved(between, labelled.testing, labelled.training)
+    assert list(average) == [
+        "content", "style", "both", "content, other style", "style, other content"
+    ]  # fmt: skip
+    for name in (EQUATION_4, EUCLIDEAN):
+        assert average["content"][name] > 0.9
+    assert average["content"][RANDOM] < 0.9
+    # "neutral" is the one style that two contents share: without it there are no such queries.
+    walks = [take for take in labelled.testing if take.content == "walk"]
+    few = {name: d[:2, :4] for name, d in between.items()}
+    assert "style, other content" not in comparison.retrieved(few, walks, labelled.training[:4])
+
+
+def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
+    untrained = comparison.UNTRAINED
+    names = (EQUATION_4, EUCLIDEAN, comparison.RAW_EXTREMES, untrained)
+    average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, untrained: 0.75}}
+    claims = comparison._claims(average)
+    assert [claim.confirmed for claim in claims] == [True, True, False]
+    assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures
+    with pytest.raises(ValueError, match="labelled takes"):
+        comparison.run(small_manifold, Material(labelled.training, []))

@@ -1,0 +1,66 @@
+"""Damage in a file's rig: it is where its mask says; simple methods change nothing else."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.mocap import body_of, body_positions
+from numpy_cae.motion import JOINTS
+from studies import damage
+from studies.shared.damages import DAMAGES, WRONG
+from studies.shared.material import LabelledTake
+
+
+@pytest.fixture(scope="module")
+def take():
+    return make_take("walk", 5, seconds=3.0, rate=60.0).motion
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_damage_is_where_its_mask_says(take, kind):
+    damaged, mask = DAMAGES[kind](take, np.random.default_rng(2))
+    assert mask.shape == (len(take), 20) and mask.any()
+    off = np.linalg.norm(body_positions(damaged) - body_positions(take), axis=-1)
+    assert off[mask].mean() > 0.01
+    if kind in ("sliding", "drift"):  # the body stays where it has moved to
+        mask[mask.any(axis=1).argmax() :] = True
+    np.testing.assert_allclose(off[~mask], 0, atol=WRONG if kind == "over-smoothed" else 1e-6)
+
+
+def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
+    damaged, mask = DAMAGES["frozen in the world"](take, np.random.default_rng(2))
+    frames, wrist = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))[-1]
+    positions = body_positions(damaged)[:, wrist - 2 : wrist + 1]
+    arm = np.linalg.norm(np.diff(positions[0], axis=0), axis=-1).sum()
+    reached = np.linalg.norm(positions[:, 2] - positions[:, 0], axis=-1) < 0.98 * arm
+    within = [frame for frame in frames[5:-5] if reached[frame]]
+    assert JOINTS[wrist].endswith("wrist") and within
+    assert np.abs(positions[within, 2] - positions[frames[0], 2]).max() < 0.01
+
+
+def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
+    material = [LabelledTake(None, body_of(take))]
+    _, mask = DAMAGES["twisted leg"](take, np.random.default_rng(2))
+    fillings = [partial(damage.curve_filling, curve) for curve in damage.CURVES.values()]
+    for filling in (*fillings, damage.pca_filling(small_manifold, material)):
+        made = filling(take, mask)
+        off = np.linalg.norm(body_positions(made) - body_positions(take), axis=-1)
+        np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
+        assert 0 < off[mask].mean() < 0.3
+    still = take.at(np.zeros(60, int))
+    for name in damage.FILTERS:
+        made = damage.filtered(still, name)
+        np.testing.assert_allclose(made.positions(), still.positions(), atol=1e-6)
+
+
+def test_claims_compare_with_the_best_filter_and_the_best_curve(result_of):
+    result = result_of("damage")
+    errors, found, ratios = result.tables[0], result.tables[2], result.tables[-1]
+    filtered = [row[7] for row in errors.rows if row[0] in damage.FILTERS]
+    shares = [value for row in found.rows for value in row[1:] if value is not None]
+    assert found.value(damage.RECALL, "twisted leg") > 0 and 0 <= min(shares) <= max(shares) <= 100
+    (claim,) = (claim for claim in result.claims if "the best filter" in claim.sentence)
+    assert claim.confirmed == (errors.value(damage.UNKNOWN, "jitter") <= min(filtered))
+    assert all(row[-1] == max(row[1:-1]) for row in ratios.rows)

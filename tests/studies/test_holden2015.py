@@ -1,0 +1,104 @@
+"""The studies of holden2015: tables have the right values, and claims follow from them."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.half_removed import half_removed
+from numpy_cae.motion.key_curves import ROTATION_CURVES
+from studies import interpolation, repair_sweep
+from studies.interpolation import ALONG, ENDS, LINEAR
+from studies.repair_sweep import CORRUPTED_ROW, RESCALED
+from studies.shared.clips import AVERAGED, NETWORK, REPEATED, project_repeated
+from studies.shared.material import Material
+from studies.shared.validity import Validity
+
+BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
+
+
+def test_the_sweep_of_removed_values(result_of):
+    unknown, given = result_of("repair_sweep").tables
+    assert unknown.rows[0][0] == CORRUPTED_ROW
+    errors = np.array(unknown.rows[0][1:])  # they grow with the root of p
+    np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)
+    assert given.rows[0][1] < min(row[1] for row in unknown.rows)
+    assert unknown.value(repair_sweep.LINEAR, "p = 0.5") < unknown.value(CORRUPTED_ROW, "p = 0.5")
+
+
+def test_claims_of_the_sweep_follow_its_errors():
+    networks = [name + suffix for name in (NETWORK, REPEATED, AVERAGED)
+                for suffix in ("", RESCALED)]  # fmt: skip
+    errors = {name: [5.0] * 9 for name in networks}
+    errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9}
+    errors |= {repair_sweep.LINEAR: [2.0] * 9, NETWORK: [1.0] * 3 + [4.0] * 6}
+
+    def confirmed(suffix=""):
+        return [claim.confirmed for claim in repair_sweep._claims(errors, 1.5, suffix)]
+
+    assert confirmed() == [True, False, False]
+    errors[NETWORK][4] = 1.9
+    assert confirmed() == [True, True, True]
+    errors[NETWORK][4] = 4.6
+    assert not confirmed()[0]
+    errors[NETWORK + RESCALED][4] = 4.4
+    assert not confirmed()[0] and confirmed(RESCALED)[0]
+
+
+def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
+    wrists, stepped = result_of("filling_in").tables
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
+    lost = clips.x.copy()
+    lost[..., 21:24] = 0
+    assert wrists.value("left_wrist", "the mean pose") == clips.error(lost, "left_wrist")
+    expected = clips.error(project_repeated(small_manifold, lost), "left_wrist")
+    assert wrists.value("left_wrist", NETWORK) == pytest.approx(expected)
+    held = stepped.value("held", "error, cm")
+    for curve in ROTATION_CURVES:
+        assert 0 < stepped.value(f"{curve} of the rotations, keys given", "error, cm") < held
+    assert stepped.value("truth", "error, cm") == 0
+
+
+def test_rows_that_need_no_network(small_manifold, labelled):
+    takes = ([take.positions for take in half] for half in (labelled.training, labelled.testing))
+    half = half_removed(small_manifold, *takes)
+    undamaged, removed = half.header[1:3]
+    assert half.value("as damaged", undamaged) == 0
+    assert half.value("PCA on frames", undamaged) == pytest.approx(0, abs=1e-4)
+    # Half of all values removed at random: half of the mean pose's squared error remains.
+    mean = half.value("the mean pose", removed)
+    assert half.value("the mean pose", undamaged) == mean
+    assert half.value("as damaged", removed) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
+    for name in ("PCA on frames", "PCA on windows"):
+        assert half.value(name, removed) < mean
+
+
+def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelled):
+    result = result_of("interpolation")
+    press_ups, styles = result.tables
+    assert "2 pairs" in press_ups.caption and "1 pairs" in styles.caption
+    for table in result.tables:
+        assert table.value(ENDS, BONES) < 0.5 < table.value(LINEAR, BONES)
+    one, other = interpolation.clips_of_pair(small_manifold, *labelled.testing[:2])
+    assert len(one) == len(other) == 32
+    np.testing.assert_allclose(interpolation.linear(one, other, 0.5), (one + other) / 2)
+    with pytest.raises(ValueError, match="neither press-ups"):
+        interpolation.run(small_manifold, Material(labelled.training, []))
+
+
+def test_a_claim_is_confirmed_if_all_measures_are_better():
+    measured = {ENDS: Validity(0, 0, 4, 0), ALONG: Validity(1, 1, 3, 1)}
+    measured[LINEAR] = Validity(2, 2, 9, 2)
+    claim = interpolation._claim("walks", measured)
+    assert claim.confirmed and "on 4 of 4 measures" in claim.figures
+    measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
+    assert not interpolation._claim("walks", measured).confirmed
+    worse = interpolation._claim("walks", measured | {ALONG: measured[LINEAR]})
+    assert "0 of 4 measures (none)" in worse.figures
+
+
+def test_sampling_measures_priors_beside_real_motion(result_of):
+    (table,) = result_of("sampling").tables
+    assert table.value("test takes", BONES) < table.value("uniform prior", BONES)
+    assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
+    uniform, fitted = result_of("sampling").claims
+    assert not uniform.confirmed and "fitted" in fitted.sentence

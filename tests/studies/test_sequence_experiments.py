@@ -1,0 +1,105 @@
+"""The study of jang2018 on tiny networks: that they measure what they state."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from data_synth import make_take
+from numpy_cae.evaluation import angle_distance, reconstruction
+from numpy_cae.evaluation.reconstruction import HELD, LINEAR, MEAN, NETWORK, SQUARED
+from numpy_cae.mocap import angles_of
+from numpy_cae.training import SequenceSchedule
+from studies import sequences
+from studies.jang2018 import actions, curves, regulariser, samples, training
+from studies.jang2018.samples import FITTED, PRIOR, REAL
+from studies.shared.render import png
+
+SHORT = SequenceSchedule(epochs=1, steps=2, batch=8, directions=4)
+SIZES = {"hidden": 8, "latent": 4}
+
+
+@pytest.fixture(scope="module")
+def studies():
+    trained = []
+    for kind in ("walking", "waiting"):
+        takes = [angles_of(make_take(kind, seed, 4.0, 25.0).motion) for seed in range(4)]
+        action = actions.Action(kind, takes[:2], takes[2:], kind == "walking")
+        trained.append(training.train_study(action, SHORT, **SIZES))
+    return trained
+
+
+def test_a_study_measures_before_the_first_step_and_after(studies):
+    curve = studies[0].curve
+    assert list(curve["steps"]) == [0, 1, 2]
+    assert np.isfinite(curve["error"]).all() and (curve["discrepancy"] > 0).all()
+    x = studies[0].random_clips(1000, 7, training=False)
+    manifold = studies[0].manifold
+    x_hat, truth = map(manifold.denormalise, (manifold.network.denoise(x), x))
+    error = angle_distance(x_hat, truth)
+    assert curve["error"][-1] == pytest.approx(error, rel=0.03)
+
+
+def test_figure_2_compares_the_first_and_the_last_tenth(studies):
+    error = np.linspace(2, 0.2, 20)
+    falling = {"steps": np.arange(20), "error": error, "discrepancy": np.geomspace(1, 0.01, 20)}
+    flat = falling | {"error": np.ones(20)}
+    both = zip(studies, (falling, flat), strict=True)
+    one, other = (replace(each, curve=curve) for each, curve in both)
+    result = curves.figure_2([one])
+    row = "walking: reconstruction error, rad"
+    assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
+    assert result.tables[0].value(row, "last tenth") == np.mean(error[-2:])
+    assert [claim.confirmed for claim in result.claims] == [True, True]
+    assert [claim.confirmed for claim in curves.figure_2([one, other]).claims] == [False, True]
+    assert len(png(result.figures["figure_2"])) > 1000
+
+
+def test_figure_3_draws_samples_of_each_source(studies):
+    for source in (FITTED, PRIOR, REAL):
+        result = samples.figure_3(studies[0], source=source)
+    assert len(png(result)) > 10_000
+    z = samples.fitted_latents(studies[0], 4000, 0)
+    encoded = studies[0].manifold.network.encode(studies[0].random_clips(1000, 0))
+    assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)
+
+
+def test_reconstruction_beside_simpler_methods(studies, monkeypatch):
+    monkeypatch.setattr(reconstruction, "PCA_CLIPS", 400)
+    result = sequences.reconstruction(studies[:1])
+    errors = {
+        method: result.tables[0].value(f"walking: {method}", SQUARED)
+        for method in (MEAN, HELD, LINEAR, NETWORK)
+    }
+    x = studies[0].held_out()
+    assert errors[MEAN] == pytest.approx(np.mean(x.astype(float) ** 2))
+    assert errors[HELD] == pytest.approx(np.mean((x - x[:, :1]).astype(float) ** 2), rel=1e-5)
+    assert errors[NETWORK] == pytest.approx(studies[0].squared_error())
+    assert errors[LINEAR] < errors[MEAN]
+    assert result.claims[0].confirmed == (errors[NETWORK] < errors[LINEAR])
+
+
+def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
+    monkeypatch.setattr(samples, "SAMPLES", 20)
+    result = samples.samples(studies)
+    for action in ("walking", "waiting"):
+        assert result.tables[0].value(f"{action}: {REAL}", "near") == pytest.approx(1)
+    assert len(result.claims) == 1
+
+
+def test_the_regulariser_with_and_without(studies, monkeypatch):
+    monkeypatch.setattr(regulariser, "REPEATS", 1)
+    free = training.train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
+    assert len(free.curve["steps"]) == 1 < len(studies[0].curve["steps"])
+    result = regulariser.regulariser(studies[:1], [free])
+    _, error, error_without, *_ = result.tables[0].rows[0]
+    assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
+    assert result.claims[1].confirmed == (error < error_without)
+
+
+def test_actions_are_split_by_person_or_by_pattern(data_folder, capsys):
+    made = actions.synthetic_action("walking", 0.2, quiet=False)
+    assert made.periodic and len(made.training) and len(made.testing)
+    assert capsys.readouterr().err == "walking: 0 of 2 takes made\n"
+    read = actions.read_action("walking", [data_folder / "cmu/expmap/walking"], ["walking_5.txt"])
+    assert (len(read.training), len(read.testing)) == (4, 1)

@@ -1,0 +1,62 @@
+"""Write one small picture for each lesson, made from the outputs that the lesson stores.
+
+The picture is that of the cell tagged "gallery", or else the last one of the lesson. It is stored
+with a hash of the original picture; a test compares the hash with the lesson's present outputs.
+
+example: python -m tools.gallery 03        (without numbers: every lesson)
+"""
+
+import base64
+import hashlib
+import io
+import sys
+from pathlib import Path
+
+from PIL import Image, PngImagePlugin
+
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.copies import choose_lessons
+from numpy_cae.course.notebook import read_notebook
+
+TAG, MADE_OF = "gallery", "made of"
+WIDTH, HEIGHT = 480, 320  # pixels at most
+COLOURS = 64
+
+
+def picture_of(notebook: dict) -> bytes:
+    """The PNG of an executed lesson; ValueError if it shows none, or none in the tagged cell."""
+    cells = notebook["cells"]
+    tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
+    outputs = [output for cell in tagged or cells for output in cell.get("outputs", ())]
+    shown = [output.get("data", {}) for output in outputs]
+    pictures = [data["image/png"] for data in shown if "image/png" in data]
+    if not pictures:
+        where = f"the cell tagged {TAG!r}" if tagged else "the lesson"
+        raise ValueError(f"{where} shows no picture: was it executed?")
+    return base64.b64decode("".join(pictures[-1]))
+
+
+def write_picture(notebook: dict, lesson: str | Path) -> Path:
+    """Write the picture of an executed lesson, whose file is `lesson`; returns the path."""
+    drawn, path = picture_of(notebook), picture_path(lesson)
+    path.parent.mkdir(exist_ok=True)
+    with Image.open(io.BytesIO(drawn)) as picture:
+        small = Image.new("RGB", picture.size, "white")
+        small.paste(picture, mask=picture.getchannel("A") if picture.mode == "RGBA" else None)
+    small.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    information = PngImagePlugin.PngInfo()
+    information.add_text(MADE_OF, hashlib.sha256(drawn).hexdigest())
+    with atomic_write(path) as temporary:
+        small.quantize(COLOURS).save(temporary, "PNG", optimize=True, pnginfo=information)
+    return path
+
+
+def picture_path(lesson: str | Path) -> Path:
+    """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
+    lesson = Path(lesson)
+    return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
+
+
+if __name__ == "__main__":
+    for path in choose_lessons(Path(__file__).parents[1] / "lessons", sys.argv[1:]):
+        print(write_picture(read_notebook(path), path))
