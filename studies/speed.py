@@ -44,11 +44,11 @@ MOST_LOAD = 0.5
 
 
 def run(
-    material: Material | None = None,
     batch: tuple[int, ...] = (1, 4, 16, 64),
     rounds: int = 21,
     sequential: bool = False,
     training: bool = False,
+    material: Material | None = None,
 ) -> Result:
     """Time every case at every batch size. ArithmeticError if PyTorch computes something else."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
@@ -112,5 +112,5 @@ def _timed(
     row: list[object] = [name, batch]
     for timing in times.values():
         row += [1e3 * timing.median / batch, 100 * timing.spread]
-    note(" | ".join(map(str, row)))
+    note(f"{name}, {batch}: {row[2]:.3f} ms a window")
     return [*row, times["theirs"].median / times["ours"].median] if torch is not None else row
