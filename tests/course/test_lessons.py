@@ -129,7 +129,7 @@ def test_lesson_00_ends_with_the_glossary():
 
 def test_a_deck_shows_what_the_cells_show_and_needs_no_network():
     pytest.importorskip("nbconvert")
-    from make_slides import deck
+    from tools.slides import deck
 
     page = deck(read_notebook(LESSONS[3]), "03 <convolution>")
     assert page.count("<section>") >= 8 and "03 &lt;convolution&gt;" in page
