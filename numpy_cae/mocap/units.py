@@ -74,7 +74,8 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
 
 
 def stated_unit(unit: float, source: str, height: float) -> Note:
-    """A note on the unit, its source and the stature. `height` is in metres, 0 if unknown."""
+    """A note on a unit and its source, from the height of the person (m, 0 if unknown). The unit is
+    in doubt if nobody is as tall."""
     in_doubt = height > 0 and not PLAUSIBLE[0] <= height <= PLAUSIBLE[1]
     advice = ", which no adult is: give the right unit" if in_doubt else ""
     text = f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"

@@ -7,8 +7,8 @@ A rotation is interpolated as rotation vectors relative to the last known frame 
 x is one of the curves of `motion.key_curves`, or a mean of them.
 """
 
-from collections import defaultdict
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product
 EVERY = slice(None)
 """EVERY: all frames."""
 CurveAt = Callable[[int, int], Curve]
-"""The curve over the hole of a column that begins in a frame: column and frame to curve."""
+"""CurveAt: from a column and the first frame of a hole in it to the curve over this hole."""
 
 
 def eased_everywhere(column: int, first: int) -> Curve:
@@ -41,11 +41,10 @@ def over_holes(
     With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB.
     """
     filled = np.array(values[frames], dtype=np.float64)
-    for columns, first, end, keys in _holes(missing, rate):
-        known = values[np.ix_(keys, columns)]
-        times = np.arange(first, end) / rate
-        inside = curve_at(columns[0], first)(keys / rate, known, times)
-        _put(inside, filled, columns, first, frames)
+    for hole in _holes(missing, rate):
+        known = values[np.ix_(hole.keys, hole.columns)]
+        inside = curve_at(hole.columns[0], hole.first)(hole.keys / rate, known, hole.times(rate))
+        _put(inside, filled, hole, frames)
     return filled
 
 
@@ -59,43 +58,60 @@ def rotations_over_holes(
     """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
     filled = np.array(rotations[frames])
     filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
-    for columns, first, end, keys in _holes(missing, rate):
-        before = int(np.searchsorted(keys, first))  # keys before the hole
-        start = rotations[keys[max(before - 1, 0)], columns]
-        vectors = to_vector(product(inverse(start), rotations[np.ix_(keys, columns)]))
-        for side in (vectors[:before][::-1], vectors[max(before - 1, 0) :]):
-            if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
-                side[...] = unwrapped(side)
-        times = np.arange(first, end) / rate
-        turned = curve_at(columns[0], first)(keys / rate, vectors, times)
-        _put(product(start, from_vector(turned)), filled, columns, first, frames)
+    for hole in _holes(missing, rate):
+        start, vectors = _relative_vectors(rotations, hole)
+        curve = curve_at(hole.columns[0], hole.first)
+        inside = curve(hole.keys / rate, vectors, hole.times(rate))
+        _put(product(start, from_vector(inside)), filled, hole, frames)
     return filled
 
 
-def _put(
-    inside: np.ndarray,
-    filled: np.ndarray,
-    columns: np.ndarray,
-    first: int,
-    frames: np.ndarray | slice,
-) -> None:
-    """Put the values `inside` a hole, which begins in the frame `first`, into columns of `filled`,
-    which has only the frames of the mask `frames`."""
-    if not isinstance(frames, slice):
-        inside = inside[frames[first : first + len(inside)]]
-        first = int(np.count_nonzero(frames[:first]))
-    filled[first : first + len(inside), columns] = inside
+class _Hole(NamedTuple):
+    """Frames from `first` to before `end` that are unknown in some columns, and the known frames
+    next to them, 2/30 s and a few frames more on both sides."""
+
+    columns: np.ndarray
+    first: int
+    end: int
+    keys: np.ndarray
+
+    def times(self, rate: float) -> np.ndarray:
+        """The times of the unknown frames in seconds."""
+        return np.arange(self.first, self.end) / rate
 
 
-def _holes(missing: np.ndarray, rate: float) -> Iterator[tuple[np.ndarray, int, int, np.ndarray]]:
-    """Each hole of a mask (F, N): its columns (those with the same holes together), its first frame
-    and its end, and the known frames next to it, 2/30 s and a few frames more on both sides."""
-    columns: dict[bytes, list[int]] = defaultdict(list)
-    for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
-        columns[missing[:, column].tobytes()].append(int(column))
+def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
+    """Each hole of a mask (F, N); columns with the same holes are taken together."""
+    some = np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0))
+    if not len(some):
+        return
+    patterns, numbers = np.unique(missing[:, some], axis=1, return_inverse=True)
     near = 2 * max(1, round(rate / RATE)) + 4
-    for alike in columns.values():
-        known = np.flatnonzero(~missing[:, alike[0]])
-        for first, end in runs(missing[:, alike[0]]):
+    for number, pattern in enumerate(patterns.T):
+        known = np.flatnonzero(~pattern)
+        for first, end in runs(pattern).tolist():
             after = int(np.searchsorted(known, first))
-            yield np.array(alike), first, end, known[max(after - near, 0) : after + near]
+            keys = known[max(after - near, 0) : after + near]
+            yield _Hole(some[numbers.ravel() == number], first, end, keys)
+
+
+def _relative_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, np.ndarray]:
+    """The last known rotations R_a before a hole, (N, 4), or the first after it where none is
+    before, and the rotation vectors x(t_k) of its keys, (K, N, 3)."""
+    before = int(np.searchsorted(hole.keys, hole.first))
+    last = max(before - 1, 0)
+    start = rotations[hole.keys[last], hole.columns]
+    vectors = to_vector(product(inverse(start), rotations[np.ix_(hole.keys, hole.columns)]))
+    for side in (vectors[:before][::-1], vectors[last:]):
+        if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
+            side[...] = unwrapped(side)
+    return start, vectors
+
+
+def _put(inside: np.ndarray, filled: np.ndarray, hole: _Hole, frames: np.ndarray | slice) -> None:
+    """Put values inside a hole into `filled`, which has only the frames of the mask `frames`."""
+    first = hole.first
+    if not isinstance(frames, slice):
+        inside = inside[frames[first : hole.end]]
+        first = int(np.count_nonzero(frames[:first]))
+    filled[first : first + len(inside), hole.columns] = inside

@@ -1,7 +1,7 @@
-"""Curves through keys: the values of a channel in the frames around a hole.
+"""Curves through keys: interpolation of a channel over a hole from the frames around it.
 
-`pchip`, `cubic` and `slerp` are those of animation programs (`ROTATION_CURVES`); pchip and slerp
-begin and end with another speed than the motion has there. `with_speeds` adds to a curve c the
+`pchip`, `cubic` and `slerp` are those of animation programs (`ROTATION_CURVES`). The speed of pchip
+and slerp at the ends of a hole differs from that of the motion. `with_speeds` adds to a curve c the
 difference between the speed v of the motion at an end of the hole and the slope of the curve. With
 t the time from that end and T at most the duration of the hole:
 
@@ -17,9 +17,11 @@ import numpy as np
 
 from numpy_cae.motion.motion import RATE
 
-EASE, BRIEF = 2 / 3, 0.1
-"""EASE, BRIEF: T of the module's equation (s). EASE was chosen among 0.13 to 0.8 s
-(docs/lab_book/filling.md); BRIEF removes the jump of the speed, and nothing else."""
+EASE_SECONDS = 2 / 3
+"""EASE_SECONDS: T of the module's equation (s) for the curve "eased", chosen among 0.13 to 0.8 s
+(docs/lab_book/filling.md)."""
+BRIEF_SECONDS = 0.1
+"""BRIEF_SECONDS: T (s) for other curves: their speed does not jump, and little else changes."""
 Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
 times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
@@ -27,28 +29,28 @@ times (n,) of a hole between them, to values (n, N, C). Outside the keys the cur
 
 def pchip(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The monotone cubic of Fritsch and Butland (1984) through all keys: no overshoot."""
-    return _through("PchipInterpolator", keys, values, times)
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]))
 
 
 def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The cubic spline through all keys, with continuous acceleration."""
-    return _through("CubicSpline", keys, values, times)
-
-
-def _through(kind: str, keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """One of SciPy's interpolators through all keys; a single key, and the outer ones, are held."""
-    from scipy import interpolate  # slow to import, and seldom needed
+    from scipy.interpolate import CubicSpline
 
     if len(keys) == 1:
         return np.repeat(values, len(times), axis=0)
-    return getattr(interpolate, kind)(keys, values)(np.clip(times, keys[0], keys[-1]))
+    return CubicSpline(keys, values)(np.clip(times, keys[0], keys[-1]))
 
 
 def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Linear between the two keys next to the hole: for rotation vectors relative to the first of
     the two this is spherical interpolation."""
     after = int(np.clip(np.searchsorted(keys, times[0]), 1, max(len(keys) - 1, 1)))
-    first, last = max(after - 1, 0), min(after, len(keys) - 1)
+    first = max(after - 1, 0)
+    last = min(after, len(keys) - 1)
     share = np.clip((times - keys[first]) / max(keys[last] - keys[first], 1e-9), 0.0, 1.0)
     return values[first] + share[:, None, None] * (values[last] - values[first])
 
@@ -60,25 +62,28 @@ def with_speeds(curve: Curve, longest: float) -> Curve:
     """
 
     def changed(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-        after, n = int(np.searchsorted(keys, times[0])), len(times)
+        result = curve(keys, values, times)
+        after = int(np.searchsorted(keys, times[0]))
         duration = keys[after] - keys[after - 1] if 0 < after < len(keys) else np.inf
-        third, duration = min(duration / 3, 1.0) * np.arange(1, 4), min(longest, duration)
-        # Both sides, each from the hole outwards, and times within the hole near it.
-        sides = (keys[:after][::-1], values[:after][::-1], 1), (keys[after:], values[after:], -1)
-        ends = [
-            (k[0], x, speed, sign) for k, x, sign in sides if (speed := speed_at(k, x)) is not None
-        ]
-        inside = [end + sign * third for end, *_, sign in ends]
-        points = curve(keys, values, np.concatenate([times, *inside]))
-        result, *near = np.split(points, n + 3 * np.arange(len(ends)))
-        for (end, x, speed, sign), (c1, c2, c3) in zip(ends, near, strict=True):
-            # The curve is a cubic over the hole, whose slope these four values determine.
-            slope = sign * (-11 * x[0] + 18 * c1 - 9 * c2 + 2 * c3) / (6 * third[0])
-            t = (times - end)[:, None, None]
-            result += (speed - slope) * t * np.clip(1 - np.abs(t) / duration, 0.0, None) ** 2
+        thirds = min(duration / 3, 1.0) * np.arange(1, 4)
+        outwards = (slice(after - 1, None, -1) if after else slice(0), slice(after, None))
+        for side, inwards in zip(outwards, (thirds, -thirds), strict=True):
+            speed = speed_at(keys[side], values[side])
+            if speed is not None:
+                end = keys[side][0]
+                near = curve(keys, values, end + inwards)
+                t = (times - end)[:, None, None]
+                ramp = np.clip(1 - np.abs(t) / min(longest, duration), 0.0, None) ** 2
+                result += (speed - _slope(values[side][0], near, inwards[0])) * t * ramp
         return result
 
     return changed
+
+
+def _slope(x: np.ndarray, near: np.ndarray, step: float) -> np.ndarray:
+    """The slope of a cubic where it is x, from its values `near` at 1, 2 and 3 steps from there."""
+    sign = np.sign(step)
+    return sign * (-11 * x + 18 * near[0] - 9 * near[1] + 2 * near[2]) / (6 * abs(step))
 
 
 def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
@@ -95,14 +100,14 @@ def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-eased = with_speeds(pchip, EASE)
+eased = with_speeds(pchip, EASE_SECONDS)
 CURVES: dict[str, Curve] = {
     "eased": eased,
-    "pchip": with_speeds(pchip, BRIEF),
+    "pchip": with_speeds(pchip, BRIEF_SECONDS),
     "cubic": cubic,
-    "slerp": with_speeds(slerp, BRIEF),
+    "slerp": with_speeds(slerp, BRIEF_SECONDS),
 }
-"""The curves of `fill` and `repair`; in none of them the speed jumps."""
+"""CURVES: the curves of `fill` and `repair`; the speed jumps in none of them."""
 
 
 def mean_curve(weights: np.ndarray) -> Curve:

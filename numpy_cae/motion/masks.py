@@ -53,15 +53,16 @@ def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
     A frame is True if either neighbouring frame of the file is True.
     """
     source = motion.source_frames(RATE)
-    low, high = np.floor(source).astype(int), np.ceil(source).astype(int)
-    return mask[low] | mask[np.minimum(high, len(motion) - 1)]
+    before = np.floor(source).astype(int)
+    after = np.minimum(np.ceil(source).astype(int), len(motion) - 1)
+    return mask[before] | mask[after]
 
 
 def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
     """A mask (F, N) at `RATE` in the frames of a motion, (frames, N).
 
-    A frame is True if either neighbouring frame at `RATE` is True. `at_thirty` and this both widen
-    runs, so one after the other does not give the same mask back.
+    A frame is True if either neighbouring frame at `RATE` is True. A mask that is taken to `RATE`
+    by `at_thirty` and back has longer runs than before.
     """
     source = motion.source_frames(RATE)
     after = np.searchsorted(source, np.arange(len(motion)), side="left")

@@ -61,9 +61,9 @@ class Holes:
         distance = np.linalg.norm(residual(manifold, self.features, self.mask), axis=-1)
         return float(np.median(distance[~self.mask]))
 
-    def filled(self, features: np.ndarray, original: Motion | None = None) -> Motion:
+    def filled(self, features: np.ndarray) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
-        (F, 63) on the mean skeleton. `original` is that of `retarget`."""
+        (F, 63) on the mean skeleton."""
         motion, holes = self.motion, self.in_file
         if not holes.any():
             return motion
@@ -78,7 +78,7 @@ class Holes:
             moved = at_rate_of(motion, correction, frames)
             return after + moved * weight[frames, :, None]
 
-        return retarget(motion, targets, holes, self.start, original)
+        return retarget(motion, targets, holes, self.start)
 
 
 def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:

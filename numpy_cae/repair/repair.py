@@ -159,7 +159,7 @@ def _repaired(
         # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
         filling = _filling(mended, manifold, found, preset if given is None else None)
         residual, unlikely = filling.residual, filling.unlikely
-        mended = filling.holes.filled(filling.features, motion)
+        mended = filling.holes.filled(filling.features)
     moved = posed = distances(motion, mended)
     if any(is_path(finding) for finding in found):
         posed = distances(motion, mended, from_hips=True)

@@ -6,7 +6,8 @@ Angles are about fixed axes in the order of the skeleton's `dof` (the root's: in
 
 import logging
 from array import array
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -144,39 +145,57 @@ def _frames(
 
     `rate` is the rate of these frames. Comments, blanks and the order of the bones do not matter.
     """
-    names = acclaim.skeleton.names
-    channels = {name: bone.names for name, bone in zip(names, acclaim.channels, strict=True)}
-    moving = [name for name in names if channels[name]]
+    bones = zip(acclaim.skeleton.names, acclaim.channels, strict=True)
+    channels = {name: of_bone.names for name, of_bone in bones}
     rows = array("d")
-    frame: dict[str, tuple[int, list[str]]] = {}
-    count = number = frame_line = 0
-
-    def finish(last: bool = False) -> None:
-        missing = [name for name in moving if name not in frame]
+    count = 0
+    for frame in _each_frame(file, channels, header):
+        missing = [name for name, names in channels.items() if names and name not in frame.values]
         if missing:
-            raise file.error(frame_line, f"frame {number} has no values for {', '.join(missing)}")
-        kept = (count - 1) % step == 0
-        if kept or last:  # the last frame may be cut off
-            values = [value for name in moving for value in file.numbers(*frame[name])]
-        if kept:
-            rows.extend(values)
-            file.require_frames((count - 1) // step + 1, len(names), rate)
+            problem = f"frame {frame.number} has no values for {', '.join(missing)}"
+            raise file.error(frame.line, problem)
+        if count % step == 0:
+            rows.extend(frame.row(file, channels))
+            file.require_frames(count // step + 1, len(channels), rate)
+        count += 1
+    frame.row(file, channels)  # the last frame may be cut off
+    return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)
 
+
+@dataclass
+class _Frame:
+    """A frame that begins on `line`: its number, and for each bone the line and its words."""
+
+    line: int
+    number: int
+    values: dict[str, tuple[int, list[str]]] = field(default_factory=dict)
+
+    def row(self, file: TextFile, channels: dict[str, tuple[str, ...]]) -> list[float]:
+        """The numbers of the bones that have channels, in their order."""
+        moving = [name for name, names in channels.items() if names]
+        return [value for name in moving for value in file.numbers(*self.values[name])]
+
+
+def _each_frame(
+    file: TextFile, channels: dict[str, tuple[str, ...]], header: int
+) -> Iterator[_Frame]:
+    """The frames below line `header`, at least one."""
+    frame: _Frame | None = None
     for line, (name, *values) in statements(file, header):
         if name in channels:
             expected = channels[name]
-            if not count or name in frame or len(values) != len(expected):
+            if frame is None or name in frame.values or len(values) != len(expected):
                 problem = f"bone {name!r} with {len(values)} values, expected it once in each frame"
                 raise file.error(line, f"{problem}, with {len(expected)} ({' '.join(expected)})")
-            frame[name] = line, values
+            frame.values[name] = line, values
             continue
-        following = whole_number(name)
-        if following is None or values or (count and following != number + 1):
-            after = f"frame {number + 1}" if count else "the first frame"
+        number = whole_number(name)
+        if number is None or values or (frame is not None and number != frame.number + 1):
+            after = "the first frame" if frame is None else f"frame {frame.number + 1}"
             wanted = f"expected the number of {after} or a bone of the skeleton and its values"
             raise file.error(line, f"{quoted(' '.join([name, *values]))}, {wanted}")
-        if count:
-            finish()
-        number, frame_line, frame, count = following, line, {}, count + 1
-    finish(last=True)
-    return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)
+        if frame is not None:
+            yield frame
+        frame = _Frame(line, number)
+    assert frame is not None  # the header ends before a statement
+    yield frame

@@ -76,6 +76,13 @@ class _Block:
         values = np.array([[angles["xyz".index(letter)] for letter in letters]])
         return Channels(names, 0, 1.0, angle_unit=angle_unit).rotations(values)[0]
 
+    def bone_channels(self, unit: float, angle_unit: float) -> Channels:
+        """The channels of a bone, about axes that its `axis` turns."""
+        line, words = self.words("axis")
+        axes = self.rotation(self.file.numbers(line, words[:3], 3, "axis"), words[3:], angle_unit)
+        names = self.channels("dof", _ROOT_CHANNELS[3:], "")
+        return Channels(names, 0, unit, axes=axes, angle_unit=angle_unit)
+
     def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
         """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
         order."""
@@ -128,68 +135,93 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     (('root', 'arm'), ('rx',), 0.0254)
     """
     file = TextFile.read(path, MAX_BYTES)
-    units, root, bones, hierarchy = _read_sections(file)
-    (length,) = units.numbers("length", 1, "1")
-    if length < 1e-9:
-        raise file.error(units.words("length")[0], f"length {length:g}, expected a number above 0")
-    line, words = units.words("angle", "deg")
-    angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
-    if angle_unit is None:
-        raise file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
-    unit = INCH / length if unit is None else require_unit(unit)
-
-    names = root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
-    angles = root.numbers("orientation", 3, "0 0 0")
-    orientation = root.rotation(angles, root.words("axis", "XYZ")[1], angle_unit)
-    channels = {"root": Channels(names, 0, unit, orientation=orientation, angle_unit=angle_unit)}
+    sections = _read_sections(file)
+    unit = sections.unit() if unit is None else require_unit(unit)
+    angle_unit = sections.angle_unit()
+    channels = {"root": sections.root_channels(unit, angle_unit)}
     tips = {"root": np.zeros(3)}
-    for bone in bones:
+    for bone in sections.bones:
         name = " ".join(bone.words("name")[1])
         if name in tips:
             raise file.error(bone.line, f"bone name {name!r} appears a second time")
         tips[name] = unit * bone.numbers("length", 1)[0] * np.array(bone.numbers("direction", 3))
-        line, words = bone.words("axis")
-        axes = bone.rotation(file.numbers(line, words[:3], 3, "axis"), words[3:], angle_unit)
-        names = bone.channels("dof", _ROOT_CHANNELS[3:], "")
-        channels[name] = Channels(names, 0, unit, axes=axes, angle_unit=angle_unit)
-
-    parent_of = _parents(file, list(tips), hierarchy)
+        channels[name] = bone.bone_channels(unit, angle_unit)
+    parent_of = _parents(file, list(tips), sections.hierarchy)
     children = defaultdict(list)
     for name, parent in parent_of.items():
         children[parent].append(name)
     joints = depth_first("root", children)
-    for name, bone in zip(list(tips)[1:], bones, strict=True):
+    for name, bone in zip(list(tips)[1:], sections.bones, strict=True):
         if name not in joints:
             raise file.error(bone.line, f"bone {name!r} is not below the root")
-    position = unit * np.array(root.numbers("position", 3, "0 0 0"))
-    offsets = [position, *(tips[parent_of[name]] for name in joints[1:])]
+    position = unit * np.array(sections.root.numbers("position", 3, "0 0 0"))
+    offsets = np.array([position, *(tips[parent_of[name]] for name in joints[1:])])
     parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
     end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in children}
-    placed, first = [], 0
-    for name, offset in zip(joints, offsets, strict=True):
-        # The root's translation is added to its preset position, which is its offset.
-        placed.append(replace(channels[name], first=first, offset=offset))
-        first += len(channels[name].names)
-    skeleton = Skeleton(tuple(joints), parents, np.array(offsets), end_sites)
-    return AcclaimSkeleton(skeleton, placed, unit)
+    skeleton = Skeleton(tuple(joints), parents, offsets, end_sites)
+    return AcclaimSkeleton(skeleton, _placed([channels[name] for name in joints], offsets), unit)
+
+
+def _placed(channels: list[Channels], offsets: np.ndarray) -> list[Channels]:
+    """The channels of the joints with their columns in a frame and their offsets: the root's
+    translation is added to its preset position, which is its offset."""
+    placed: list[Channels] = []
+    first = 0
+    for of_joint, offset in zip(channels, offsets, strict=True):
+        placed.append(replace(of_joint, first=first, offset=offset))
+        first += len(of_joint.names)
+    return placed
 
 
 _SEPARATORS = str.maketrans(",()", "   ")
 
 
-def _read_sections(
-    file: TextFile,
-) -> tuple[_Block, _Block, list[_Block], list[tuple[int, list[str]]]]:
+@dataclass
+class _Sections:
     """The sections `:units` and `:root`, the bones, and the lines of `:hierarchy`."""
+
+    units: _Block
+    root: _Block
+    bones: list[_Block]
+    hierarchy: list[tuple[int, list[str]]]
+
+    def unit(self) -> float:
+        """Metres in one unit of length."""
+        (length,) = self.units.numbers("length", 1, "1")
+        if length < 1e-9:
+            line, _ = self.units.words("length")
+            raise self.units.file.error(line, f"length {length:g}, expected a number above 0")
+        return INCH / length
+
+    def angle_unit(self) -> float:
+        """Radians in one unit of the angles."""
+        line, words = self.units.words("angle", "deg")
+        angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
+        if angle_unit is None:
+            problem = f"angle {quoted(' '.join(words))}, expected deg or rad"
+            raise self.units.file.error(line, problem)
+        return angle_unit
+
+    def root_channels(self, unit: float, angle_unit: float) -> Channels:
+        """The channels of the root, which an `orientation` turns."""
+        names = self.root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
+        angles = self.root.numbers("orientation", 3, "0 0 0")
+        turned = self.root.rotation(angles, self.root.words("axis", "XYZ")[1], angle_unit)
+        return Channels(names, 0, unit, orientation=turned, angle_unit=angle_unit)
+
+
+def _read_sections(file: TextFile) -> _Sections:
     sections: dict[str, _Block] = {}
     bones: list[_Block] = []
     hierarchy = []
-    section, bone = _Block(file, 0, {}), None
+    section = _Block(file, 0, {})
+    bone: _Block | None = None
     for line, statement in statements(file):
         words = " ".join(statement).translate(_SEPARATORS).split()
         if not words:
             continue
-        keyword, rest = words[0].lower(), words[1:]
+        keyword = words[0].lower()
+        rest = words[1:]
         if keyword.startswith(":"):
             section = sections.setdefault(keyword, _Block(file, line, {}))
         elif section is sections.get(":hierarchy"):
@@ -212,7 +244,8 @@ def _read_sections(
         expected = ":bonedata with the end of each bone and :hierarchy"
         raise file.error(line, f"expected {expected}: is the file cut off, or no .asf file?")
     missing = _Block(file, 0, {})
-    return sections.get(":units", missing), sections.get(":root", missing), bones, hierarchy
+    units = sections.get(":units", missing)
+    return _Sections(units, sections.get(":root", missing), bones, hierarchy)
 
 
 def _parents(

@@ -86,91 +86,117 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     # Every line of the header of a BVH file begins with a keyword or a brace.
     begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
     numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
-    misses: dict[tuple[str, str], float] = {}
-    cut, count = len(before) - len(after), 0
+    replacer = _Replacer(channels, numbers)
+    cut = len(before) - len(after)
     before = before.at(slice(cut, None)) if cut else before
+    count = 0
     with (
         atomic_write(path) as temporary,
         _text(source, "r") as lines,
         _text(temporary, "w") as output,
     ):
-        last = None
         parts = _parts(lines, begins)
-        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", next(parts)) if cut else next(parts))
+        header = next(parts)
+        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header)
         next(islice(parts, cut, cut), None)  # leaves the first frames out
         while texts := list(islice(parts, _BLOCK)):
             frames = slice(count, count + len(texts))
             count += len(texts)
             if count > len(before):
                 break
-            block = before.at(frames), after.at(frames)
-            texts, last = _replaced(texts, last, *block, channels, numbers, misses)
+            texts = replacer.replaced(texts, before.at(frames), after.at(frames))
             if cut and not is_bvh:  # an .amc file numbers its frames
                 numbered = enumerate(texts, frames.start + 1)
                 texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
             output.writelines(texts)
         if count != len(before):
             raise MotionFileError(source, None, "has changed since it was read")
-    if misses:
-        worst = ", ".join(f"{name} {miss:.0f}{unit}" for (name, unit), miss in misses.items())
+    if replacer.misses:
+        worst = ", ".join(f"{joint} {miss:.0f}{u}" for (joint, u), miss in replacer.misses.items())
         log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
 
 
-def _replaced(
-    texts: list[str],
-    last: np.ndarray | None,
-    before: Motion,
-    after: Motion,
-    channels: list[Channels],
-    numbers: _Numbers,
-    misses: dict[tuple[str, str], float],
-) -> tuple[list[str], np.ndarray]:
-    """The texts of a block of frames with new numbers, and the numbers of its last frame.
+class _Replacer:
+    """Replaces the numbers of what changed in the texts of frames, one block after the other.
 
-    `last` are the numbers of the frame before the block, None if it is the first. `misses` gets
-    what channels do not allow: joint and unit, ° or cm, to the largest amount.
+    Parameters
+    ----------
+    channels : list of Channels
+    numbers : _Numbers
+
+    Attributes
+    ----------
+    last : array or None
+        The numbers of the last frame of the block before.
+    misses : dict
+        What channels do not allow: joint and unit, ° or cm, to the largest amount.
     """
-    turned = np.any(before.rotations != after.rotations, axis=-1)
-    steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
-    moved = steps > 0
-    changed = np.any(turned | moved, axis=1)
-    after = as_in_file(after)
-    # Changed frames, their neighbours and the last frame are parsed.
-    parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
-    parsed[-1] = True
-    width = sum(len(of_joint.names) for of_joint in channels)
-    values = np.zeros((len(texts), width))
-    places_in: dict[int, list[int]] = {}  # frame -> the places of its numbers among its pieces
-    for frame in np.flatnonzero(parsed).tolist():
-        # Frames are split a second time below: the words of all of them do not fit in the cache.
-        pieces, words = _split(texts[frame])
-        order = numbers([pieces[word] for word in words])
-        places_in[frame] = [words[index] for index in order]
-        if len(order) != width:
-            raise ValueError(f"a frame has {len(order)} numbers, but had {width} when it was read")
-        values[frame] = [float(pieces[place]) for place in places_in[frame]]
-    old = values.copy()
-    for joint, of_joint in enumerate(channels):
-        frames = np.flatnonzero(moved[:, joint]).tolist()
-        place = np.ix_(frames, of_joint.columns("t"))
-        values[place] = of_joint.position_values(after.translations[frames, joint])
-        name, turn, step = after.skeleton.names[joint], 0.0, 0.0
-        if len(of_joint.coordinates) < 3:
-            step = steps[:, joint].max()
-        if turned[:, joint].any():
-            turn = _put_angles(values, last, after.rotations[:, joint], turned[:, joint], of_joint)
-        for key, miss in (((name, "°"), turn), ((name, " cm"), step)):
-            if miss > _NOTICEABLE:
-                misses[key] = max(miss, misses.get(key, 0.0))
-    decimals = _decimals(texts, places_in)
-    new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
-    written = map(f"%.{decimals}f".__mod__, values[new].tolist())
-    for frame in np.flatnonzero(changed).tolist():
-        pieces, _ = _split(texts[frame])
-        for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
-            pieces[places_in[frame][column]] = text
-        texts[frame] = "".join(pieces)
-    return texts, values[-1]
+
+    def __init__(self, channels: list[Channels], numbers: _Numbers):
+        self.channels, self.numbers = channels, numbers
+        self.last: np.ndarray | None = None
+        self.misses: dict[tuple[str, str], float] = {}
+
+    def replaced(self, texts: list[str], before: Motion, after: Motion) -> list[str]:
+        """The texts of a block of frames, in which the motion was `before`, with new numbers."""
+        turned = np.any(before.rotations != after.rotations, axis=-1)
+        steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
+        changed = np.any(turned | (steps > 0), axis=1)
+        # Changed frames, their neighbours and the last frame are parsed.
+        parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
+        parsed[-1] = True
+        values, places_in = self._parsed(texts, np.flatnonzero(parsed).tolist())
+        old = values.copy()
+        self._put(values, as_in_file(after), turned, steps)
+        self.last = values[-1]
+        decimals = _decimals(texts, places_in)
+        new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
+        written = map(f"%.{decimals}f".__mod__, values[new].tolist())
+        for frame in np.flatnonzero(changed).tolist():
+            pieces, _ = _split(texts[frame])
+            for column, text in zip(new[frame].nonzero()[0].tolist(), written, strict=False):
+                pieces[places_in[frame][column]] = text
+            texts[frame] = "".join(pieces)
+        return texts
+
+    def _parsed(
+        self, texts: list[str], frames: list[int]
+    ) -> tuple[np.ndarray, dict[int, list[int]]]:
+        """The numbers of some frames, (all frames, channels), and for each of these frames the
+        places of its numbers among the pieces of its text."""
+        width = sum(len(of_joint.names) for of_joint in self.channels)
+        values = np.zeros((len(texts), width))
+        places_in = {}
+        for frame in frames:
+            # Frames are split again later: the words of all of them do not fit in the cache.
+            pieces, words = _split(texts[frame])
+            order = self.numbers([pieces[word] for word in words])
+            places_in[frame] = [words[index] for index in order]
+            if len(order) != width:
+                problem = f"a frame has {len(order)} numbers, but had {width} when it was read"
+                raise ValueError(problem)
+            values[frame] = [float(pieces[place]) for place in places_in[frame]]
+        return values, places_in
+
+    def _put(
+        self, values: np.ndarray, after: Motion, turned: np.ndarray, steps: np.ndarray
+    ) -> None:
+        """Put the numbers of a motion into `values` where a joint turned or moved, both (F, J)."""
+        for joint, of_joint in enumerate(self.channels):
+            frames = np.flatnonzero(steps[:, joint] > 0).tolist()
+            place = np.ix_(frames, of_joint.columns("t"))
+            values[place] = of_joint.position_values(after.translations[frames, joint])
+            name = after.skeleton.names[joint]
+            if turned[:, joint].any():
+                rotations = after.rotations[:, joint]
+                angle = _put_angles(values, self.last, rotations, turned[:, joint], of_joint)
+                self._note(name, "°", angle)
+            if len(of_joint.coordinates) < 3:
+                self._note(name, " cm", float(steps[:, joint].max()))
+
+    def _note(self, joint: str, unit: str, miss: float) -> None:
+        if miss > _NOTICEABLE:
+            self.misses[joint, unit] = max(miss, self.misses.get((joint, unit), 0.0))
 
 
 def _split(text: str) -> tuple[list[str], Sequence[int]]:

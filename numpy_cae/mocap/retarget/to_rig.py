@@ -44,9 +44,9 @@ _FLEXIBLE_WEIGHT = 0.3
 rest."""
 
 _TAU = 0.03
-"""τ of `fit_fan`. CMU's collars begin at one point, so all bones of its chest are nearly on one
-line, about which an error of a centimetre would rotate the chest by a right angle. A larger τ
-suppresses requested rotations (docs/lab_book/retargeting.md)."""
+"""_TAU: τ of `fit_fan`. Both collars of CMU's rig begin at one point, so all bones of its chest are
+nearly on one line. About this line an error of a centimetre would rotate the chest by a right
+angle. A larger τ suppresses requested rotations (docs/lab_book/retargeting.md)."""
 
 
 _MIDDLES = [
@@ -66,7 +66,6 @@ def retarget(
     positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
     touched: np.ndarray | None = None,
     start: Motion | None = None,
-    original: Motion | None = None,
 ) -> Motion:
     """The motion, changed as little as its twenty joints need to reach new positions.
 
@@ -88,9 +87,6 @@ def retarget(
     start : Motion, optional
         The frames that have touched joints, with the rotations and translations that are changed as
         little as the positions need, such as those of `on_curves`; by default those of `motion`.
-    original : Motion, optional
-        The arrays of `motion` that it does not share with this motion are overwritten: copies of
-        those of an hour would take 0.75 GB. By default none is.
 
     Returns
     -------
@@ -114,7 +110,7 @@ def retarget(
     array([0. , 0.1, 0. ])
     """
     joints = rig_of(motion).joints
-    shape = len(motion), len(JOINTS)
+    shape = (len(motion), len(JOINTS))
     touched = np.ones(shape, dtype=bool) if touched is None else touched
     if not callable(positions) and np.shape(positions) != (*shape, 3):
         raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
@@ -122,89 +118,101 @@ def retarget(
         raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
     bones = bones_through(motion, joints)
     carrier = _carrier(motion, joints[0])
-    there = np.asarray(touched.any(axis=1))
-    unchanged, row = motion, np.arange(len(motion))  # the row of a frame in `unchanged`
-    if original is not None:
-        unchanged, row = motion.at(there), np.cumsum(there) - 1
-    shared = original or motion
-    rotations, translations = _own(motion.rotations, shared.rotations), motion.translations
-    moved = start is not None and np.any(start.translations != translations[there])
-    if touched[:, 0].any() or moved:
-        translations = _own(translations, shared.translations)
+    changed = _started(motion, touched, start, bones, joints)
+    for frames in blocks(np.flatnonzero(touched.any(axis=1))):
+        moves = touched[frames]
+        targets = positions(frames) if callable(positions) else positions[frames]
+        if not np.all(np.isfinite(targets).all(axis=-1) | ~moves):
+            raise ValueError("positions hold values that are not finite")
+        if not moves.all():
+            present = motion.at(frames).positions(joints)
+            targets = np.where(moves[..., None], targets, present)
+        part = changed.at(frames)
+        pose = part.forward_kinematics()
+        if moves[:, 0].any():
+            part.translations[:, carrier] += _step(part, pose, targets[:, 0], carrier, joints[0])
+            changed.translations[frames] = part.translations
+        by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
+        limbs = {joints[mid]: (joints[mid + 1], ~moves[:, mid + 1]) for mid in _MIDDLES}
+        changed.rotations[frames] = _rotated(part, pose, by_joint, limbs, bones)
+    return changed
+
+
+def _started(
+    motion: Motion, touched: np.ndarray, start: Motion | None, bones: _Bones, joints: list[int]
+) -> Motion:
+    """A copy of the motion with the rotations and translations that are then changed as little as
+    the positions need: those of `start`, and rotations without seams."""
+    there = touched.any(axis=1)
+    rotations = motion.rotations.copy()
+    translations = motion.translations
+    moves = start is not None and np.any(start.translations != translations[there])
+    if touched[:, 0].any() or moves:
+        translations = translations.copy()
     if start is not None:
         rotations[there] = start.rotations
-        if moved:
+        if moves:
             translations[there] = start.translations
     for joint, passing in bones.items():
         ends = touched[:, [joints.index(end) for *_, end in passing]]
         damaged = ends.any(axis=1)
-        if start is not None:  # where every bone is damaged, `on_curves` has interpolated
+        if start is not None:  # where every bone is damaged, the rotation of `start` has no seam
             damaged &= ~ends.all(axis=1)
         rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
-    for frames in blocks(np.flatnonzero(there)):
-        targets = positions(frames) if callable(positions) else positions[frames]
-        if not np.all(np.isfinite(targets).all(axis=-1) | ~touched[frames]):
-            raise ValueError("positions hold values that are not finite")
-        if not touched[frames].all():
-            present = unchanged.at(row[frames]).positions(joints)
-            targets = np.where(touched[frames][..., None], targets, present)
-        part = replace(motion, rotations=rotations, translations=translations).at(frames)
-        before, rotations_before = part.forward_kinematics()
-        if touched[frames, 0].any():
-            step = targets[:, 0] - before[:, joints[0]]
-            if carrier > 0:
-                above = rotations_before[:, motion.skeleton.parents[carrier]]
-                step = rotate(inverse(above), step)
-            translations[frames, carrier] += step
-            part = replace(part, translations=translations[frames])
-        by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
-        kept = ~touched[frames]  # where a wrist or ankle keeps its position exactly
-        limbs = {joints[mid]: (joints[mid + 1], kept[:, mid + 1]) for mid in _MIDDLES}
-        rotations[frames] = _rotated(part, by_joint, limbs, bones, (before, rotations_before))
     return replace(motion, rotations=rotations, translations=translations)
 
 
-def _own(values: np.ndarray, shared: np.ndarray) -> np.ndarray:
-    """The values, copied if they are in the memory of others."""
-    return values.copy() if np.may_share_memory(values, shared) else values
+_Pose = tuple[np.ndarray, np.ndarray]
+"""Positions (F, J, 3) and global rotations (F, J, 4), as `forward_kinematics` returns them."""
+
+
+def _step(motion: Motion, pose: _Pose, target: np.ndarray, carrier: int, hips: int) -> np.ndarray:
+    """The change (F, 3) of the carrier's translation that moves the hips to their target (F, 3)."""
+    positions, rotations = pose
+    step = target - positions[:, hips]
+    if carrier == 0:
+        return step
+    return rotate(inverse(rotations[:, motion.skeleton.parents[carrier]]), step)
 
 
 def _rotated(
     motion: Motion,
+    pose: _Pose,
     targets: dict[int, np.ndarray],
     limbs: dict[int, tuple[int, np.ndarray]],
     bones: _Bones,
-    unchanged: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """The rotations (F, J, 4) that point the bones at their targets, from the root down.
 
-    `targets` (F, 3) are by joints of the rig; `limbs` gives for an elbow or a knee the wrist or
-    ankle and the frames (F) in which it is reached exactly; `unchanged` is `forward_kinematics`.
+    `pose` is the motion's before its hips were moved; `targets` (F, 3) are by joints of the rig;
+    `limbs` gives for an elbow or a knee the wrist or ankle and the frames (F) in which that keeps
+    its position exactly.
     """
-    before, rotations_before = unchanged
+    before, rotations_before = pose
     rotations = motion.rotations.copy()
-    after, turned = motion.translations.copy(), motion.rotations.copy()
+    after = motion.translations.copy()
+    turned = motion.rotations.copy()  # becomes global, from the root down
     for joint, parent in enumerate(motion.skeleton.parents):
         if parent >= 0:
-            above = turned[:, parent]
-            turned[:, joint] = product(above, turned[:, joint])
-            after[:, joint] = after[:, parent] + rotate(above, after[:, joint])
-        if joint in bones:
-            ends = [end for *_, end in bones[joint]]
-            if ends[0] in limbs and len(bones[joint]) == 1:
-                end, exact = limbs[ends[0]]
-                chain = before[:, [joint, ends[0], end]]
-                middle = bent(after[:, joint], chain, targets[ends[0]], targets[end])
-                targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
-            bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
-            target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
-            free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
-            rotation = turned[:, joint]
-            corrected = _corrected(rotation, rotations_before[:, joint], bone, target, free)
-            changes = angle(product(corrected, inverse(rotation))) > _ROUNDING
-            turned[changes, joint] = corrected[changes]
-            local = corrected if parent < 0 else product(inverse(above), corrected)
-            rotations[changes, joint] = local[changes]
+            turned[:, joint] = product(turned[:, parent], turned[:, joint])
+            after[:, joint] = after[:, parent] + rotate(turned[:, parent], after[:, joint])
+        if joint not in bones:
+            continue
+        ends = [end for *_, end in bones[joint]]
+        if ends[0] in limbs and len(ends) == 1:
+            end, exact = limbs[ends[0]]
+            chain = before[:, [joint, ends[0], end]]
+            middle = bent(after[:, joint], chain, targets[ends[0]], targets[end])
+            targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
+        bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
+        target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
+        free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
+        corrected = _corrected(turned[:, joint], rotations_before[:, joint], bone, target, free)
+        changes = angle(product(corrected, inverse(turned[:, joint]))) > _ROUNDING
+        turned[changes, joint] = corrected[changes]
+        if parent >= 0:
+            corrected = product(inverse(turned[:, parent]), corrected)
+        rotations[changes, joint] = corrected[changes]
     return rotations
 
 
