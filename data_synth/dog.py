@@ -9,7 +9,7 @@ from data_synth.body import SIGN, Body
 from data_synth.curves import drift
 from data_synth.pose import Pose
 from data_synth.stage import bump
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 
 def hold_lead(

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from data_synth.body import Body
 from data_synth.curves import ease
 from data_synth.stride import pitched
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 
 @dataclass

@@ -20,7 +20,7 @@ from data_synth.manner import Manner, in_radians
 from data_synth.pose import Leg
 from data_synth.route import Route
 from data_synth.stride import LONG_AGO, Stances, pitched
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 
 class Gait:

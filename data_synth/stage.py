@@ -15,7 +15,7 @@ from data_synth.body import SIDES, SIGN, Body
 from data_synth.curves import drift, ease, smooth_over, yielding
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 # How far gestures together can take an angle, degrees; the joints themselves go a little further.
 _REACH = {"bend": (-45, 95), "side": (-60, 60), "twist": (-58, 58), "nod": (-45, 75),

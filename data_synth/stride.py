@@ -11,7 +11,7 @@ import numpy as np
 
 from data_synth.body import Body
 from data_synth.curves import ease
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 # Seconds before a walk that begins with standing, and after a walk that ends with standing.
 LONG_AGO = 1e4

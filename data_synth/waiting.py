@@ -10,7 +10,7 @@ from data_synth.body import LEFT, RIGHT, SIDES, SIGN
 from data_synth.curves import drift
 from data_synth.stage import Stage, bump
 from data_synth.standing import fidget, glance, shift_weight
-from numpy_cae.motion.heading import rotate_about_y
+from numpy_cae.motion.features import rotate_about_y
 
 
 def waiting(stage: Stage, seconds: float, tempo: float) -> None:

@@ -10,8 +10,7 @@ Bandai's, more with fingers, as in CMU's).
 
 import numpy as np
 
-from numpy_cae.motion.motion import Note
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Note, Skeleton
 
 INCH = 0.0254
 # CMU's skeletons say `length 0.45`: a value divided by 0.45 is inches.

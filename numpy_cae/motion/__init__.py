@@ -19,7 +19,7 @@ from numpy_cae.motion.lengths import change_lengths as change_lengths
 from numpy_cae.motion.motion import RATE as RATE
 from numpy_cae.motion.motion import Motion as Motion
 from numpy_cae.motion.motion import Note as Note
-from numpy_cae.motion.skeleton import Skeleton as Skeleton
+from numpy_cae.motion.motion import Skeleton as Skeleton
 from numpy_cae.motion.windows import cut_windows as cut_windows
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -15,8 +15,7 @@ import numpy as np
 
 from numpy_cae.motion import quaternions
 from numpy_cae.motion.angle_table import TRANSLATION, AngleTable
-from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Motion, Skeleton
 
 ANGLE_RATE = 25.0
 """Frames a second, MBR17's rate for Human3.6M: half of its fifty."""

@@ -14,9 +14,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
-from numpy_cae.motion.skeleton import Skeleton
 
 STILL_METRES = 1e-6
 """STILL_METRES: a curve stands still where it changes by no more than this (m; of quaternions, in

@@ -4,8 +4,14 @@ import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, retarget_poses
-from numpy_cae.motion.features import VELOCITY, RootTransform, trajectory_of, velocities_along
-from numpy_cae.motion.heading import SMOOTHING_SECONDS, smoothed
+from numpy_cae.motion.features import (
+    SMOOTHING_SECONDS,
+    VELOCITY,
+    RootTransform,
+    smoothed,
+    trajectory_of,
+    velocities_along,
+)
 from numpy_cae.motion.motion import Motion
 
 

@@ -8,8 +8,7 @@ in squared metres, and its pullback to the features (F, 63).
 import numpy as np
 
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, local_positions
-from numpy_cae.motion.heading import rotate_on_floor
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, local_positions, rotate_on_floor
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.ops.shapes import Pullback
 

@@ -14,10 +14,11 @@ from numpy_cae.motion.features import (
     TURN,
     VELOCITY,
     features_to_positions,
+    heading,
     joint_slice,
     positions_to_features,
+    smoothed,
 )
-from numpy_cae.motion.heading import heading, smoothed
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy_cae.mocap.formats.channels import Channels
 from numpy_cae.mocap.formats.text_file import TextFile, quoted
 from numpy_cae.mocap.units import INCH, require_unit
-from numpy_cae.motion.skeleton import Skeleton, depth_first
+from numpy_cae.motion.motion import Skeleton, depth_first
 
 MAX_BYTES = 1_000_000
 """MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""

@@ -14,8 +14,7 @@ from numpy_cae.mocap.formats.bvh_hierarchy import BvhJoint, read_hierarchy
 from numpy_cae.mocap.formats.channels import Channels, read_pose
 from numpy_cae.mocap.formats.text_file import HEADER_SIZE, TextFile, quoted, whole_number
 from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
-from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, whole_step
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.mocap.units import CMU_UNIT
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Skeleton
 
 
 @dataclass(frozen=True)

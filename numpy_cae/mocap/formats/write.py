@@ -17,8 +17,7 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.mocap.units import require_unit
-from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.skeleton import Skeleton, depth_first
+from numpy_cae.motion.motion import Motion, Skeleton, depth_first, require_finite
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
@@ -65,7 +64,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     """
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)
-    require_writable(motion)
+    require_finite(motion)
     for name in motion.skeleton.names:
         if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
             raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
@@ -78,20 +77,6 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
         for line in chain(lines, _frame_lines(motion, order, moving, unit)):
             file.write(line + "\n")
-
-
-def require_writable(motion: Motion) -> None:
-    """Raise ValueError if a motion has no frames or values that are not finite."""
-    if len(motion) == 0:
-        raise ValueError("the motion has no frames, expected at least one")
-    for values in ("rotations", "translations"):
-        wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
-        if len(wrong):
-            frame, joint, _ = wrong[0]
-            raise ValueError(
-                f"{values} have a value that is not finite: frame {frame}, "
-                f"joint {motion.skeleton.names[joint]!r}"
-            )
 
 
 def _length_format(unit: float) -> str:

@@ -18,9 +18,8 @@ from numpy_cae.mocap.formats.amc import amc_channels
 from numpy_cae.mocap.formats.bvh import bvh_channels
 from numpy_cae.mocap.formats.channels import Channels
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write import require_writable
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.motion.quaternions import angle, inverse, product
 
 log = logging.getLogger(__name__)
@@ -80,7 +79,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     True
     """
     source = Path(source)
-    require_writable(after)
+    require_finite(after)
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
     # Every line of the header of a BVH file begins with a keyword or a brace.

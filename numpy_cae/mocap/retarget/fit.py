@@ -10,9 +10,8 @@ import numpy as np
 
 from numpy_cae.mocap.retarget.rotations import fit_fan, swing
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS, REST_TIPS
-from numpy_cae.motion.motion import Motion, Note
+from numpy_cae.motion.motion import Motion, Note, Skeleton
 from numpy_cae.motion.quaternions import IDENTITY, inverse, product, rotate
-from numpy_cae.motion.skeleton import Skeleton
 
 _TAU = 1e-7
 """τ of `fit_fan`. It is so small that only rotations that the bones do not determine stay near the

@@ -9,7 +9,7 @@ import numpy as np
 from numpy_cae.mocap.rigs.rigs import Rig
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.lengths import frame_lengths
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Skeleton
 
 UNEQUAL = 1.5
 """UNEQUAL: the bones of a left and a right limb differ by at most this factor. A program that

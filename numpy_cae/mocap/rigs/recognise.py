@@ -25,8 +25,7 @@ from numpy_cae.mocap.rigs.rigs import (
 )
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion, Note
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Motion, Note, Skeleton
 
 _POSES = 100
 """_POSES: about this many poses of a motion are looked at."""

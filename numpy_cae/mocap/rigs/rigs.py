@@ -19,8 +19,7 @@ import numpy as np
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap.rigs.rig_names import RIGS
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Motion, Skeleton
 
 JointNames = dict[str, str]
 """Some of our joint names, each with the joint's name in a rig."""
@@ -72,10 +71,9 @@ class RiggedMotion(Motion):
 
     rig: Rig
 
-    @property
-    def own_joints(self) -> int:
-        """The number of joints that the file has."""
-        return len(self.skeleton.names) - len(self.rig.added)
+    def __repr__(self) -> str:
+        joints = len(self.skeleton.names) - len(self.rig.added)  # those that the file has
+        return f"motion of {len(self)} frames at {self.rate:g} a second, {joints} joints"
 
 
 def rig_by_names(skeleton: Skeleton, mapping: Mappings = None) -> Rig:

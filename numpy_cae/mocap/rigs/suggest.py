@@ -14,7 +14,7 @@ import numpy as np
 from numpy_cae.mocap.rigs.checks import left_or_right
 from numpy_cae.mocap.rigs.rigs import add_trunk
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.skeleton import Skeleton
+from numpy_cae.motion.motion import Skeleton
 
 _MAX_JOINTS = 1000
 """_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
