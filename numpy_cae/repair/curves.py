@@ -3,7 +3,8 @@
 A curve is a joint's rotations (F, 4) or translations (F, 3), in the frames of the file. `between`
 is the difference of two of its values: R_i⁻¹ R_j as a rotation vector, or t_j - t_i. Differences of
 rotations are multiplied by `lever`, so that all of them are in metres at the end of the body that
-the joint moves.
+the joint moves. The metres are those of a body of usual size (`body_size`): so a threshold holds
+for characters of any size, and while the unit of the file is in doubt.
 """
 
 from collections.abc import Iterator
@@ -12,14 +13,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
 
+LEG = ("hip", "knee", "ankle")
 STILL_METRES = 1e-6
 """STILL_METRES: a curve stands still where it changes by no more than this (m; of quaternions, in
 their values)."""
+LEG_METRES = 0.84
+"""LEG_METRES: thigh and shank of a body of usual size are so long together (m), as those of the
+mean skeleton of the starter model."""
 LEAST_LEVER_METRES = 0.05
 """LEAST_LEVER_METRES: a joint that moves nothing but itself, such as a hand, has this lever (m)."""
 
@@ -29,7 +35,8 @@ class Curve:
     """The rotations (F, 4) or translations (F, 3) of a joint of the rig.
 
     `name` is that of `joint_names`. `lever` is the distance in metres that a rotation by one radian
-    moves the furthest joint below; 1 for translations. `is_root` says that it moves the whole body.
+    moves the furthest joint below, or by which a translation is multiplied. `is_root` says that it
+    moves the whole body.
     """
 
     joint: int
@@ -51,15 +58,14 @@ class Curve:
 
     def amount(self, metres: float) -> str:
         """A difference of rotations in degrees, of places in centimetres."""
-        if self.is_rotation:
-            return f"{np.degrees(metres / self.lever):.0f}°"
-        return f"{100 * metres:.1f} cm"
+        value = metres / self.lever
+        return f"{np.degrees(value):.0f}°" if self.is_rotation else f"{100 * value:.1f} cm"
 
     def between(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """The difference of the values in frames i and j, (N, 3), metres."""
         one, other = self.values[i], self.values[j]
         if not self.is_rotation:
-            return other - one
+            return self.lever * (other - one)
         return self.lever * to_vector(product(inverse(one), other))
 
     def steps(self, frames: slice = slice(None)) -> np.ndarray:
@@ -70,7 +76,7 @@ class Curve:
         """
         values = self.values[frames]
         if not self.is_rotation:
-            return np.linalg.norm(np.diff(values, axis=0), axis=-1)
+            return self.lever * np.linalg.norm(np.diff(values, axis=0), axis=-1)
         dot = np.abs(np.einsum("ij,ij->i", values[1:], values[:-1]))
         return 2 * self.lever * np.sqrt(np.maximum(1 - dot * dot, 0.0))
 
@@ -78,7 +84,7 @@ class Curve:
         """The values in metres, quaternions without changes of sign: their distances are those of
         `between`, of small rotations."""
         if not self.is_rotation:
-            return self.values
+            return self.lever * self.values
         dot = np.einsum("ij,ij->i", self.values[1:], self.values[:-1])
         signs = np.cumprod(np.where(dot < 0, -1.0, 1.0))
         return 2 * self.lever * self.values * np.r_[1.0, signs][:, None]
@@ -100,7 +106,8 @@ def off_cubic(x: np.ndarray) -> np.ndarray:
 def curves_of(motion: Motion) -> Iterator[Curve]:
     """The curves of a motion that change: rotations of joints that move others, or are among the
     twenty, then translations of all."""
-    skeleton, levers = motion.skeleton, levers_of(motion.skeleton)
+    skeleton, size = motion.skeleton, body_size(motion)
+    levers = levers_of(skeleton)
     rig, names = rig_of(motion), joint_names(motion)
     root = skeleton.path(rig.joints[0])
     for values in (motion.rotations, motion.translations):
@@ -111,8 +118,16 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
             # The last bone of a finger moves no joint.
             counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
             if counts and change[joint] > STILL_METRES and joint not in rig.added:
-                lever = levers[joint] if values.shape[2] == 4 else 1.0
+                lever = (levers[joint] if values.shape[2] == 4 else 1.0) / size
                 yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
+
+
+def body_size(motion: Motion) -> float:
+    """The length of the legs of a motion, divided by that of a body of usual size."""
+    body = body_positions(motion.at(slice(0, 1)))[0]
+    legs = [body[[JOINTS.index(f"{side}_{joint}") for joint in LEG]] for side in ("left", "right")]
+    length = np.linalg.norm(np.diff(legs, axis=1), axis=-1).sum(axis=-1).mean()
+    return float(length / LEG_METRES) or 1.0
 
 
 def joint_names(motion: Motion) -> list[str]:

@@ -20,12 +20,14 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product, slerp
 from numpy_cae.repair.curves import Curve, curves_of
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolate_channels
 from numpy_cae.repair.segments import Segment, segments_between_jumps
+from numpy_cae.repair.spikes import longest_spike
 
 CLOSING_SHARE = 0.3
 """CLOSING_SHARE: two jumps undo each other if what is left is at most this share of the smaller
@@ -42,8 +44,6 @@ LONGEST_SECONDS = 1.5
 OPPOSITE_COSINE = -0.5
 """OPPOSITE_COSINE: two jumps whose directions have a cosine below this lead back; those of the root
 do not count, since a body that turns and turns back may kick."""
-SPIKE_FRAMES = 3
-"""SPIKE_FRAMES: what is displaced for at most this many frames is a spike (`repair.spikes`)."""
 HALF_TURN_DEGREES = 150.0
 """HALF_TURN_DEGREES: a rotation that jumps by more than this (°) and does not come back is
 undone."""
@@ -121,11 +121,13 @@ def _kinds(curve: Curve, segment: Segment) -> Iterator[str]:
     """What a segment may be: a "spike", a displacement to be "undone", or values of another motion
     to be "interpolated"."""
     if segment.end == len(curve.values):
-        if _size(curve, segment.first) > _least(curve, HALF_TURN_DEGREES):
+        # A hand or a thumb may be turned by half a turn: a rig's limits are those of its limbs.
+        large = _size(curve, segment.first) > _least(curve, HALF_TURN_DEGREES)
+        if large and curve.name in JOINTS:
             yield "undone"
         return
     returns = _returns(curve, segment)
-    if returns and len(segment) <= SPIKE_FRAMES:
+    if returns and len(segment) <= longest_spike(curve.rate):
         yield "spike"
     if _closes(curve, segment):
         yield "undone"
@@ -137,7 +139,7 @@ def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     first, end = segment.first, segment.end
     to_the_end = end == len(curve.values)
     amount = curve.amount(_size(curve, first))
-    if to_the_end and first <= SPIKE_FRAMES:  # a pose to begin with: the rest is right
+    if to_the_end and first <= longest_spike(curve.rate):  # a pose to begin with: the rest is right
         first, end = 0, first
     moves = "turns" if curve.is_rotation else "moves"
     back = "" if to_the_end else " and back"
@@ -183,7 +185,7 @@ def _left(curve: Curve, segment: Segment) -> list[float]:
     parent's (the inverse rotations)."""
     x = curve.values[[segment.first - 1, segment.first, segment.end - 1, segment.end]]
     if not curve.is_rotation:
-        return [float(np.linalg.norm(x[1] - x[0] + x[3] - x[2]))]
+        return [curve.lever * float(np.linalg.norm(x[1] - x[0] + x[3] - x[2]))]
     left = []
     for q in (x, inverse(x)):
         jump_in, jump_out = product(inverse(q[0]), q[1]), product(inverse(q[2]), q[3])

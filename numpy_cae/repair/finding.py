@@ -50,7 +50,7 @@ BODY = "body"
 STATUSES = {
     "repaired": "",
     "proposed": "",
-    "left": "left alone, since the feet would slide more",
+    "left": "left alone, since feet would slide more or joints would jump more",
 }
 """STATUSES: what became of a finding, and what is printed about it: it was mended; it is not
 certain enough and was not mended; it was not mended since mending made the motion worse."""

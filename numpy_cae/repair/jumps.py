@@ -4,10 +4,11 @@ Where a joint jumps, the curves on the way to it that are not smooth are filtere
 (`filters.strongly_filtered`), and the result is blended into the rest on both sides.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, joint_mask
@@ -15,17 +16,22 @@ from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import slerp
 from numpy_cae.repair.chunks import changed_around, chunks
-from numpy_cae.repair.curves import curves_of, off_cubic
+from numpy_cae.repair.curves import body_size, curves_of, off_cubic
 from numpy_cae.repair.filters import LEAST_FRAMES, filter_motion, median_of, strongly_filtered
 from numpy_cae.repair.finding import BODY, Finding
 
 OFF_MEDIAN_METRES = 0.08
 """OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this
 (m)."""
-OFF_CUBIC_METRES = OFF_MEDIAN_METRES / 2
-"""OFF_CUBIC_METRES: a joint that jumps within a motion that is not filtered is further than this
-from a cubic (m), as after a single step of `OFF_MEDIAN_METRES`. In 88 takes of Bandai without
-damage none is (docs/lab_book/evidence.md)."""
+SHARP_METRES, SHARP_ACCELERATION = OFF_MEDIAN_METRES / 2, 45.0
+"""SHARP_METRES, SHARP_ACCELERATION: a joint that jumps within a motion that is not filtered is
+further than this from a cubic (m), as after a single step of `OFF_MEDIAN_METRES`, and further than
+this acceleration (m/s²) moves it in the time of a frame."""
+SHARPNESS = 0.45
+"""SHARPNESS: such a joint is also further from the cubic than this times its largest step of two
+frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint moves
+to another place within a step 0.5, where it stops within a frame 0.33; in fast motion at 24 to 30
+frames a second it is mostly below 0.2."""
 ROUNDS = 3
 """ROUNDS: the strong filter acts at most this often."""
 BLENDED_SECONDS, AROUND_SECONDS = 0.25, 1.0
@@ -49,13 +55,16 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     """
     curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
     rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
-    near = with_margin(rough[:, None] > OFF_CUBIC_METRES, 1)[:, 0]
-    least = OFF_CUBIC_METRES / (2 * sensitivity)
-    jumps = jumping_steps(motion, np.flatnonzero(near[:-1]), least)
+    near = with_margin(rough[:, None] > SHARP_METRES, 1)[:, 0]
+    frames = np.flatnonzero(near[:-1])
+    sharp = sharp_steps(motion, frames, sensitivity)
+    jumps = jumping_steps(motion, frames) | sharp
     found = []
-    for column in np.flatnonzero(jumps.any(axis=0)).tolist():
+    for column in np.flatnonzero(sharp.any(axis=0)).tolist():
         joined = with_margin(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
         for first, end in runs(joined).tolist():
+            if not sharp[first:end, column].any():
+                continue
             at = first + np.flatnonzero(jumps[first:end, column])
             by = f"by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
             why = f"{len(at)} steps differ from those around them {by}"
@@ -92,25 +101,47 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
     return motion
 
 
-def jumping_steps(
-    motion: Motion, frames: np.ndarray | None = None, least: float = 0.0
-) -> np.ndarray:
+def jumping_steps(motion: Motion, frames: np.ndarray | None = None) -> np.ndarray:
     """The steps to the next frame that jump: those that differ by more than `OFF_MEDIAN_METRES`
-    from the median of seven steps, (frames, 20) of bool.
+    from the median of seven steps, (frames, 20) of bool. If `frames` are given, only these are
+    looked at."""
+    return _steps_that(motion, frames, lambda positions: _off_median(positions) > 1)
 
-    If `frames` are given, only these are looked at. If `least` (m) is, a joint must also be at
-    least this far from the cubic through the two frames before it and the two after it.
-    """
-    jumps, joints = np.zeros((len(motion), len(JOINTS)), bool), rig_of(motion).joints
-    for part, around in chunks(np.arange(len(motion) - 1) if frames is None else frames, 4):
-        positions = motion.at(around).positions(joints)
-        steps = np.diff(positions, axis=0)
-        steps -= median_of(steps, 3)
+
+def sharp_steps(
+    motion: Motion, frames: np.ndarray | None = None, sensitivity: float = 0.5
+) -> np.ndarray:
+    """The steps to the next frame that jump and are sharp, (frames, 20) of bool: their joint is off
+    the cubic through the two frames before it and the two after it."""
+    least = max(SHARP_METRES, SHARP_ACCELERATION / motion.rate**2) / (2 * sensitivity)
+
+    def sharp(positions: np.ndarray) -> np.ndarray:
         off = np.linalg.norm(off_cubic(positions), axis=-1)
-        row = part - around.start
-        jumps[part] = (np.linalg.norm(steps, axis=-1) > OFF_MEDIAN_METRES)[row]
-        jumps[part] &= np.maximum(off[:-1], off[1:])[row] >= least
-    return jumps
+        steps = np.linalg.norm(np.diff(positions, axis=0), axis=-1)
+        around = sliding_window_view(np.pad(steps, ((2, 2), (0, 0))), 5, axis=0).max(axis=-1)
+        is_off = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS * around)
+        return is_off & (_off_median(positions) > 1)
+
+    return _steps_that(motion, frames, sharp)
+
+
+def _steps_that(
+    motion: Motion, frames: np.ndarray | None, do: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """The steps of joints that do something, (frames, 20) of bool, by a function of positions
+    (F, 20, 3), for a body of usual size, to steps (F - 1, 20)."""
+    found, joints = np.zeros((len(motion), len(JOINTS)), bool), rig_of(motion).joints
+    size = body_size(motion)
+    for part, around in chunks(np.arange(len(motion) - 1) if frames is None else frames, 5):
+        steps = do(motion.at(around).positions(joints) / size)
+        found[part] = steps[part - around.start]
+    return found
+
+
+def _off_median(positions: np.ndarray) -> np.ndarray:
+    """How far steps (F - 1, 20) are from the median of seven, in units of the threshold."""
+    steps = np.diff(positions, axis=0)
+    return np.linalg.norm(steps - median_of(steps, 3), axis=-1) / OFF_MEDIAN_METRES
 
 
 def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:

@@ -8,8 +8,9 @@ from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.curves import body_size
 from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.jumps import OFF_CUBIC_METRES, jumping_steps
+from numpy_cae.repair.jumps import sharp_steps
 
 
 @dataclass(frozen=True)
@@ -89,12 +90,13 @@ def fitting_preset(motion: Motion) -> str | None:
 
 
 def _shakes(motion: Motion) -> bool:
-    change = np.diff(body_positions(motion), 3, axis=0) * motion.rate**2
+    body = body_positions(motion) / body_size(motion)
+    change = np.diff(body, 3, axis=0) * motion.rate**2
     return bool(np.median(np.linalg.norm(change, axis=-1)) > SHAKING)
 
 
 def _jumps_and_slides(motion: Motion) -> bool:
-    jumps = jumping_steps(motion, least=OFF_CUBIC_METRES).any(axis=1).sum()
+    jumps = sharp_steps(motion).any(axis=1).sum()
     if jumps <= max(JUMPING_SHARE * len(motion), JUMPING_FRAMES):
         return False
-    return bool(foot_sliding(body_positions(motion), motion.rate) > SLIDING)
+    return bool(foot_sliding(body_positions(motion) / body_size(motion), motion.rate) > SLIDING)

@@ -21,12 +21,15 @@ import numpy as np
 
 from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retarget.body import Body, body_positions
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
+from numpy_cae.motion.joints import LIMBS
+from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import Finding, is_path, marked, require_usable, shifted
+from numpy_cae.repair.finding import BODY, Finding, is_path, marked, require_usable, shifted
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
@@ -35,7 +38,7 @@ from numpy_cae.repair.interpolated import (
     with_finite_values,
 )
 from numpy_cae.repair.jitter import find_jitter, smooth_motion
-from numpy_cae.repair.jumps import find_jumps, mend_jumps
+from numpy_cae.repair.jumps import find_jumps, jumping_steps, mend_jumps
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, with_centimetres
 from numpy_cae.repair.rotation_curves import on_curves
@@ -58,14 +61,26 @@ FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
 `POSITION_KINDS`."""
 
 
+LEG_JOINTS = {BODY, "hips", "left_hip", "right_hip", *LIMBS["left_leg"], *LIMBS["right_leg"]}
+NEAR_SECONDS = 0.25
+"""NEAR_SECONDS: jumps are counted within this time of the damage (s)."""
+SLIDING_SHARE, SLIDING_CENTIMETRES = 0.2, 5.0
+"""SLIDING_SHARE, SLIDING_CENTIMETRES: feet slide more if their speed grows by more than this share
+of it, and by more than this (cm/s)."""
+
+
 class Step(NamedTuple):
-    """How damage of some kinds is found and mended; `option` is the setting of a preset with which
-    the step is taken, "" if it is always taken."""
+    """How damage of some kinds is found and mended.
+
+    `option` is the setting of a preset with which the step is taken, "" if it is always taken. What
+    leaves more than the share `jumps_left` of the jumps near the damage is undone.
+    """
 
     kinds: tuple[str, ...]
     find: Callable[[Motion, float], list[Finding]]
     mend: Callable[[Motion, list[Finding]], Motion]
     option: str = ""
+    jumps_left: float = 1.1
 
 
 STEPS = (
@@ -73,7 +88,7 @@ STEPS = (
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate_channels),
     Step(("jitter",), find_jitter, smooth_motion, "smooth"),
-    Step(("jumps",), find_jumps, mend_jumps),
+    Step(("jumps",), find_jumps, mend_jumps, jumps_left=0.6),
     Step(("foot",), find_feet, mend_feet, "feet"),
 )
 """STEPS: what is mended without a model, in this order."""
@@ -237,12 +252,46 @@ def mend(
             damage = [finding for finding in given if finding.kind in step.kinds]
         else:
             damage = [] if step.option else step.find(motion, preset.sensitivity)
-        if damage:
+        if given is None and not step.option:
+            motion, damage = _mended_if_better(motion, damage, step)
+        elif damage:
             mended = step.mend(motion, damage)
             if step.option and mended is motion:
                 damage = [replace(finding, status="left") for finding in damage]
-            motion, found = mended, found + damage
+            motion = mended
+        found += damage
     return motion, found
+
+
+def _mended_if_better(
+    motion: Motion, damage: list[Finding], step: Step
+) -> tuple[Motion, list[Finding]]:
+    """The motion after a step, and its findings. Where feet slide more or joints jump more, the
+    findings in the legs are left; where that does not help, all are."""
+    legs = [finding for finding in damage if finding.joint in LEG_JOINTS]
+    others = [finding for finding in damage if finding.joint not in LEG_JOINTS]
+    for some in (damage, others, legs) if legs and others else (damage,):
+        mended = step.mend(motion, some) if some else motion
+        if some and is_better(mended, motion, some, step):
+            left = [replace(finding, status="left") for finding in damage if finding not in some]
+            return mended, some + left
+    return motion, [replace(finding, status="left") for finding in damage]
+
+
+def is_better(after: Motion, before: Motion, damage: list[Finding], step: Step) -> bool:
+    """Whether a step has left no more jumps near some damage than `step.jumps_left` of those
+    before, and, if it filters, whether standing feet slide no more."""
+    near = np.zeros((len(before), 1), bool)
+    for finding in damage:
+        near[finding.stretch] = True
+    frames = np.flatnonzero(with_margin(near, round(NEAR_SECONDS * before.rate))[:-1])
+    jumps = [int(jumping_steps(motion, frames).sum()) for motion in (before, after)]
+    if jumps[1] > step.jumps_left * jumps[0]:
+        return False
+    if step.find is not find_jumps:  # a body that was still did not slide
+        return True
+    slides = [foot_sliding(body_positions(motion), motion.rate) for motion in (before, after)]
+    return slides[1] - slides[0] <= max(SLIDING_SHARE * slides[0], SLIDING_CENTIMETRES)
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:

@@ -92,8 +92,8 @@ def still_segments(
         before = steps[max(start - 4, 0) : max(start - 1, 0)]
         into = _score_of_jump(steps[start - 1], before, least_metres)
         score = _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
-        if max(score, into) * 2 * sensitivity > 1:
-            yield Segment(start, end + 1, max(score, into), float(steps[end])), into
+        if score * 2 * sensitivity > 1:
+            yield Segment(start, end + 1, score, float(steps[end])), into
 
 
 def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> float:

@@ -13,21 +13,26 @@ each other, so that the body does not move.
 import numpy as np
 
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import Curve, curves_of, local_median
+from numpy_cae.motion.quaternions import rotate
+from numpy_cae.repair.curves import Curve, body_size, curves_of, local_median
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolated_curve
 from numpy_cae.repair.segments import Segment
 
-LONGEST_SECONDS, LONGEST_FRAMES = 0.1, 3
-"""LONGEST_SECONDS, LONGEST_FRAMES: a spike lasts at most this time (s), or so many frames."""
-LEAST_METRES = 0.08
-"""LEAST_METRES: a spike deviates by more than this (m)."""
+LONGEST_SECONDS = 0.1
+"""LONGEST_SECONDS: a spike lasts at most this time (s), or a frame."""
+LEAST_METRES, LEAST_ACCELERATION = 0.08, 60.0
+"""LEAST_METRES, LEAST_ACCELERATION: a spike deviates by more than this (m), and by more than this
+acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that strikes reaches it."""
 NOISE_RATIO = 9.0
 """NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
 second of the deviations of single frames."""
 NEIGHBOUR_RATIO = 1.5
 """NEIGHBOUR_RATIO: a spike deviates by more than this times the sum of the larger step just before
 or after it and the first step within it."""
+RETURN_SHARE = 0.5
+"""RETURN_SHARE: the steps to a spike and from it are both longer than this share of its deviation:
+it goes there and back. Before a joint that jumps and stays, one of them is short."""
 SAME_WAY_COSINE = 0.5
 """SAME_WAY_COSINE: a run is no spike if the cosine of the angle between the steps to it and from it
 is at least this: the joint passes through, as the elbow of a runner at 24 frames a second does."""
@@ -61,6 +66,16 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     return list(dict.fromkeys(found))  # a replaced frame may deviate again
 
 
+def longest_spike(rate: float) -> int:
+    """The frames of the longest spike at a rate."""
+    return max(1, round(LONGEST_SECONDS * rate))
+
+
+def _least(rate: float) -> float:
+    """The least deviation of a spike at a rate, metres."""
+    return max(LEAST_METRES, LEAST_ACCELERATION / rate**2)
+
+
 def _spikes(curve: Curve, sensitivity: float) -> list[Segment]:
     """Of the runs of a curve that may be spikes, those with the largest deviations, no two of which
     touch each other."""
@@ -83,12 +98,13 @@ def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
     do."""
     steps = curve.steps()  # steps[t] is from frame t to frame t + 1
     # Most curves have no step that is long enough, and need no median.
-    if len(steps) < 4 or steps.max() * 4 * sensitivity <= LEAST_METRES:
+    least = _least(curve.rate)
+    if len(steps) < 4 or steps.max() * 4 * sensitivity <= least:
         return []
-    level = np.maximum(LEAST_METRES, NOISE_RATIO * local_median(curve.roughness(), curve.rate))
+    level = np.maximum(least, NOISE_RATIO * local_median(curve.roughness(), curve.rate))
     values = curve.continuous()
     runs = []
-    for length in range(1, max(LONGEST_FRAMES, round(LONGEST_SECONDS * curve.rate)) + 1):
+    for length in range(1, longest_spike(curve.rate) + 1):
         first = np.arange(2, len(values) - length - 1)  # with two frames before and after the run
         # The step to the first frame and the one from the last are at least half of the deviation.
         smaller_step = np.minimum(steps[first - 1], steps[first + length - 1])
@@ -102,7 +118,8 @@ def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
         beside = np.maximum(steps[first - 2], steps[end])
         within = steps[first] if length > 1 else 0.0
         score = size / np.maximum(level[first], NEIGHBOUR_RATIO * (beside + within))
-        for i in np.flatnonzero(score > 1 / (2 * sensitivity)):
+        returns = np.minimum(steps[first - 1], steps[end - 1]) > RETURN_SHARE * size
+        for i in np.flatnonzero(returns & (score > 1 / (2 * sensitivity))):
             runs.append(Segment(int(first[i]), int(end[i]), float(score[i]), float(size[i])))
     return runs
 
@@ -110,17 +127,31 @@ def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
 def _that_move(
     motion: Motion, curve: Curve, spikes: list[Segment], sensitivity: float
 ) -> list[Segment]:
-    """The spikes of a curve with which a joint below deviates by `LEAST_METRES` from its own cubic;
-    all of them if there is no joint below."""
-    path, joints = motion.skeleton.path, range(len(motion.skeleton.names))
-    below = [joint for joint in joints if curve.joint in path(joint)[curve.is_rotation :]]
+    """The spikes of a curve with which a point that the joint carries leaves its own cubic too."""
     moving = []
     for spike in spikes:
         around = motion.at(slice(spike.first - 2, spike.end + 2))
-        off = _deviation(around.positions(below), np.array([2]), len(spike)).max(initial=0.0)
-        if not below or off * 2 * sensitivity > LEAST_METRES:
+        positions = _carried(around, curve) / body_size(motion)
+        off = _deviation(positions, np.array([2]), len(spike))[0]
+        beside = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
+        least = np.maximum(_least(motion.rate), NEIGHBOUR_RATIO * beside)
+        if not len(off) or (off * 2 * sensitivity > least).any():
             moving.append(spike)
     return moving
+
+
+def _carried(motion: Motion, curve: Curve) -> np.ndarray:
+    """The places of the joints that a curve moves, or of the end of its bone where there is none,
+    (frames, N, 3)."""
+    skeleton = motion.skeleton
+    joints = range(len(skeleton.names))
+    below = [joint for joint in joints if curve.joint in skeleton.path(joint)[curve.is_rotation :]]
+    end = skeleton.end_sites.get(curve.joint)
+    if below or end is None:
+        return motion.positions(below)
+    positions, rotations = motion.forward_kinematics([curve.joint])
+    place = positions[:, curve.joint] + rotate(rotations[:, curve.joint], np.asarray(end))
+    return place[:, None]
 
 
 def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray:

@@ -17,8 +17,9 @@ from numpy_cae.repair.segments import Segment, still_segments
 FROZEN_SECONDS, FROZEN_FRAMES = 0.2, 6
 """FROZEN_SECONDS, FROZEN_FRAMES: a rotation is frozen if it stands still for at least this time (s)
 and at least so many steps."""
-FROZEN_JUMP_METRES = 0.03
-"""FROZEN_JUMP_METRES: a frozen rotation then jumps by more than this (m)."""
+FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED = 0.03, 1.5
+"""FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED: a frozen rotation then jumps by more than this (m), and
+faster than this (m/s)."""
 UNUSED_SHARE = 0.75
 """UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
 but not used."""
@@ -57,7 +58,8 @@ def _frozen(curve: Curve, steps: np.ndarray, sensitivity: float) -> Iterator[Fin
     if not curve.is_rotation or np.mean(steps <= STILL_METRES) >= UNUSED_SHARE:
         return
     least_frames = max(FROZEN_FRAMES, round(FROZEN_SECONDS * curve.rate))
-    for segment, into in still_segments(steps, least_frames, FROZEN_JUMP_METRES, sensitivity):
+    least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED / curve.rate)
+    for segment, into in still_segments(steps, least_frames, least_metres, sensitivity):
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
         first = segment.first + (into <= 1 and segment.first > 0)
