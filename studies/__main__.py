@@ -16,6 +16,7 @@ from numpy_cae.cli.shared.output import note, visible_output, working, write_tex
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.viz import save_figure, save_viewer
 from studies.shared.options import Inputs, add_options
+from studies.shared.provenance import provenance
 from studies.shared.render import data, page, text
 from studies.shared.result import Result
 
@@ -81,7 +82,7 @@ def _measured(name: str, run, inputs: Inputs, alone: bool) -> Result:
         note(f"{name} could not be run: {error}")
         return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
     seconds = f"{time.monotonic() - began:.0f} s, {time.process_time() - processor:.0f} s of the "
-    made = result.provenance | inputs.provenance(run) | {"time": f"{seconds}processor"}
+    made = result.provenance | provenance(run, inputs) | {"time": f"{seconds}processor"}
     return replace(result, provenance=made)
 
 

@@ -25,13 +25,7 @@ from studies.shared.material import Material
 from studies.shared.result import Result, Table
 from studies.timing.alternately import matrix_product_peak, time_alternately
 from studies.timing.time_to_quality import time_to_quality
-from studies.timing.torch_convolutional import (
-    TorchModel,
-    arrays_of,
-    cases,
-    require_agreement,
-    torch,
-)
+from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
 from studies.timing.torch_sequential import LATENT, SequenceCase, TorchSequenceModel
 
 HIDDEN = (128, 512, 1024)
@@ -78,7 +72,8 @@ def rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]:
     if torch is not None:
         exact = accelerate(ConvAutoencoder(dtype=np.float64))
         for case in cases(exact, CHECKED_WINDOWS):
-            require_agreement(case.name, arrays_of(exact, case), TorchModel(exact).arrays(case))
+            theirs = TorchModel(exact).function(case)
+            require_agreement(case.name, case.function(exact)(), theirs())
     for batch in batches:
         model = accelerate(ConvAutoencoder())
         for case in cases(model, batch):
@@ -90,10 +85,9 @@ def sequence_rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]
     if torch is not None:
         small = SequentialAutoencoder(hidden=CHECKED_HIDDEN, latent=LATENT, dtype=np.float64)
         exact = accelerate(small)
-        for batch in batches:
-            case = SequenceCase.drawn(exact, batch)
-            theirs = TorchSequenceModel(exact).arrays(case)
-            require_agreement("sequential", case.arrays_of(exact), theirs)
+        case = SequenceCase.drawn(exact, CHECKED_WINDOWS)
+        theirs = TorchSequenceModel(exact).function(case)
+        require_agreement("sequential", case.function(exact)(), theirs())
     for batch in batches:
         for units in HIDDEN:
             model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))

@@ -53,6 +53,10 @@ class Material:
     mapping: Mappings = None
     coordinates: Coordinates | None = None
 
+    def counted(self) -> str:
+        """How many takes there are of both kinds, in words."""
+        return f"{len(self.training)} takes to fit baselines to, {len(self.testing)} to test"
+
     def of(self, source: str) -> Material:
         """The takes of one source, for training and for testing."""
         halves = (self.training, self.testing)

@@ -6,94 +6,79 @@ parameter is an option of its name, with the type of its default.
 
 import argparse
 import inspect
-import platform
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from glob import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import scipy
-
-import numpy_cae
 from numpy_cae.cli.shared import arguments, one_motion, train_options
 from numpy_cae.cli.shared.output import note
-from numpy_cae.manifold import MotionManifold, SequenceManifold
+from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.load import is_test
 from numpy_cae.training import ProgressPrinter, SequenceSchedule
 from studies.jang2018.actions import ACTIONS, Action, read_action, synthetic_action
 from studies.shared.material import Material, read_material
 
-READING = {f"--{name}": arguments.SHARED[name] for name in ("mapping", "unit", "up", "floor")}
-DATA = {"--data": arguments.FOLDERS | {"default": [], "help": "folders of motion files"}}
-TEST = {
-    "--test": arguments.PATTERNS
-    | {"help": "names of the test files, where the model does not record them"}
+READING = "mapping unit up floor"
+OPTIONS = {
+    "manifold": "model",
+    "folders": "data",
+    "material": f"data test unseen {READING}",
+    "actions": f"data test actions minutes {READING}",
+    "schedule": "epochs rate batch steps",
+    "network": "hidden latent frames",
+    "progress": "quiet",
+    "seed": "seed",
 }
-OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
-    "manifold": {"--model": arguments.FILE | {"help": "model file (default: the starter model)"}},
-    "folders": DATA,
-    "material": DATA
-    | TEST
-    | {"--unseen": arguments.FLAG | {"help": "the model has seen none of these files"}}
-    | READING,
-    "actions": DATA
-    | TEST
-    | {
-        "--actions": {"nargs": "+", "choices": ACTIONS, "default": ACTIONS, "metavar": "NAME"}
-        | {"help": f"actions to synthesise without --data, of {', '.join(ACTIONS)}"},
-        "--minutes": {"type": arguments.positive, "default": 30.0}
-        | {"help": "minutes of each synthetic action to train on, and to test on (default: 30)"},
-    }
-    | READING,
-    "schedule": {
-        f"--{name}": {"type": arguments.rate if name == "rate" else arguments.positive_number}
-        | {"metavar": "N", "help": text}
-        for name, text in (
-            *train_options.COMMON.items(),
-            ("steps", train_options.SEQUENTIAL["steps"]),
-        )
+"""Parameter of `run` to its options."""
+FLAG = {
+    **arguments.SHARED,
+    "model": arguments.FILE | {"help": "model file (default: the starter model)"},
+    "data": arguments.FOLDERS | {"default": [], "help": "folders of motion files"},
+    "test": arguments.PATTERNS | {"help": "names of the test files, if the model records none"},
+    "unseen": arguments.FLAG | {"help": "the model has seen none of these files"},
+    "actions": {"nargs": "+", "choices": ACTIONS, "default": ACTIONS, "metavar": "NAME"}
+    | {"help": f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"},
+    "minutes": {"type": arguments.positive, "default": 30.0, "metavar": "M"}
+    | {"help": "minutes of each synthetic action to train on, and to test on (default: 30)"},
+    **{
+        name: {"type": arguments.positive_number, "metavar": "N", "help": text}
+        for name, text in (train_options.COMMON | train_options.SEQUENTIAL).items()
     },
-    "network": {
-        f"--{name}": arguments.COUNT | {"help": train_options.SEQUENTIAL[name]}
-        for name in ("hidden", "latent", "frames")
-    },
-    "progress": {"--quiet": arguments.SHARED["quiet"]},
-    "seed": {"--seed": arguments.SHARED["seed"]},
 }
-"""Parameter of `run` to its options, each with the arguments of `add_argument`."""
-SHORT = {"--model": "-m"}
-
-
-def parameters(run: Callable) -> Mapping[str, inspect.Parameter]:
-    """The parameters of a study by name."""
-    return inspect.signature(run).parameters
+"""Option to the arguments of `add_argument`."""
+FLAG["rate"]["type"] = arguments.rate
 
 
 def add_options(parser: argparse.ArgumentParser, runs: Iterable[Callable]) -> None:
     """Add the options of every parameter of the studies, each option once."""
     options: dict[str, dict[str, Any]] = {}
-    for name, parameter in ((n, p) for run in runs for n, p in parameters(run).items()):
-        options |= OPTIONS.get(name) or {f"--{name}": _typed(parameter.default)}
+    for name, parameter in (pair for run in runs for pair in parameters(run).items()):
+        if name in OPTIONS:
+            options |= {flag: FLAG[flag] for flag in OPTIONS[name].split()}
+        else:
+            options[name] = _typed(parameter.default)
     for flag, settings in options.items():
-        flags = [SHORT[flag], flag] if flag in SHORT else [flag]
-        parser.add_argument(*flags, **settings)
+        parser.add_argument(*["-m"] * (flag == "model"), f"--{flag}", **settings)
+
+
+def parameters(run: Callable) -> dict[str, inspect.Parameter]:
+    """The parameters of a study by name."""
+    return dict(inspect.signature(run).parameters)
 
 
 def _typed(default: Any) -> dict[str, Any]:
-    """The arguments of `add_argument` for a parameter with this default."""
+    """The arguments of `add_argument` for a parameter with this default: None or no default is that
+    of a path."""
     if default is False:
         return dict(arguments.FLAG)
-    if default is None or default is inspect.Parameter.empty:
+    if default in (None, inspect.Parameter.empty):
         return {"type": Path, "required": default is not None, "metavar": "PATH"}
-    several = isinstance(default, tuple)
-    one = type(default[0] if several else default)
-    shown = " ".join(map(str, default)) if several else default
-    return {"type": one, "default": default, "help": f"default: {shown}"} | (
-        {"nargs": "+"} if several else {}
-    )
+    values = default if isinstance(default, tuple) else (default,)
+    settings = {"type": type(values[0]), "default": default, "help": f"default: {values}"}
+    return settings | ({"nargs": "+"} if values is default else {})
 
 
 class Inputs:
@@ -104,8 +89,10 @@ class Inputs:
 
     def of(self, run: Callable) -> dict[str, Any]:
         """The arguments of a study."""
-        known = {name for name in OPTIONS if name != "seed"}
-        return {n: getattr(self if n in known else self.args, n) for n in parameters(run)}
+        return {
+            name: getattr(self if hasattr(Inputs, name) else self.args, name)
+            for name in parameters(run)
+        }
 
     @cached_property
     def folders(self) -> list[Path]:
@@ -115,24 +102,22 @@ class Inputs:
         return self.args.data
 
     @cached_property
-    def manifold(self) -> MotionManifold:
+    def manifold(self) -> Manifold:
         """The model of --model, or the starter model."""
-        manifold = one_motion.load_model(self.args)
-        assert not isinstance(manifold, SequenceManifold)
-        return manifold
+        return one_motion.load_model(self.args)
 
     @cached_property
     def material(self) -> Material | None:
         """The takes of --data, split by --test; None without --data."""
         if not self.args.data:
             return None
-        patterns = self.patterns
-        material = read_material(self.args.data, patterns, *arguments.reading(self.args))
+        material = read_material(self.args.data, self.patterns, *arguments.reading(self.args))
         if not (material.testing and material.training):
             which = "learn from" if material.testing else "test"
-            problem = f"--data holds no take to {which}: the test takes are {_listed(patterns)}"
+            tested = " ".join(self.patterns[:5])
+            problem = f"--data holds no take to {which}: the test takes are {tested}"
             raise ValueError(f"{problem}; if the model has seen none of these files, add --unseen")
-        note(_counted(material))
+        note(material.counted())
         return material
 
     @cached_property
@@ -141,7 +126,7 @@ class Inputs:
         the model (--unseen) or the starter model has not seen, every fifth is for testing."""
         args = self.args
         model = getattr(args, "model", None)
-        recorded = list(self.manifold.settings.get("test") or []) if hasattr(args, "model") else []
+        recorded = list(self.manifold.settings.get("test") or []) if "model" in args else []
         if args.unseen or model is None:
             files = [path for folder in args.data for path in find_motion_files(folder)]
             if not args.unseen and not args.test and any(is_test(p, recorded) for p in files):
@@ -161,8 +146,7 @@ class Inputs:
         """The actions of jang2018, read or synthesised."""
         args = self.args
         if not args.data:
-            quiet = getattr(args, "quiet", False)
-            return [synthetic_action(n, args.minutes, args.seed, quiet) for n in args.actions]
+            return [synthetic_action(n, args.minutes, args.seed, args.quiet) for n in args.actions]
         reading = arguments.reading(args)
         actions = [read_action(f.resolve().name, [f], args.test, *reading) for f in args.data]
         for action in actions:
@@ -188,48 +172,3 @@ class Inputs:
     def progress(self) -> Callable | None:
         """What reports the progress of a training, from the training's name."""
         return None if self.args.quiet else ProgressPrinter
-
-    def provenance(self, run: Callable) -> dict[str, str]:
-        """What must be known to repeat a study: data, model, options, versions."""
-        made, names = vars(self), parameters(run)
-        given = {n: str(getattr(self.args, n)) for n in names if n not in OPTIONS}
-        if "data" in self.args and self.args.data:
-            given["data"] = ", ".join(folder.name for folder in self.args.data)
-        if "material" in names and made.get("material"):
-            given["data"] += f": {_counted(self.material)}"
-            given["test takes"] = f"{_listed(self.patterns)}, never trained on or fitted to"
-        if "manifold" in names:
-            given |= _of_model(self.manifold, self.args.model)
-        for name in ("schedule", "network"):
-            if name in names:
-                given[name] = str(made[name])
-        if "seed" in names:
-            given["seed"] = str(self.args.seed)
-        versions = f"numpy_cae {numpy_cae.__version__}, NumPy {np.__version__}"
-        versions += f", SciPy {scipy.__version__}, Python {platform.python_version()}"
-        return given | {"versions": versions}
-
-
-def _counted(material: Material) -> str:
-    return f"{len(material.training)} takes to fit baselines to, {len(material.testing)} to test"
-
-
-def _listed(patterns: list[str]) -> str:
-    more = f" and {len(patterns) - 5} more" if patterns[5:] else ""
-    return " ".join(patterns[:5]) + more
-
-
-def _of_model(manifold: MotionManifold, path: Path | None) -> dict[str, str]:
-    """What a model records of its training."""
-    settings = manifold.settings.get
-    learned = f"learned from {settings('takes')} takes, {settings('windows')} windows of "
-    learned += f"{settings('window')} frames, seed {settings('seed')}"
-    stages = []
-    for name, words in (("layer", "layer by layer"), ("fine_tuning", "all layers at once")):
-        if (stage := settings("schedule", {}).get(name)) and stage["epochs"]:
-            how = f"{stage['epochs']} epochs in batches of {stage['batch']}, by "
-            stages.append(f"{words}: {how}{stage['optimiser']} with a rate of {stage['rate']:g}")
-    given = {"model": f"{path.name if path else 'starter model'}, {learned}"}
-    given["learned from"] = ", ".join(folder["name"] for folder in settings("folders") or ())
-    given["training"] = "; ".join(stages)
-    return {name: text for name, text in given.items() if text}

@@ -7,6 +7,7 @@ them.
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -38,22 +39,20 @@ from studies.shared.clips import testing_of
 from studies.shared.material import Material, unlabelled
 from studies.shared.result import Table
 from studies.timing.alternately import PAUSE_SECONDS
-from studies.timing.torch_convolutional import TorchModel, torch
+from studies.timing.torch_convolutional import TorchModel, torch, windows
 from studies.timing.torch_sequential import SequenceCase, TorchSequenceModel
 
 MINUTES = 20.0
 """Without --data: minutes of synthetic motion, of which every fourth take is held out."""
 SEQUENCE_MINUTES = 180.0
 """Minutes of synthetic walking to train on, and as many of other people to hold out."""
-
-
-def time_to_quality(material: Material | None, sequential: bool) -> Table:
-    """Train in turns, on the takes of a material or on synthetic motion."""
-    if torch is None:
-        raise ValueError("PyTorch is not installed (package torch)")
-    made = sequential_trainings() if sequential else convolutional_trainings(material)
-    train_in_turns(made, note)
-    return Quality(made, "of the variance" if sequential else "cm").table()
+USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
+"""PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
+the peak rate and the epochs are those that need the least time
+(docs/lab_book/end_to_end.md)."""
+USUAL_SEQUENCES = SequenceSchedule(rate=0.001)
+"""The same, with the batch and the bound on the norm of the recipe paper."""
+USUAL_BETA_2 = 0.999
 
 
 @dataclass
@@ -85,88 +84,59 @@ class Training:
         return self.seconds[turn]
 
 
-@dataclass(frozen=True)
-class Quality:
-    """Trainings compared; ours is the first."""
-
-    trainings: Sequence[Training]
-    unit: str
-
-    @property
-    def target(self) -> float:
-        """The lowest error that all reach."""
-        return max(min(each.errors) for each in self.trainings)
-
-    @property
-    def ratios(self) -> dict[str, float]:
-        """The seconds of each training to the target, divided by ours."""
-        ours = self.trainings[0].seconds_to(self.target)
-        return {each.name: each.seconds_to(self.target) / ours for each in self.trainings}
-
-    def table(self) -> Table:
-        """A row for each training."""
-        seconds = f"seconds to {self.target:.3f} {self.unit}"
-        header = ["training", seconds, "ratio", "seconds in all", f"lowest error, {self.unit}"]
-        rows = [
-            [
-                each.name,
-                each.seconds_to(self.target),
-                self.ratios[each.name],
-                each.seconds[-1],
-                min(each.errors),
-            ]
-            for each in self.trainings
-        ]
-        return Table("", header, rows, ("", ".1f", ".2f", ".1f", ".3f"))
+def time_to_quality(material: Material | None, sequential: bool) -> Table:
+    """Train in turns, on the takes of a material or on synthetic motion."""
+    if torch is None:
+        raise ValueError("PyTorch is not installed (package torch)")
+    made = on_clips() if sequential else on_takes(material)
+    train_in_turns(made)
+    return quality(made, "of the variance" if sequential else "cm")
 
 
-def train_in_turns(
-    trainings: Sequence[Training], progress: Callable[[str], None] = lambda line: None
-) -> None:
+def train_in_turns(trainings: Sequence[Training]) -> None:
     """Train all, each time the one with the smallest share of its turns done, so that a change of
-    the machine's speed affects all of them. `progress` gets a line of text after each turn."""
+    the machine's speed affects all of them."""
     while waiting := [each for each in trainings if len(each.errors) < each.count]:
         each = min(waiting, key=lambda one: len(one.errors) / one.count)
         each.take_turn()
         done = f"{each.name}, {len(each.errors)}/{each.count}"
-        progress(f"{done}: {each.seconds[-1]:.1f} s, held-out error {each.errors[-1]:.3f}")
+        note(f"{done}: {each.seconds[-1]:.1f} s, held-out error {each.errors[-1]:.3f}")
 
 
-USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
-"""PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
-the peak rate and the epochs are those that need the least time
-(docs/lab_book/end_to_end.md)."""
-USUAL_SEQUENCES = SequenceSchedule(rate=0.001)
-"""The same, with the batch and the bound on the norm of the recipe paper."""
-USUAL_BETA_2 = 0.999
-
-Change = Callable[[np.ndarray], np.ndarray]
-"""Repairs normalised windows, or denoises normalised clips."""
+def quality(trainings: Sequence[Training], unit: str) -> Table:
+    """The seconds of each training to the lowest error that all reach; ours is the first."""
+    target = max(min(each.errors) for each in trainings)
+    seconds = [each.seconds_to(target) for each in trainings]
+    rows = [
+        [each.name, needed, needed / seconds[0], each.seconds[-1], min(each.errors)]
+        for each, needed in zip(trainings, seconds, strict=True)
+    ]
+    needed = f"seconds to {target:.3f} {unit}"
+    header = ["training", needed, "ratio", "seconds in all", f"lowest error, {unit}"]
+    return Table("", header, rows, ("", ".1f", ".2f", ".1f", ".3f"))
 
 
 def trainings(
-    windows: np.ndarray, schedule: Schedule, error: Callable[[Change], float], seed: int = 0
+    x: np.ndarray, schedule: Schedule, error: Callable[[Callable], float], seed: int = 0
 ) -> list[Training]:
     """Denoising end to end of normalised windows (N, T, 63): ours by the fine tuning of `schedule`,
     PyTorch's by `USUAL` and by the same, all from the initial weights of `schedule`. `error`
     measures a repair, in cm."""
     torch.manual_seed(seed)
-    stage, rng = schedule.fine_tuning, np.random.default_rng(seed)
+    rng, stage = np.random.default_rng(seed), schedule.fine_tuning
     model = accelerate(ConvAutoencoder(rng=rng, initial=schedule.initial))
-    usual, same, first = (TorchModel(model) for _ in range(3))
-    # The first step takes seconds.
-    next(torch_epochs(first, windows[: USUAL.batch], USUAL, USUAL_BETA_2))
-    turns = (
-        epochs(model, windows, stage),
-        torch_epochs(usual, windows, USUAL, USUAL_BETA_2),
-        torch_epochs(same, windows, stage, BETA_2),
-    )
+    whole = Schedule(layer=Stage(epochs=0), fine_tuning=stage)
+    state = TrainingState(model.parameters, np.random.default_rng(seed))
+    ours = _epochs(autoencoder_steps(model, x, whole, state), state)
+    next(torch_epochs(TorchModel(model), x[: USUAL.batch], USUAL, USUAL_BETA_2))  # takes seconds
 
-    def error_of(project: Change) -> float:
-        return error(lambda x: project(x / (1 - zeroed_fraction(x))))
+    def error_of(network: Any) -> float:
+        return error(lambda x: network.project(x / (1 - zeroed_fraction(x))))
 
-    projections = model.project, usual.project, same.project
-    return _trainings((stage, USUAL, stage), turns, projections, error_of)
+    def theirs(network: TorchModel, by: Stage, beta_2: float) -> Iterator[None]:
+        return torch_epochs(network, x, by, beta_2)
+
+    return _three(model, TorchModel, ours, theirs, (stage, USUAL), error_of)
 
 
 def sequence_trainings(
@@ -174,69 +144,53 @@ def sequence_trainings(
 ) -> list[Training]:
     """The same of clips that `draw` draws: ours by `schedule`, PyTorch's by `USUAL_SEQUENCES` and
     by `schedule`. The mean squared error is that of `held_out`, clips (N, T, features)."""
-    rng = np.random.default_rng(seed)
-    sizes = held_out.shape[2], HIDDEN, LATENT
+    sizes, rng = (held_out.shape[2], HIDDEN, LATENT), np.random.default_rng(seed)
     model = accelerate(SequentialAutoencoder(*sizes, rng, burn_in=BURN_IN))
-    usual, same = TorchSequenceModel(model), TorchSequenceModel(model)
-    turns = (
-        sequence_epochs(model, draw, schedule),
-        torch_sequence_epochs(usual, draw, USUAL_SEQUENCES, USUAL_BETA_2),
-        torch_sequence_epochs(same, draw, schedule, BETA_2),
-    )
-
-    def error_of(denoise: Change) -> float:
-        return float(np.mean((denoise(held_out) - held_out) ** 2, dtype=np.float64))
-
-    by = schedule, USUAL_SEQUENCES, schedule
-    return _trainings(by, turns, (model.denoise, usual.denoise, same.denoise), error_of)
-
-
-def _trainings(
-    by: tuple, turns: tuple, changes: tuple[Change, ...], error_of: Callable[[Change], float]
-) -> list[Training]:
-    names = "numpy_cae", "PyTorch, usual settings", "PyTorch, our settings"
-    return [
-        Training(name, stage.epochs, each, lambda change=change: error_of(change))
-        for name, stage, each, change in zip(names, by, turns, changes, strict=True)
-    ]
-
-
-def epochs(
-    model: ConvAutoencoder, windows: np.ndarray, stage: Stage, seed: int = 0
-) -> Iterator[None]:
-    """Train for an epoch at each `next`, as `numpy-cae train` does."""
-    state = TrainingState(model.parameters, np.random.default_rng(seed))
-    schedule = Schedule(layer=Stage(epochs=0), fine_tuning=stage)
-    for _ in autoencoder_steps(model, windows, schedule, state):
-        if state.step == 0:
-            yield
-
-
-def sequence_epochs(
-    model: SequentialAutoencoder, draw: Draw, schedule: SequenceSchedule, seed: int = 0
-) -> Iterator[None]:
-    """The same for the sequential network."""
     state = TrainingState(model.weights, np.random.default_rng(seed))
-    for _ in sequential_steps(model, draw, schedule, state):
+    ours = _epochs(sequential_steps(model, draw, schedule, state), state)
+
+    def error_of(network: Any) -> float:
+        return float(np.mean((network.denoise(held_out) - held_out) ** 2, dtype=np.float64))
+
+    def theirs(network: TorchSequenceModel, by: SequenceSchedule, beta_2: float) -> Iterator[None]:
+        return torch_sequence_epochs(network, draw, by, beta_2)
+
+    both = schedule, USUAL_SEQUENCES
+    return _three(model, TorchSequenceModel, ours, theirs, both, error_of)
+
+
+def _three(
+    model: Any, torch_model: Callable, ours: Iterator, theirs: Callable, by: tuple, error: Callable
+) -> list[Training]:
+    """Our training, and PyTorch's by the usual settings and by ours, from the same weights."""
+    settings = {"PyTorch, usual settings": (by[1], USUAL_BETA_2)}
+    settings["PyTorch, our settings"] = by[0], BETA_2
+    made = [Training("numpy_cae", by[0].epochs, ours, lambda: error(model))]
+    for name, (stage, beta_2) in settings.items():
+        network = torch_model(model)
+        turns = theirs(network, stage, beta_2)
+        made.append(Training(name, stage.epochs, turns, lambda net=network: error(net)))
+    return made
+
+
+def _epochs(steps: Iterator, state: TrainingState) -> Iterator[None]:
+    """Train for an epoch at each `next`, as `numpy-cae train` does."""
+    for _ in steps:
         if state.step == 0:
             yield
 
 
-def torch_epochs(
-    model: TorchModel, windows: np.ndarray, stage: Stage, beta_2: float
-) -> Iterator[None]:
-    """`epochs` in PyTorch."""
-    windows = torch.tensor(np.ascontiguousarray(windows.transpose(0, 2, 1)))
-    parameters = [parameter for w, b, _ in model.layers for parameter in (w, b)]
-    steps = stage.epochs * -(-len(windows) // stage.batch)
-    update = _torch_update(parameters, stage, steps, beta_2)
-    (low, high), whole = stage.zeroed, [None] * len(model.layers)
+def torch_epochs(model: TorchModel, x: np.ndarray, stage: Stage, beta_2: float) -> Iterator[None]:
+    """The same in PyTorch."""
+    every = windows(x)
+    update = _torch_update(model, stage, -(-len(every) // stage.batch), beta_2)
+    (low, high), masks = stage.zeroed, [None] * len(model.layers)
     for _ in range(stage.epochs):
-        for chosen in torch.randperm(len(windows)).split(stage.batch):
-            x = windows[chosen]
+        for chosen in torch.randperm(len(every)).split(stage.batch):
+            x = every[chosen]
             p = low + (high - low) * torch.rand(len(x), 1, 1)
-            y = model.encode(x * (torch.rand(x.shape) >= p) / (1 - p), model.layers)
-            ((model.decode(y, model.layers, whole) - x) ** 2).mean().backward()
+            corrupted = x * (torch.rand(x.shape) >= p) / (1 - p)
+            model.loss(x, corrupted, masks, model.layers).backward()
             update()
         yield
 
@@ -244,9 +198,9 @@ def torch_epochs(
 def torch_sequence_epochs(
     model: TorchSequenceModel, draw: Draw, schedule: SequenceSchedule, beta_2: float, seed: int = 0
 ) -> Iterator[None]:
-    """`sequence_epochs` in PyTorch."""
+    """The same of the sequential network."""
     rng, sizes = np.random.default_rng(seed), (schedule.batch, LATENT)
-    update = _torch_update(model.parameters, schedule, schedule.epochs * schedule.steps, beta_2)
+    update = _torch_update(model, schedule, schedule.steps, beta_2)
     for _ in range(schedule.epochs):
         for _ in range(schedule.steps):
             prior = rng.standard_normal(sizes, dtype=np.float32)
@@ -257,16 +211,15 @@ def torch_sequence_epochs(
         yield
 
 
-def _torch_update(
-    parameters: list, by: Stage | SequenceSchedule, steps: int, beta_2: float
-) -> Callable[[], None]:
-    """A function that moves parameters by Adam and a one-cycle rate and clears their gradients."""
-    optimiser = torch.optim.Adam(parameters, betas=(0.9, beta_2), fused=True)
-    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, by.rate, steps)
+def _torch_update(model: Any, by: Any, steps: int, beta_2: float) -> Callable[[], None]:
+    """A function that moves parameters by Adam and a one-cycle rate and clears their gradients;
+    `steps` are those of an epoch."""
+    optimiser = torch.optim.Adam(model.parameters, betas=(0.9, beta_2), fused=True)
+    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, by.rate, by.epochs * steps)
 
     def update() -> None:
         if by.norm is not None:
-            torch.nn.utils.clip_grad_norm_(parameters, by.norm)
+            torch.nn.utils.clip_grad_norm_(model.parameters, by.norm)
         optimiser.step()
         rates.step()
         optimiser.zero_grad()
@@ -274,7 +227,7 @@ def _torch_update(
     return update
 
 
-def convolutional_trainings(material: Material | None) -> list[Training]:
+def on_takes(material: Material | None) -> list[Training]:
     """Of the convolutional network; the error is that of the table of `numpy-cae train`."""
     if material is None:
         halves: tuple[list, list] = ([], [])
@@ -282,9 +235,9 @@ def convolutional_trainings(material: Material | None) -> list[Training]:
             halves[plan.number % 4 == 0].append(body_of(plan.make(RATE).motion))
         material = unlabelled(*halves)
     schedule = recipe("fast")
-    windows, testing = windows_of(material, schedule.rms)
+    x, testing = windows_of(material, schedule.rms)
     damaged = zero_values(testing.x, 0.5, np.random.default_rng(0))
-    return trainings(windows, schedule, lambda repair: testing.error(repair(damaged)))
+    return trainings(x, schedule, lambda repair: testing.error(repair(damaged)))
 
 
 def windows_of(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
@@ -297,7 +250,7 @@ def windows_of(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
     return np.concatenate(cut), testing_of(frame, material)[0]
 
 
-def sequential_trainings() -> list[Training]:
+def on_clips() -> list[Training]:
     """Of the sequential network, on synthetic walking; the error is of other people's clips."""
     action = synthetic_action("walking", SEQUENCE_MINUTES)
     mean, deviation = mean_and_deviation(cut_clips(action.training))

@@ -43,12 +43,11 @@ class Case:
 
 def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
     """Every case for one batch size, of random numbers as large as those of training."""
-    rng = np.random.default_rng(seed)
-    layers, dtype = model.layers, model.layers[0].w.dtype
+    rng, layers = np.random.default_rng(seed), model.layers
     for index in (*range(len(layers)), None):
         used = layers if index is None else [layers[index]]
         frames = FRAMES >> (index or 0)
-        x = (0.25 * rng.normal(size=(batch, frames, used[0].w.shape[1]))).astype(dtype)
+        x = (0.25 * rng.normal(size=(batch, frames, used[0].w.shape[1]))).astype(used[0].w.dtype)
         corrupted = x * (rng.random(x.shape) >= 0.1)
         masks = [
             rng.random((batch, frames >> (k + 1), layer.b.size)) < 0.5
@@ -65,10 +64,10 @@ class TorchModel:
     """The layers of a `ConvAutoencoder` in PyTorch, where windows are (B, C, T)."""
 
     def __init__(self, model: ConvAutoencoder):
-        self.layers = [
-            (_parameter(layer.w.transpose(2, 1, 0)), _parameter(layer.b), layer.bound)
-            for layer in model.layers
-        ]
+        self.layers = [(_tensor(layer.w), _tensor(layer.b), layer.bound) for layer in model.layers]
+        self.parameters = [parameter for w, b, _ in self.layers for parameter in (w, b)]
+        for parameter in self.parameters:
+            parameter.requires_grad_()
 
     def encode(self, x, layers):
         """Equation 1 for each of the layers."""
@@ -87,64 +86,45 @@ class TorchModel:
             y = F.conv_transpose1d(y - b[:, None], w, padding=w.shape[-1] // 2)
         return y
 
+    def loss(self, x, corrupted, masks, layers, alpha=0.0):
+        """Equation 3 of one batch."""
+        y = self.encode(corrupted, layers)
+        loss = ((self.decode(y, layers, masks) - x) ** 2).mean()
+        return loss + alpha * y.abs().mean() if alpha else loss
+
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)) of windows (B, T, C)."""
-        with torch.inference_mode():
-            y = self.encode(_transposed(x), self.layers)
-            projected = self.decode(y, self.layers, [None] * len(self.layers))
-        return projected.numpy().transpose(0, 2, 1)
+        return self.function(Case("", "project", x, x, None, None))().numpy()
 
     def function(self, case: Case) -> Callable[[], Any]:
         """The case as a function without arguments; its windows are transposed beforehand."""
-        x, corrupted = _transposed(case.x), _transposed(case.corrupted)
+        x, corrupted = map(windows, (case.x, case.corrupted))
         layers = self.layers if case.layer is None else [self.layers[case.layer]]
-        masks = [None] * len(layers) if case.first is None else list(map(_transposed, case.first))
+        masks = [None] * len(layers) if case.first is None else list(map(windows, case.first))
 
         def step():
-            for w, b, _ in layers:
-                w.grad = b.grad = None
-            y = self.encode(corrupted, layers)
-            loss = ((self.decode(y, layers, masks) - x) ** 2).mean()
-            if case.alpha:
-                loss = loss + case.alpha * y.abs().mean()
+            for parameter in self.parameters:
+                parameter.grad = None
+            loss = self.loss(x, corrupted, masks, layers, case.alpha)
             loss.backward()
-            return loss.detach(), [(w.grad, b.grad) for w, b, _ in layers]
+            return loss.detach(), [(w.grad.permute(2, 1, 0), b.grad) for w, b, _ in layers]
 
-        if case.kind == "step":
-            return step
-
+        @torch.inference_mode()
         def infer():
             y = self.encode(x, layers)
-            return y if case.kind == "encode" else self.decode(y, layers, masks)
+            y = y if case.kind == "encode" else self.decode(y, layers, masks)
+            return y.transpose(1, 2)
 
-        return torch.inference_mode()(infer)
-
-    def arrays(self, case: Case) -> list[np.ndarray]:
-        """The results of the case, in the order of `arrays_of`."""
-        result = self.function(case)()
-        if case.kind != "step":
-            return [result.numpy().transpose(0, 2, 1)]
-        loss, gradients = result
-        both = [(w.numpy().transpose(2, 1, 0), b.numpy()) for w, b in gradients]
-        return [loss.numpy(), *(array for pair in both for array in pair)]
+        return step if case.kind == "step" else infer
 
 
-def arrays_of(model: ConvAutoencoder, case: Case) -> list[np.ndarray]:
-    """The results of the case: an array, or the loss and the gradients."""
-    result = case.function(model)()
-    if case.kind != "step":
-        return [result]
-    loss, gradients = result
-    return [np.asarray(loss), *(array for pair in gradients for array in pair)]
-
-
-def require_agreement(name: str, ours: list[np.ndarray], theirs: list[np.ndarray]) -> None:
-    """Raise ArithmeticError unless both are equal but for rounding, in float64.
+def require_agreement(name: str, ours: Any, theirs: Any) -> None:
+    """Raise ArithmeticError unless both results are equal but for rounding, in float64.
 
     In float32 a value next to the bound of arctanh, or two nearly equal ones in a pair, may be
     rounded to either side, and both would be right.
     """
-    for a, b in zip(ours, theirs, strict=True):
+    for a, b in zip(arrays_in(ours), arrays_in(theirs), strict=True):
         difference = np.abs(a - b).max() / max(1.0, np.abs(a).max())
         if not difference <= 1e-9:
             raise ArithmeticError(
@@ -153,10 +133,18 @@ def require_agreement(name: str, ours: list[np.ndarray], theirs: list[np.ndarray
             )
 
 
-def _parameter(array: np.ndarray):
-    return torch.tensor(np.ascontiguousarray(array), requires_grad=True)
+def arrays_in(result: Any) -> list[np.ndarray]:
+    """The arrays of a result, which may be in tuples and lists."""
+    if isinstance(result, tuple | list):
+        return [array for each in result for array in arrays_in(each)]
+    return [np.asarray(result)]
 
 
-def _transposed(x: np.ndarray):
+def windows(x: np.ndarray):
     """(B, T, C) as a tensor (B, C, T)."""
     return torch.tensor(np.ascontiguousarray(x.transpose(0, 2, 1)))
+
+
+def _tensor(weights: np.ndarray):
+    """(K, C, D) as a tensor (D, C, K), or (D,)."""
+    return torch.tensor(np.ascontiguousarray(weights.T))

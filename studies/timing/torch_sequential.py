@@ -19,6 +19,8 @@ from studies.timing.torch_convolutional import torch
 FRAMES, LATENT, DIRECTIONS = 50, 32, 64
 WEIGHT = 0.1
 """λ."""
+OF_GRU = {"w": "weight_ih", "u": "weight_hh", "b": "bias_ih", "c": "bias_hh"}
+"""Our names of a GRU's weights to PyTorch's."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,7 @@ class SequenceCase:
     @classmethod
     def drawn(cls, model: SequentialAutoencoder, batch: int, seed: int = 0) -> SequenceCase:
         """Random numbers as large as those of training, in the dtype of the model."""
-        rng = np.random.default_rng(seed)
-        dtype = model.weights["state_w"].dtype
+        rng, dtype = np.random.default_rng(seed), model.weights["state_w"].dtype
         return cls(
             rng.standard_normal((batch, FRAMES, model.features)).astype(dtype),
             rng.standard_normal((batch, model.latent)).astype(dtype),
@@ -42,12 +43,14 @@ class SequenceCase:
 
     def function(self, model: SequentialAutoencoder) -> Callable[[], Any]:
         """The step as a function without arguments."""
-        return lambda: model.loss_and_gradients(self.x, self.prior, self.directions, WEIGHT)
 
-    def arrays_of(self, model: SequentialAutoencoder) -> list[np.ndarray]:
-        """The loss and the gradients."""
-        losses, gradients = self.function(model)()
-        return [np.float64(losses.total), *gradients.values()]
+        def step():
+            losses, gradients = model.loss_and_gradients(
+                self.x, self.prior, self.directions, WEIGHT
+            )
+            return losses.total, list(gradients.values())
+
+        return step
 
 
 class TorchSequenceModel:
@@ -57,20 +60,18 @@ class TorchSequenceModel:
         features, hidden, latent = model.features, model.hidden, model.latent
         self.burn_in = model.burn_in
         self.encoder = torch.nn.GRU(features, hidden, batch_first=True)
+        self.decoder = torch.nn.GRUCell(features, hidden)
         self.latent = torch.nn.Linear(hidden, latent)
         self.state = torch.nn.Linear(latent, hidden)
-        self.decoder = torch.nn.GRUCell(features, hidden)
         self.frame = torch.nn.Linear(hidden, features)
-        parameters = {}
-        names = {"w": "weight_ih", "u": "weight_hh", "b": "bias_ih", "c": "bias_hh"}
-        for letter, name in names.items():
-            parameters[f"encoder_{letter}"] = getattr(self.encoder, f"{name}_l0")
-            parameters[f"decoder_{letter}"] = getattr(self.decoder, name)
-        for name, layer in (("latent", self.latent), ("state", self.state), ("frame", self.frame)):
-            parameters |= {f"{name}_w": layer.weight, f"{name}_b": layer.bias}
-        self.parameters = [parameters[name] for name in model.weights]
+        self.parameters = [self._parameter(*name.split("_")) for name in model.weights]
         for parameter, weight in zip(self.parameters, model.weights.values(), strict=True):
             parameter.data = torch.tensor(np.ascontiguousarray(weight.T))
+
+    def _parameter(self, layer: str, letter: str):
+        if layer in ("encoder", "decoder"):
+            return getattr(getattr(self, layer), OF_GRU[letter] + "_l0" * (layer == "encoder"))
+        return getattr(getattr(self, layer), {"w": "weight", "b": "bias"}[letter])
 
     def reconstruct(self, x):
         """z, and the clip that is written from it."""
@@ -100,11 +101,6 @@ class TorchSequenceModel:
             gap = encoded - drawn
             loss = ((x_hat - x) ** 2).mean() + weight * (gap * gap).mean()
             loss.backward()
-            return loss.detach(), [parameter.grad for parameter in self.parameters]
+            return loss.detach(), [parameter.grad.t() for parameter in self.parameters]
 
         return step
-
-    def arrays(self, case: SequenceCase) -> list[np.ndarray]:
-        """The loss and the gradients, in the order of `SequenceCase.arrays_of`."""
-        loss, gradients = self.function(case)()
-        return [loss.numpy(), *(gradient.numpy().T for gradient in gradients)]

@@ -8,13 +8,7 @@ from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from studies import speed
 from studies.timing import alternately
 from studies.timing.alternately import Timing, time_alternately
-from studies.timing.torch_convolutional import (
-    TorchModel,
-    arrays_of,
-    cases,
-    require_agreement,
-    torch,
-)
+from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
 from studies.timing.torch_sequential import SequenceCase, TorchSequenceModel
 
 if torch is not None:
@@ -53,15 +47,15 @@ def test_functions_are_timed_alternately_and_a_time_has_a_median_and_a_spread(mo
 def test_pytorch_computes_the_same():
     model = small(np.float64)
     for case in cases(model, 3):
-        theirs = TorchModel(model).arrays(case)
-        require_agreement(case.name, arrays_of(accelerate(model), case), theirs)
+        theirs = TorchModel(model).function(case)
+        require_agreement(case.name, case.function(accelerate(model))(), theirs())
     rng = np.random.default_rng(0)
     model = SequentialAutoencoder(5, 7, 3, rng, np.float64, burn_in=2)
     for name, weight in model.weights.items():
         model.weights[name] = rng.normal(scale=0.4, size=weight.shape)
     case = SequenceCase.drawn(model, 4)
-    theirs = TorchSequenceModel(model).arrays(case)
-    require_agreement("sequential", case.arrays_of(accelerate(model)), theirs)
+    theirs = TorchSequenceModel(model).function(case)
+    require_agreement("sequential", case.function(accelerate(model))(), theirs())
 
 
 @needs_torch

@@ -35,7 +35,7 @@ def test_turns_are_shared_and_only_training_is_timed(monkeypatch):
 def test_the_target_is_the_lowest_error_that_all_reach():
     ours = script.Training("ours", 3, iter(()), float, [2.0, 4.0, 6.0], [3.0, 1.9, 1.0])
     theirs = script.Training("theirs", 3, iter(()), float, [5.0, 10.0, 15.0], [4.0, 2.0, 2.1])
-    table = script.Quality([ours, theirs], "cm").table()
+    table = script.quality([ours, theirs], "cm")
     assert table.header[1] == "seconds to 2.000 cm"
     assert table.rows[1] == ["theirs", 10.0, 2.5, 15.0, 2.0]
 
