@@ -10,7 +10,7 @@ the damaged joints and frames.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -58,11 +58,8 @@ LEAST_ERROR = 0.02
 REMAINS = dict.fromkeys(("frozen in channels", "frozen in the world"), 13 / 19)
 REMAINS |= {"spikes": 1 / 20, "twisted leg": 12 / 56}
 """Repair with the mask unknown may leave at most this share of the damage."""
-RECALL, PRECISION, PROPOSED = (
-    "of the damage, found",
-    "of what is found, damaged",
-    ", with proposals",
-)
+RECALL, PRECISION = "of the damage, found", "of what is found, damaged"
+PROPOSED = ", with proposals"
 FOUND = 50.0
 """FOUND: at least this percentage of the damage, and of what is found, is to be right."""
 CLEAN = ("change, cm", "touched, %", "sliding before, cm/s", "sliding after, cm/s", "known, %")
@@ -214,63 +211,74 @@ class _Trial:
 
     def claims(self, source: str) -> list[Claim]:
         """The claims of the lab book on careful repair."""
-        means = {
+        mean = {
             caption: {row: {c: np.mean(n) for c, n in each.items()} for row, each in rows.items()}
             for caption, rows in self.values.items()
         }
-        error, ratios = means[ERROR], means[RATIO]
-        before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
-        change, touched, slides, slides_after, _ = means[INTACT][UNKNOWN].values()
-        moved = max(means[ELSEWHERE][UNKNOWN].values())
-        best = min(FILTERS, key=lambda name: error[name][JITTER])
-        best_curve = {kind: min(error[name][kind] for name in CURVES) for kind in given}
-        worse = [kind for kind in given if given[kind] > best_curve[kind]]
-        of_damage, of_found = (means[FINDINGS].get(row, {}) for row in (RECALL, PRECISION))
-        missed = [k for k in KINDS if min(of_damage[k], of_found.get(k, 0.0)) < FOUND]
-        measured = [
-            (
-                "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it; its "
-                "standing foot slides no more, to 0.01 cm/s",
-                change <= 0.2 and touched <= 1.0 and slides_after <= slides + 0.01,
-                f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {slides_after:.3f} after",
-            ),
-            (
-                "Smoothing leaves no more jitter than the best filter",
-                unknown[JITTER] <= error[best][JITTER],
-                f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, "
-                f"{error[best][JITTER]:.2f} by {best}",
-            ),
-            (
-                "Where the damage is marked, repair has at most the error of the best curve of "
-                "animation programs, for each kind of damage",
-                not worse,
-                f"not for {', '.join(worse) or 'none'}",
-            ),
-            (
-                "Of each kind of damage at least half is found, and of what is found at least half "
-                "is damaged",
-                not missed,
-                f"not of {', '.join(missed) or 'none'}",
-            ),
-            (
-                "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
-                moved <= 0.2,
-                f"at most {moved:.2f} cm in the mean of a kind of damage",
-            ),
-        ]
-        for kind, share in REMAINS.items():
-            left, figures = unknown[kind] / before[kind], f"{before[kind]:.2f} cm before"
-            what = f"Without a mark of the damage, repair leaves at most {share:.0%} of its error"
-            measured.append((f"{what}: {kind}", left <= share, f"{figures}, {left:.0%} left"))
-        for part, (_, most) in PARTS.items():
-            of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
-            what = f"In marked holes, {part}, fill has at most {most:.0%} of the best curve's error"
-            figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
-            measured.append((what, max(of_part.values(), default=np.inf) <= most, figures))
+        claims = [*_of_clean(mean[INTACT][UNKNOWN]), *_of_damage(mean), *_of_holes(mean[RATIO])]
         return [
             Claim(f"{sentence} ({source} takes; not in the paper).", bool(confirmed), f"{figures}.")
-            for sentence, confirmed, figures in measured
+            for sentence, confirmed, figures in claims
         ]
+
+
+Claimed = Iterator[tuple[str, bool, str]]
+"""Sentences, whether they are confirmed, and the figures."""
+
+
+def _of_clean(mean: dict[str, float]) -> Claimed:
+    change, touched, slides, after, _ = mean.values()
+    yield (
+        "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it; its standing "
+        "foot slides no more, to 0.01 cm/s",
+        change <= 0.2 and touched <= 1.0 and after <= slides + 0.01,
+        f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {after:.3f} after",
+    )
+
+
+def _of_damage(mean: dict[str, dict[str, dict[str, float]]]) -> Claimed:
+    error, found = mean[ERROR], mean[FINDINGS]
+    before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
+    best = min(FILTERS, key=lambda name: error[name][JITTER])
+    yield (
+        "Smoothing leaves no more jitter than the best filter",
+        unknown[JITTER] <= error[best][JITTER],
+        f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, {error[best][JITTER]:.2f} "
+        f"by {best}",
+    )
+    worse = [kind for kind in given if given[kind] > min(error[name][kind] for name in CURVES)]
+    yield (
+        "Where the damage is marked, repair has at most the error of the best curve of animation "
+        "programs, for each kind of damage",
+        not worse,
+        f"not for {', '.join(worse) or 'none'}",
+    )
+    rows = found[RECALL], found.get(PRECISION, {})
+    missed = [kind for kind in KINDS if min(row.get(kind, 0.0) for row in rows) < FOUND]
+    yield (
+        "Of each kind of damage at least half is found, and of what is found at least half is "
+        "damaged",
+        not missed,
+        f"not of {', '.join(missed) or 'none'}",
+    )
+    moved = max(mean[ELSEWHERE][UNKNOWN].values())
+    yield (
+        "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
+        moved <= 0.2,
+        f"at most {moved:.2f} cm in the mean of a kind of damage",
+    )
+    for kind, share in REMAINS.items():
+        left = unknown[kind] / before[kind]
+        sentence = f"Without a mark, repair leaves at most {share:.0%} of the error: {kind}"
+        yield sentence, left <= share, f"{before[kind]:.2f} cm before, {left:.0%} left"
+
+
+def _of_holes(ratios: dict[str, dict[str, float]]) -> Claimed:
+    for part, (_, most) in PARTS.items():
+        of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
+        sentence = f"In marked holes, {part}, fill has at most {most:.0%} of the best curve's error"
+        figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
+        yield sentence, max(of_part.values(), default=np.inf) <= most, figures
 
 
 def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
