@@ -2,6 +2,7 @@
 
 import argparse
 import ast
+import inspect
 import json
 import sys
 import time
@@ -11,6 +12,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
+from types import ModuleType
 
 from numpy_cae.cli.shared.output import note, visible_output, working, write_texts
 from numpy_cae.errors import NumpyCaeError
@@ -33,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with visible_output():
         try:
             return _run(names, words[len(names) :]) if names else _list()
-        except (NumpyCaeError, ValueError, OSError) as error:
+        except (NumpyCaeError, ValueError, ArithmeticError, OSError) as error:
             print(f"python -m studies {' '.join(names)}: {error}", file=sys.stderr)
             return 2
 
@@ -61,29 +63,30 @@ def _run(names: list[str], words: list[str]) -> int:
     args = parser.parse_args(words)
     inputs, results = Inputs(args), {}
     for name, module in modules.items():
-        result = results[name] = _measured(name, module.run, inputs, alone=len(names) == 1)
+        result = results[name] = _measured(name, module, inputs, alone=len(names) == 1)
         print(text(result), end="\n\n", flush=True)
     if args.output:
         _write(results, args.output)
     return 0 if any(result.tables for result in results.values()) else 2
 
 
-def _measured(name: str, run, inputs: Inputs, alone: bool) -> Result:
+def _measured(name: str, module: ModuleType, inputs: Inputs, alone: bool) -> Result:
     """The result of a study with its provenance. Where a study among others cannot be run, its
     result has no tables and its note says why."""
     try:
-        given = inputs.of(run)
+        given = inputs.of(module.run)
         began, processor = time.monotonic(), time.process_time()
         with working(name):
-            result = run(**given)
+            result = module.run(**given)
     except (NumpyCaeError, ValueError, ArithmeticError) as error:
         if alone:
             raise
         note(f"{name} could not be run: {error}")
         return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
     seconds = f"{time.monotonic() - began:.0f} s, {time.process_time() - processor:.0f} s of the "
-    made = result.provenance | provenance(run, inputs) | {"time": f"{seconds}processor"}
-    return replace(result, provenance=made)
+    about = inspect.getdoc(module) or ""
+    made = result.provenance | provenance(module.run, inputs) | {"time": f"{seconds}processor"}
+    return replace(result, about=about, provenance=made)
 
 
 def _write(results: dict[str, Result], folder: Path) -> None:

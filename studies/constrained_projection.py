@@ -87,12 +87,7 @@ def _sliding(positions: np.ndarray, contacts: np.ndarray, rate: float) -> float:
 def _constraint_claim(name: str, measured: Measured) -> Claim:
     position, _, share, sliding = measured[PLAIN_ROW]
     kept_position, _, kept_share, kept_sliding = measured[KEPT_ROW]
-    return Claim(
-        "A constrained projection can keep bone lengths (to 0.1%) and ground contact (a fifth of "
-        "the sliding) at no cost in position (future work in holden2015, section 7), "
-        f"{name}.",
-        bool(kept_share < 0.1 and kept_sliding <= sliding / 5 and kept_position <= position),
-        f"bones {share:.2f}% off before, {kept_share:.1e}% after; feet slide {sliding:.2f} cm/s "
-        f"before, {kept_sliding:.2f} after; position {position:.2f} cm before, "
-        f"{kept_position:.2f} after.",
-    )
+    kept = kept_share < 0.1 and kept_sliding <= sliding / 5 and kept_position <= position
+    figures = f"bones {share:.2f}% off before, {kept_share:.1e}% after; feet slide {sliding:.2f} "
+    figures += f"cm/s before, {kept_sliding:.2f} after; position {position:.2f} cm before, "
+    return Claim("constraints_kept", bool(kept), f"{figures}{kept_position:.2f} after.", name)

@@ -215,70 +215,47 @@ class _Trial:
             caption: {row: {c: np.mean(n) for c, n in each.items()} for row, each in rows.items()}
             for caption, rows in self.values.items()
         }
-        claims = [*_of_clean(mean[INTACT][UNKNOWN]), *_of_damage(mean), *_of_holes(mean[RATIO])]
+        unknown, error = mean[INTACT][UNKNOWN], mean[ERROR]
+        change, touched, slides, after, _ = unknown.values()
+        kept = change <= 0.2 and touched <= 1.0 and after <= slides + 0.01
+        moved = max(mean[ELSEWHERE][UNKNOWN].values())
+        figures = f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {after:.3f} after."
         return [
-            Claim(f"{sentence} ({source} takes; not in the paper).", bool(confirmed), f"{figures}.")
-            for sentence, confirmed, figures in claims
+            Claim("clean_kept", bool(kept), figures, source),
+            *_of_repair(error, source),
+            _of_findings(mean[FINDINGS], source),
+            Claim("rest_kept", bool(moved <= 0.2), f"at most {moved:.2f} cm in the mean.", source),
+            *_of_holes(mean[RATIO], source),
         ]
 
 
-Claimed = Iterator[tuple[str, bool, str]]
-"""Sentences, whether they are confirmed, and the figures."""
-
-
-def _of_clean(mean: dict[str, float]) -> Claimed:
-    change, touched, slides, after, _ = mean.values()
-    yield (
-        "Repair changes a clean file by at most 0.2 cm and touches at most 1% of it; its standing "
-        "foot slides no more, to 0.01 cm/s",
-        change <= 0.2 and touched <= 1.0 and after <= slides + 0.01,
-        f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {after:.3f} after",
-    )
-
-
-def _of_damage(mean: dict[str, dict[str, dict[str, float]]]) -> Claimed:
-    error, found = mean[ERROR], mean[FINDINGS]
+def _of_repair(error: dict[str, dict[str, float]], source: str) -> Iterator[Claim]:
     before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
     best = min(FILTERS, key=lambda name: error[name][JITTER])
-    yield (
-        "Smoothing leaves no more jitter than the best filter",
-        unknown[JITTER] <= error[best][JITTER],
-        f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, {error[best][JITTER]:.2f} "
-        f"by {best}",
-    )
+    less = unknown[JITTER] <= error[best][JITTER]
+    figures = f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, "
+    figures += f"{error[best][JITTER]:.2f} by {best}."
+    yield Claim("jitter_smoothed", bool(less), figures, source)
     worse = [kind for kind in given if given[kind] > min(error[name][kind] for name in CURVES)]
-    yield (
-        "Where the damage is marked, repair has at most the error of the best curve of animation "
-        "programs, for each kind of damage",
-        not worse,
-        f"not for {', '.join(worse) or 'none'}",
-    )
-    rows = found[RECALL], found.get(PRECISION, {})
-    missed = [kind for kind in KINDS if min(row.get(kind, 0.0) for row in rows) < FOUND]
-    yield (
-        "Of each kind of damage at least half is found, and of what is found at least half is "
-        "damaged",
-        not missed,
-        f"not of {', '.join(missed) or 'none'}",
-    )
-    moved = max(mean[ELSEWHERE][UNKNOWN].values())
-    yield (
-        "Without a mark of the damage, repair moves everything else by at most 0.2 cm",
-        moved <= 0.2,
-        f"at most {moved:.2f} cm in the mean of a kind of damage",
-    )
+    yield Claim("marked_repaired", not worse, f"not for {', '.join(worse) or 'none'}.", source)
     for kind, share in REMAINS.items():
         left = unknown[kind] / before[kind]
-        sentence = f"Without a mark, repair leaves at most {share:.0%} of the error: {kind}"
-        yield sentence, left <= share, f"{before[kind]:.2f} cm before, {left:.0%} left"
+        figures = f"{before[kind]:.2f} cm before, {left:.0%} left."
+        yield Claim("unmarked_repaired", bool(left <= share), figures, f"{source}, {kind}")
 
 
-def _of_holes(ratios: dict[str, dict[str, float]]) -> Claimed:
+def _of_findings(found: dict[str, dict[str, float]], source: str) -> Claim:
+    rows = found[RECALL], found.get(PRECISION, {})
+    missed = [kind for kind in KINDS if min(row.get(kind, 0.0) for row in rows) < FOUND]
+    return Claim("damage_found", not missed, f"not of {', '.join(missed) or 'none'}.", source)
+
+
+def _of_holes(ratios: dict[str, dict[str, float]], source: str) -> Iterator[Claim]:
     for part, (_, most) in PARTS.items():
         of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
-        sentence = f"In marked holes, {part}, fill has at most {most:.0%} of the best curve's error"
         figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
-        yield sentence, max(of_part.values(), default=np.inf) <= most, figures
+        filled = max(of_part.values(), default=np.inf) <= most
+        yield Claim("holes_filled", bool(filled), f"{figures}.", f"{source}, {part}")
 
 
 def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -1,6 +1,10 @@
 """A wrist that is missing for a whole clip, and stepped animation: holden2015, section 7, "Filling
 in Missing Data".
 
+For stepped keys, errors are measured up to the last key. A held key lags behind by half of their
+distance on average: "delayed" is the error against the truth so many frames before. The curves
+through the rotations of the rig are given the keys and which they are.
+
 The network is not given the mask of what is missing. A missing joint is placed where it is in the
 mean pose, which is zero for the network, and read from the projection. For stepped animation, which
 repeats every 15th frame, the paper finds smooth transitions. The rotation curves of animation
@@ -35,11 +39,6 @@ TARGET = 0.85
 HEADER = ("method", "error, cm", "delayed, cm", "jitter, m/s²")
 STEPPED_TAKES = 20
 """The most takes that are stepped, spread evenly over all."""
-STEPPED = (
-    f"Every {EVERY}th frame held, measured up to the last key, mean of {{}} takes. A held key lags "
-    f'behind by {DELAY} frames on average: "delayed" is the error against the truth so many frames '
-    "before. The curves through the rotations of the rig are given the keys and which they are:"
-)
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -73,7 +72,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 [[joint, *errors] for joint, errors in wrists.items()],
                 best="low across",
             ),
-            Table(STEPPED.format(len(each)), HEADER, rows),
+            Table(f"Every {EVERY}th frame held, mean of {len(each)} takes:", HEADER, rows),
         ],
         [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)],
         {"filling_in": moving(motions, manifold.rate)},
@@ -102,12 +101,8 @@ def _measured(x: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
 
 def _wrist_claim(errors: np.ndarray) -> Claim:
     mean, network = np.sqrt(np.mean(errors**2, axis=0))
-    return Claim(
-        "Projection infers the position of a wrist whose marker is missing (holden2015, section 7; "
-        f"confirmed if the error is below {TARGET} of the mean pose's).",
-        bool(network < TARGET * mean),
-        f"{network:.2f} cm, the mean pose {mean:.2f} cm, {network / mean:.2f} of it.",
-    )
+    figures = f"{network:.2f} cm, the mean pose {mean:.2f} cm, {network / mean:.2f} of it."
+    return Claim("wrist_inferred", bool(network < TARGET * mean), figures)
 
 
 def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
@@ -118,14 +113,12 @@ def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
     best = min(curves, key=lambda name: curves[name])
     return [
         Claim(
-            "Projection inserts smooth transitions between stepped keyframes (holden2015, section "
-            "7; confirmed if the jitter differs from the truth's by less than half of it).",
+            "smooth_transitions",
             abs(jitter - truth) < truth / 2,
             f"{held_jitter:.1f} m/s² held, {jitter:.1f} projected, truth {truth:.1f}.",
         ),
         Claim(
-            "The inserted transitions correspond to motion (section 7; confirmed if they are "
-            "nearer to the true motion than the held keys are, both undelayed and delayed).",
+            "transitions_are_motion",
             error < held and delayed < held_delayed,
             f"{held:.2f} cm held, {error:.2f} cm projected; delayed {held_delayed:.2f} and "
             f"{delayed:.2f} cm. {best}: {curves[best]:.2f} cm.",

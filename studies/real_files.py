@@ -1,5 +1,9 @@
 """Motion files as people have them: what repair, its presets and a simple filter make of each.
 
+Proposed: the preset that `repair` proposes, if any. Damaged: a frame jumps or a preset is proposed.
+Helped: at most half of the jumps are left, or, without jumps, planted feet have at most three
+quarters of their speed. Harmed: a jump is new, or a measure a tenth worse.
+
 There is no truth. A frame has a jump if the step of one of the twenty joints differs from the
 median of seven by more than 8 cm. Away from jumps, in joints and frames further than `NEAR` from
 one, a method should change little. The simple filter is that of ten lines of code: a median of five
@@ -36,12 +40,6 @@ Measures = dict[str, float]
 """Column to measure."""
 NEAR = 0.25
 """NEAR: the time around a jump (s)."""
-RULE = (
-    "Proposed: the preset that `repair` proposes, if any. Damaged: a frame jumps or a preset is "
-    "proposed. Helped: at most half of the jumps are left, or, without jumps, planted feet have at "
-    "most three quarters of their speed. Harmed: a jump is new, or a measure a tenth worse. Ten "
-    "lines: a median of five frames, then a Butterworth filter of 5 Hz, on all rotations."
-)
 DRAWN, POSES, RATE = 12, 9, 30.0
 """At most DRAWN files are drawn, those with the most jumps, each around its worst moment, the
 largest acceleration: POSES poses, RATE a second."""
@@ -106,7 +104,7 @@ def measures_of(before: Motion, after: Motion) -> Measures:
 
 
 def verdict(before: Measures, after: Measures) -> str:
-    """What `RULE` says of a repaired file: helped, harmed, or as before."""
+    """Whether a repaired file is helped, harmed, or as before, by the rule above."""
     # Of a measure near 0, a tenth is rounding.
     worse = any(after[name] > 1.1 * before[name] + 0.01 for name in HEADER[:-2])
     what, share = (JUMPS, 0.5) if before[JUMPS] else (FEET, 0.75)
@@ -133,21 +131,20 @@ def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) 
         [Table("", ["file: method", *HEADER, "said"], rows)],
         _claims(files, len(refused)) if files else [],
         {"real_files": Picture(draw)},
-        RULE,
     )
 
 
 def _claims(files: Sequence[_File], refused: int) -> list[Claim]:
     claims = []
-    for measure, sentence in (
-        (JUMPS, "Repaired as proposed, no file has more jumps left than the filter leaves."),
-        (CHANGE, "Repaired as proposed, no file is changed more elsewhere than by the filter."),
+    for measure, key in (
+        (JUMPS, "fewer_jumps"),
+        (CHANGE, "less_changed"),
     ):
         pairs = {f: [f.measures[name][measure] for name in (f.proposed, FILTER)] for f in files}
         more = [file.name for file, (ours, theirs) in pairs.items() if ours > theirs]
         ours, theirs = np.nansum(list(pairs.values()), axis=0)
         figures = f"the sums are {ours:.4g} and {theirs:.4g}; not in {', '.join(more) or 'none'}."
-        claims.append(Claim(sentence, not more, figures))
+        claims.append(Claim(key, not more, figures))
     damaged = [f for f in files if f.measures[BEFORE][JUMPS] or f.proposed != REPAIR]
     helped, harmed = (sum(f.verdict == word for f in damaged) for word in ("helped", "harmed"))
     touched = [f.name for f in files if f not in damaged and f.measures[REPAIR][CHANGE]]
@@ -155,6 +152,5 @@ def _claims(files: Sequence[_File], refused: int) -> list[Claim]:
         f"of {len(files) + refused} files {refused} refused and {len(damaged)} damaged, of these "
         f"{helped} helped, {harmed} harmed; changed without damage: {', '.join(touched) or 'none'}."
     )
-    sentence = "Of damaged files three quarters are helped, none is harmed; others are unchanged."
     confirmed = helped >= 0.75 * len(damaged) and not harmed and not touched
-    return [*claims, Claim(sentence, confirmed, figures)]
+    return [*claims, Claim("files_helped", confirmed, figures)]

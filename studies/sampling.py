@@ -27,12 +27,7 @@ SLACK = 1.25
 """SLACK: a motion is valid if each error is at most this many times that of projected motion."""
 REAL, PROJECTED_REAL = "test takes", "test takes, projected"
 UNIFORM, FITTED = "uniform prior", "fitted prior"
-SENTENCES = {
-    UNIFORM: "The uniform distribution over [-1, 1] is a prior over the space of human motion: its "
-    "inverse projection is valid motion (holden2015, section 3).",
-    FITTED: "The prior can be augmented with other beliefs (holden2015, section 3): fitted to "
-    "encoded motion, it gives motion as valid as projected real motion.",
-}
+STATEMENTS = {UNIFORM: "uniform_prior", FITTED: "other_prior"}
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -62,18 +57,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Sampling from a prior",
         [Table(caption, ["motion", *Validity.HEADER], rows, Validity.FORMATS)],
         [
-            _claim(sentence, measured[prior], measured[PROJECTED_REAL])
-            for prior, sentence in SENTENCES.items()
+            _claim(key, measured[prior], measured[PROJECTED_REAL])
+            for prior, key in STATEMENTS.items()
         ],
         {"sampling": moving(motions, manifold.rate)},
     )
 
 
-def _claim(sentence: str, made: Validity, real: Validity) -> Claim:
+def _claim(key: str, made: Validity, real: Validity) -> Claim:
     valid = all(a <= SLACK * b for a, b in zip(astuple(made), astuple(real), strict=True))
-    return Claim(
-        sentence,
-        valid,
-        f"{made.against(real)} of the projected test takes. Confirmed if each is at most {SLACK} "
-        "times theirs.",
-    )
+    return Claim(key, valid, f"{made.against(real)} of the projected test takes.")

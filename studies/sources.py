@@ -4,6 +4,12 @@ A source is a folder: one capture system, one rig, one set of people. The networ
 and PCA learn from the same takes of the other sources. Each value of the left-out windows is set to
 zero with probability 1/2, as in `numpy_cae.evaluation.half_removed`.
 
+Manifolds are those of recipe fast, averaged over all shifts of the pooling grid. Where values are
+removed, a manifold is a mean of its network and a linear map, whose weight each window gives
+(`numpy_cae.manifold.mixture`). For PCA the number of axes with the smallest error of repair on the
+test takes is shown, which favours PCA. The linear map is fitted for p = 0.5; its reconstruction is
+that of the undamaged windows times 1 - p, the mean of what it is given.
+
     python -m studies sources --data bandai cmu/asfamc motions
 """
 
@@ -28,13 +34,6 @@ RECIPE = "fast"
 MIXTURE, NETWORK, LINEAR = "manifold", "its network alone", "linear map of 15 frames"
 PRINCIPAL = "PCA on windows, divided by 1 - p"
 HEADER = ("left out", "method", "reconstruction, cm", "half of the values removed, cm")
-NOTE = (
-    f"Manifolds of recipe {RECIPE}, averaged over all shifts of the pooling grid. Where values are "
-    "removed, a manifold is a mean of its network and a linear map, whose weight each window gives "
-    "(numpy_cae.manifold.mixture). For PCA the number of axes with the smallest error of repair on "
-    "the test takes is shown, which favours PCA. The linear map is fitted for p = 0.5; its "
-    "reconstruction is that of the undamaged windows times 1 - p, the mean of what it is given."
-)
 Errors = dict[str, tuple[float, float]]
 """Method to its errors of reconstruction and of repair, cm."""
 
@@ -50,12 +49,8 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         errors[left_out] = errors_on(training, testing, seed)
     rows = [[name, method, *both] for name, each in errors.items() for method, both in each.items()]
     claims = [_claim(name, each) for name, each in errors.items()]
-    return Result(
-        "A source that was not in training",
-        [Table("", HEADER, rows, best="low")],
-        claims,
-        note=NOTE,
-    )
+    table = Table("", HEADER, rows, best="low")
+    return Result("A source that was not in training", [table], claims)
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:
@@ -88,10 +83,6 @@ def _claim(name: str, errors: Errors) -> Claim:
     """Whether the manifold is better than both linear methods on one source."""
     (reconstruction, repair), (_, linear) = errors[MIXTURE], errors[LINEAR]
     pca = errors[PRINCIPAL]
-    return Claim(
-        f"The manifold carries over to {name}: half of the values removed, it repairs better than "
-        "the linear map and PCA, and it reconstructs better than PCA.",
-        repair < min(linear, pca[1]) and reconstruction < pca[0],
-        f"repair {repair:.2f} cm, linear map {linear:.2f}, PCA {pca[1]:.2f}; reconstruction "
-        f"{reconstruction:.2f} cm, PCA {pca[0]:.2f}.",
-    )
+    better = repair < min(linear, pca[1]) and reconstruction < pca[0]
+    figures = f"repair {repair:.2f} cm, linear map {linear:.2f}, PCA {pca[1]:.2f}; reconstruction "
+    return Claim("carries_over", better, f"{figures}{reconstruction:.2f}, PCA {pca[0]:.2f}.", name)

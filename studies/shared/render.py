@@ -19,15 +19,6 @@ from studies.shared.result import Claim, Picture, Result
 HERE = Path(__file__).parent
 _PAGE = Template((HERE / "page.html").read_text(encoding="utf-8"))
 
-TITLE = "Applications of the motion manifold"
-INTRODUCTION = (
-    "What is measured: whether a network that has learned how people move repairs, fills in, "
-    "blends and compares motions, as Learning Motion Manifolds with Convolutional Autoencoders "
-    "(Holden, Saito, Komura and Joyce, 2015) says. On what: takes that nothing was trained on or "
-    "fitted to. Against what: the strongest simple methods, such as the best linear map, principal "
-    "components and the curves of animation programs. An error in cm is the distance of a joint "
-    "from its true place. The best value of a column, or of a row, is bold."
-)
 _LEGEND = json.loads((HERE / "legend.json").read_text(encoding="utf-8"))
 """Part of a method's name to its meaning."""
 
@@ -38,7 +29,7 @@ def text(result: Result) -> str:
         f"{status(claim)}: {claim.sentence} Measured: {claim.figures}" for claim in result.claims
     ]
     made = [f"{name}: {value}" for name, value in result.provenance.items()]
-    parts = [result.title, *(table.text() for table in result.tables), result.note]
+    parts = [result.title, result.about, *(t.text() for t in result.tables), result.note]
     return "\n\n".join(filter(None, [*parts, "\n".join(claims), "\n".join(made)]))
 
 
@@ -58,9 +49,9 @@ def data(result: Result) -> dict:
         }
         for table in result.tables
     ]
-    claims = [vars(claim) for claim in result.claims]
-    whole = {"title": result.title, "tables": tables, "claims": claims, "note": result.note}
-    return whole | {"provenance": dict(result.provenance)}
+    claims = [vars(claim) | {"sentence": claim.sentence} for claim in result.claims]
+    texts = {name: getattr(result, name) for name in ("title", "about", "note")}
+    return texts | {"tables": tables, "claims": claims, "provenance": dict(result.provenance)}
 
 
 def png(picture: Picture) -> bytes:
@@ -90,8 +81,6 @@ def page(results: Mapping[str, Result]) -> str:
     claims = sum(len(result.claims) for result in results.values())
     confirmed = sum(each.confirmed for each in results.values())
     return _PAGE.substitute(
-        title=escape(TITLE if len(results) > 1 else next(iter(results.values())).title),
-        introduction=escape(INTRODUCTION),
         count=f"{confirmed} of {claims} claims are confirmed on this data.",
         contents="\n".join(
             f'<li><a href="#{name}">{escape(result.title)}</a> {_counts(result)}</li>'
@@ -132,10 +121,13 @@ def section(result: Result) -> str:
             viewer = fragment(picture.actors, picture.rate)
             parts.append(f'<figure class="moving">{viewer}</figure>')
     parts.append(f'<div id="{tables}">')
-    made = "<details><summary>Settings, to repeat the measurements</summary>\n<dl>\n"
-    made += f"{_definitions(result.provenance)}\n</dl></details>"
-    ends = "</div>", _paragraph(result.note), made if result.provenance else ""
-    return "\n".join([*parts, *map(_table, result.tables), *ends])
+    made = f"<dl>\n{_definitions(result.provenance)}\n</dl>"
+    folded = {"What is measured, and how": f"<pre>{escape(result.about)}</pre>"}
+    folded["Settings, to repeat the measurements"] = made
+    ends = [f"<details><summary>{name}</summary>{html}</details>" for name, html in folded.items()]
+    return "\n".join(
+        [*parts, *map(_table, result.tables), "</div>", _paragraph(result.note), *ends]
+    )
 
 
 def _definitions(meanings: Mapping[str, str]) -> str:

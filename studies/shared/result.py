@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from numpy_cae.evaluation.table import Table
@@ -14,22 +16,41 @@ if TYPE_CHECKING:
     from numpy_cae.viz.actor import Actor, Motions
 
 
+STATEMENTS: dict[str, dict[str, str]] = {
+    each["key"]: each
+    for each in json.loads(Path(__file__).with_name("statements.json").read_text("utf-8"))
+}
+"""The statements that studies test, of the papers in their order and of this project: key to
+sentence, source, and when it is confirmed."""
+
+
 @dataclass(frozen=True)
 class Claim:
-    """A sentence about a method, and whether the measurement confirms the sentence.
+    """One of `STATEMENTS`, and whether the measurement confirms it.
 
     Parameters
     ----------
-    sentence : str
-        With its source, such as "(holden2015, section 7)".
+    key : str
+        Of the statement.
     confirmed : bool
     figures : str
         The measured figures that decide, in a sentence.
+    of : str
+        Of what it was measured, such as a source of motion, where there are several.
     """
 
-    sentence: str
+    key: str
     confirmed: bool
     figures: str
+    of: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The statement with its source and when it is confirmed."""
+        statement = STATEMENTS[self.key]
+        rule = statement["confirmed if"] and f"; confirmed if {statement['confirmed if']}"
+        of = self.of and f": {self.of}"
+        return f"{statement['sentence']} ({statement['source']}{rule}){of}."
 
 
 @dataclass(frozen=True)
@@ -64,7 +85,9 @@ class Result:
     figures : mapping of str to Picture
         Name of each figure's file to the figure.
     note : str
-        What was measured on which data.
+        What is to be known of this measurement.
+    about : str
+        What the study measures, and how.
     provenance : mapping of str to str
         What must be known to repeat the measurements: data, minutes, seed, settings, versions.
     """
@@ -74,6 +97,7 @@ class Result:
     claims: Sequence[Claim] = ()
     figures: Mapping[str, Picture] = field(default_factory=dict)
     note: str = ""
+    about: str = ""
     provenance: Mapping[str, str] = field(default_factory=dict)
 
     @property

@@ -101,4 +101,4 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     assert table.value("test takes", BONES) < table.value("uniform prior", BONES)
     assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
     uniform, fitted = result_of("sampling").claims
-    assert not uniform.confirmed and "fitted" in fitted.sentence
+    assert not uniform.confirmed and "fitted to encoded motion" in fitted.sentence

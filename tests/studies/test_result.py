@@ -10,13 +10,14 @@ from studies.shared.render import best_cells, page, text
 from studies.shared.result import Claim, Picture, Result, Table
 
 CLAIMS = [
-    Claim("Motion is <recovered> & well.", True, "3 against 4 cm."),
-    Claim("It remains valid.", False, "5 cm."),
+    Claim("half_recovered", True, "3 against 4 cm.", "takes <of> & more"),
+    Claim("interpolation_is_valid", False, "5 cm."),
 ]
 TABLE = Table("Before <it>:", ["a", "error, cm", "share"], [["x < y", 1.0, 0.5], ["z", 10.25, 2]])
 NOTE = "Measured on 2 takes."
 MADE = {"model": "m.npz <1>", "seed": "0"}
-RESULT = Result("First & foremost", [TABLE], CLAIMS, {"one": Picture(Figure)}, NOTE, MADE)
+FIGURES = {"one": Picture(Figure)}
+RESULT = Result("First & foremost", [TABLE], CLAIMS, FIGURES, NOTE, "How.", MADE)
 RESULTS = {"one": RESULT, "two": Result("two", [], note="Could not be run: no press-ups.")}
 
 
@@ -74,4 +75,5 @@ def test_the_page_is_self_contained_and_the_text_has_the_same():
     assert "<tr><td>x &lt; y</td><td class=number>1.00</td>" in html
     printed = text(RESULT)
     assert TABLE.text() in printed and NOTE in printed and "model: m.npz <1>" in printed
-    assert "not confirmed: It remains valid. Measured: 5 cm." in printed
+    assert "confirmed if it is better on every measure). Measured: 5 cm." in printed
+    assert "confirmed if less than half of the error remains): takes <of> & more." in printed
