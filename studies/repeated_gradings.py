@@ -14,44 +14,18 @@ from collections import Counter
 from pathlib import Path
 
 from numpy_cae.cli.shared.output import note
-from studies.marks.hostile import (
-    CHEAT,
-    FILLS,
-    IMPORTS,
-    REPLACES_MODULES,
-    REPLACES_TESTS,
-    WAITS,
-)
+from studies.marks.pieces import PIECES
 from studies.shared.result import Result, Table
 
 BUSY = 4
-TANH = "def tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: dy * (1 - {0} * {0})\n"
-RIGHT, WRONG = IMPORTS + TANH.format("y"), IMPORTS + TANH.format("x")
-LINEAR = "def linear(x, w, b):\n    return {}, None\n"
-SPINS = "while time.process_time() < 1.5: pass\n"
-GRU = "def gru_step(x, h, w, u, b, c):\n    return h, lambda dy: (x, dy, w, u, b, c)\n"
-FILES = {
-    "right": RIGHT,
-    "right_and_slow": RIGHT + SPINS,
-    "right_and_waits": RIGHT + WAITS,
-    "right_and_replaces": RIGHT + REPLACES_MODULES,
-    "right_with_thread": RIGHT + "threading.Thread(target=time.sleep, args=(100,)).start()",
-    "right_and_prints": RIGHT + "print('x' * 10**6)",
-    "right_and_missing": RIGHT + LINEAR.format("x @ w + b"),
-    "wrong": WRONG,
-    "wrong_and_replaces": WRONG + REPLACES_TESTS,
-    "wrong_and_cheats": WRONG + CHEAT,
-    "wrong_gru": IMPORTS + GRU,
-    "raises": RIGHT + "1 / 0",
-    "recursion": "f = lambda: f()\nf()\n" + RIGHT,
-    "recursion_in_call": IMPORTS + "def tanh(x):\n    return tanh(x)\n",
-    "crashes": RIGHT + "ctypes.string_at(0)",
-    "exits": IMPORTS + "def tanh(x):\n    os._exit(0)\n",
-    "memory": RIGHT + "x = np.ones(10**12)",
-    "fills": RIGHT + FILLS,
-    "loops": IMPORTS + "def tanh(x):\n    while True: pass\n",
-    "sleeps": IMPORTS + "def tanh(x):\n    time.sleep(1000)\n",
-}
+"""BUSY: this many processes compute beside the gradings."""
+FILES = (
+    "RIGHT", "RIGHT SPINS", "RIGHT WAITS", "RIGHT REPLACES_MODULES", "RIGHT THREAD", "RIGHT PRINTS",
+    "RIGHT MISSING", "WRONG", "WRONG REPLACES_TESTS", "WRONG CHEAT", "GRU", "RIGHT RAISES",
+    "RECURSION RIGHT", "CALLS_ITSELF", "RIGHT CRASHES", "EXITS", "RIGHT MEMORY", "RIGHT FILLS",
+    "LOOPS", "SLEEPS",
+)  # fmt: skip
+"""The pieces of each file, after the imports."""
 
 
 def marks(folder) -> dict:
@@ -75,8 +49,9 @@ def run(rounds: int = 25) -> Result:
     """Grade the files again and again, and count what differs."""
     different: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
-        for name, content in FILES.items():
-            Path(folder, f"{name}.py").write_text(content)
+        for name in FILES:
+            pieces = (PIECES[piece] for piece in ["IMPORTS", *name.split()])
+            Path(folder, f"{name.replace(' ', '_')}.py").write_text("\n".join(pieces))
         expected = marks(folder)
         busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
         try:
@@ -88,6 +63,6 @@ def run(rounds: int = 25) -> Result:
             for process in busy:
                 process.kill()
                 process.wait()
-    rows = [[name, different[name]] for name in FILES]
+    rows = [[name, different[name]] for name in expected]
     caption = f"Gradings that differ, of {rounds} for each file:"
     return Result("Repeated gradings", [Table(caption, ["file", "gradings that differ"], rows)])

@@ -12,14 +12,7 @@ from numpy_cae.course.solutions.lesson_03 import unfold
 from numpy_cae.verify.grading import student_file as grading
 from numpy_cae.verify.grading.sandbox.child import SEVERAL_THREADS, do_apart
 from numpy_cae.verify.grading.submission import read_submission
-from studies.marks.hostile import (
-    CHEAT,
-    FILLS,
-    IMPORTS,
-    REPLACES_MODULES,
-    REPLACES_TESTS,
-    WAITS,
-)
+from studies.marks.pieces import PIECES
 
 TANH = """
 def tanh(x):
@@ -27,7 +20,7 @@ def tanh(x):
     {0}
     return y, lambda dy: dy * (1 - y * y)
 """
-RIGHT = IMPORTS + TANH.format("")
+RIGHT = PIECES["IMPORTS"] + TANH.format("")
 WRONG = RIGHT.replace("1 - y * y", "1 - x * x")
 TO_ALL = "[os.write(i, {!r}) for i in range(3, 60) if os.path.exists(f'/proc/self/fd/{{i}}')]"
 EVIL = "type('Evil', (Exception,), {'__str__': lambda self: 1 / 0})()"
@@ -57,7 +50,7 @@ open('pid', 'w').write(str(pid))
         ("open('/x', 'w')", "open is not allowed"),
         ("time.sleep(60)", "did not finish"),
         ("while True: pass", "an endless loop?"),
-        (FILLS, "it wrote more than 64 MB of files"),
+        (PIECES["FILLS"], "it wrote more than 64 MB of files"),
         ("print('\\x1b[2J'); raise ValueError('\\x1b[2J' + chr(0x202e))", "\\x1b[2J\\u202e"),
     ],
     ids=range(16),
@@ -65,7 +58,7 @@ open('pid', 'w').write(str(pid))
 def test_a_file_that_cannot_be_imported_is_a_fault(graded, content, fault):
     never_ends = content in ("time.sleep(60)", "while True: pass")
     if isinstance(content, str):
-        content = IMPORTS + content + TANH.format("")
+        content = PIECES["IMPORTS"] + content + TANH.format("")
     file = graded(content, cpu_seconds=1.0 if never_ends else 5.0)
     assert len(file.faults) == 1 and fault in file.faults[0]
     assert not file.held and file.points == 0
@@ -80,10 +73,10 @@ WRITES = "print('x' * 10**5, chr(0xd800), file=sys.stderr); os.write(1, b'x' * 1
     "content",
     [
         b"\xef\xbb\xbf# coding: utf-8\n" + RIGHT.replace("\n", "\r\n").encode(),
-        IMPORTS + TANH.format(WRITES) + "print('hello'); sys.stdin.read()",
-        RIGHT + REPLACES_MODULES,
+        PIECES["IMPORTS"] + TANH.format(WRITES) + "print('hello'); sys.stdin.read()",
+        RIGHT + PIECES["REPLACES_MODULES"],
         RIGHT + TO_ALL.format(b'{"defined": ["tanh"]}\n') + "\nos.closerange(3, 1000)",
-        RIGHT + WAITS,
+        RIGHT + PIECES["WAITS"],
     ],
     ids=["marks", "output", "modules", "open files", "unfinished work"],
 )
@@ -92,7 +85,9 @@ def test_what_harms_nobody_costs_no_points(graded, content):
     assert file.held and (file.points, file.possible) == (10, 10), str(file)
 
 
-@pytest.mark.parametrize("attempt", [REPLACES_TESTS, CHEAT], ids=["functions", "results"])
+@pytest.mark.parametrize(
+    "attempt", [PIECES["REPLACES_TESTS"], PIECES["CHEAT"]], ids=["functions", "results"]
+)
 def test_a_wrong_function_gets_no_points_by_replacing_what_tests_use(graded, attempt):
     file = graded(WRONG + attempt)
     assert not file.held and file.points <= 4 and file.possible == 10, str(file)

@@ -1,6 +1,6 @@
 """Fifty-one wrong answers to exercises of the lessons, and what their reports say first.
 
-    python -m studies wrong_answers
+    python -m tools.wrong_answers
 
 docs/wrong_answers.md has the table.
 
@@ -16,13 +16,12 @@ import numpy as np
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.verify.operations.trial import failing_case, try_property
-from studies.shared.result import Result, Table
 
 STYLES = re.split(
     r"\n(?=def )",
     (Path(__file__).parents[1] / "tests" / "course" / "right_styles.txt").read_text("utf-8"),
 )
-SLIPS = json.loads((Path(__file__).parent / "marks" / "slips.json").read_text("utf-8"))
+SLIPS = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 """Name of an exercise, slip, number of the right answer in its styles, the text that is replaced,
 and the text in its place."""
 
@@ -37,18 +36,15 @@ def wrong_answer(name: str, style: int, old: str, new: str):
     return space[name]
 
 
-def run() -> Result:
-    """Try each wrong answer."""
-    rows: list[list[object]] = []
+if __name__ == "__main__":
+    print("| exercise | slip | fails first | what it says | likely |\n|---|---|---|---|---|")
     for name, slip, *replaced in SLIPS:
         function = wrong_answer(name, *replaced)
         failing = (p for p in EXERCISES[name].properties if failing_case(p, function) is not None)
         first = next(failing, None)
         if first is None:
-            rows.append([f"`{name}`", slip, "accepted", "", ""])
+            print(f"| `{name}` | {slip} | accepted | | |", flush=True)
             continue
         outcome = try_property(first, function)
         what = outcome.problem.splitlines()[0].replace("|", "\\|")
-        rows.append([f"`{name}`", slip, first.name, what, str(outcome.mistake)])
-    header = ["exercise", "slip", "fails first", "what it says", "likely"]
-    return Result("Wrong answers", [Table("", header, rows)])
+        print(f"| `{name}` | {slip} | {first.name} | {what} | {outcome.mistake} |", flush=True)
