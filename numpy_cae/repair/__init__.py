@@ -54,8 +54,8 @@ class _CallablePackage(ModuleType):
         >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
         >>> numpy_cae.repair(motion)  # doctest: +NORMALIZE_WHITESPACE
         left_wrist: frame 30: moved 27.9 cm, at most 27.9
-        found:
-          left_elbow: frame 30: spike (73° from the frames before and after):
+        1 finding:
+          1. left_elbow: frame 30: spike (73° from the frames before and after):
             27.9 cm, confidence 0.94
         """
         return repair(motion, manifold or starter(), **options)

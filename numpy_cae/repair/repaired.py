@@ -1,7 +1,7 @@
 """What a repair changed."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.chunks import chunks
-from numpy_cae.repair.finding import Finding, is_path
+from numpy_cae.repair.finding import BODY, Finding, is_path
 
 MOST_PRINTED = 5
 """MOST_PRINTED: at most this many runs of frames, and findings, are printed in full."""
@@ -71,8 +71,9 @@ class Repaired:
             lines.append(
                 f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
             )
-        found = [finding for finding in self.findings if finding.kind != "marked"]
-        lines += _listed("found:", found) + _listed("proposed, not changed:", self.proposed)
+        if any(finding.kind != "marked" for finding in self.findings):
+            lines += _listed("finding", "", self.by_size(), 1)
+        lines += _listed("proposal", ", not changed", by_size(self.proposed))
         if not self.known:
             lines.append(
                 f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
@@ -80,13 +81,32 @@ class Repaired:
             )
         return "\n".join(lines) or "nothing to repair was found"
 
+    def by_size(self) -> list[Finding]:
+        """The findings that were mended, the largest first: number 1, 2, … wherever they are
+        listed."""
+        return by_size(self.findings)
 
-def _listed(title: str, findings: Sequence[Finding]) -> list[str]:
-    """Lines with the findings of the largest centimetres, and the number of the others."""
-    some = sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))[:MOST_PRINTED]
-    more = len(findings) - len(some)
-    lines = [title, *(f"  {finding}" for finding in some)] if findings else []
-    return lines + [f"  and {more} more"] * bool(more)
+
+def by_size(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings, those of the largest centimetres first, then the most certain."""
+    return sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun, such as "1 finding" and "2 findings"."""
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def _listed(noun: str, state: str, findings: list[Finding], first: int = 0) -> list[str]:
+    """How many findings there are, and a line for each of the first; numbered from `first`, if it
+    is not 0."""
+    if not findings:
+        return []
+    lines = [f"{count(len(findings), noun)}{state}:"]
+    for number, finding in enumerate(findings[:MOST_PRINTED], start=first):
+        lines.append(f"  {number}. {finding}" if first else f"  {finding}")
+    more = len(findings) - MOST_PRINTED
+    return lines + [f"  and {more} more"] * (more > 0)
 
 
 def _frames_of(mask: np.ndarray) -> str:
@@ -116,6 +136,50 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
         for joint, of in enumerate(followed):
             moved[frames, of] = np.maximum(moved[frames, of], distance[:, joint])
     return moved
+
+
+def restricted(repaired: Repaired, original: Motion, findings: Sequence[Finding]) -> Repaired:
+    """Only the repair of some findings: in their frames, the joint of each and those that it
+    carries or that carry it are as in `repaired`; the rest is as in `original`.
+
+    Parameters
+    ----------
+    repaired : Repaired
+    original : Motion
+    findings : sequence of Finding
+        Of `repaired`.
+
+    Returns
+    -------
+    Repaired
+        Its `touched` and `moved` are those of what is kept, its `findings` those given.
+    """
+    cut = len(original) - len(repaired.motion)
+    before = original.at(slice(cut, None))
+    kept = ~np.isfinite(before.rotations).all(-1) | ~np.isfinite(before.translations).all(-1)
+    for finding in findings:
+        stretch = slice(max(finding.frames[0] - cut, 0), max(finding.frames[1] + 1 - cut, 0))
+        kept[stretch, _on_one_path(before, finding.joint)] = True
+    motion = replace(
+        repaired.motion,
+        rotations=np.where(kept[..., None], repaired.motion.rotations, before.rotations),
+        translations=np.where(kept[..., None], repaired.motion.translations, before.translations),
+    )
+    moved = distances(before, motion)
+    touched = repaired.touched & (moved > 0)
+    return replace(
+        repaired, motion=motion, touched=touched, moved=moved, findings=tuple(findings), proposed=()
+    )
+
+
+def _on_one_path(motion: Motion, name: str) -> list[int]:
+    """The joints of the rig that the joint of a finding carries, and those that carry it."""
+    skeleton = motion.skeleton
+    if name == BODY:
+        return list(range(len(skeleton.names)))
+    joint = rig_of(motion).joints[JOINTS.index(name)] if name in JOINTS else skeleton.index(name)
+    paths = [skeleton.path(other) for other in range(len(skeleton.names))]
+    return [other for other, path in enumerate(paths) if joint in path or other in paths[joint]]
 
 
 def with_centimetres(

@@ -36,7 +36,7 @@ class Actor:
     label: str = ""
     colour: str = PLAIN
     names: tuple[str, ...] = ()  # of the joints
-    moved: np.ndarray | None = None  # (F, J), distance from the joint of the first motion, metres
+    moved: np.ndarray | None = None  # (F, J), distances as `compared` measures them, metres
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", visible(self.label))
@@ -50,6 +50,17 @@ class Actor:
             if (value := getattr(self, name)) is not None
         }
         return replace(self, **chosen)
+
+
+def compared(actor: Actor, first: Actor) -> Actor:
+    """The motion with the distances of its joints from those of `first`, in metres: the first joint
+    in the world, each other one from the first; unchanged if joints or frames are not the same."""
+    same = actor.names == first.names and actor.positions.shape == first.positions.shape
+    if actor is first or not same:
+        return actor
+    change = actor.positions - first.positions
+    change[:, 1:] -= change[:, :1]
+    return replace(actor, moved=np.linalg.norm(change, axis=-1))
 
 
 _RIGID = 0.01

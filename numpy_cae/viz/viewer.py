@@ -39,6 +39,9 @@ _MODULES = {
 """Name by which a script imports another, and its file."""
 _STEP = 4e-4
 """STEP: positions are packed in multiples of this (m)."""
+SCALE = (0.01, 0.5)
+"""SCALE: the colours of distances go, by the logarithm, from the first of these to the second (m); a
+joint below is grey, one beyond has the last colour."""
 
 
 def save_viewer(
@@ -65,9 +68,10 @@ def save_viewer(
         Start with all motions in one place instead of side by side. The first is translucent.
     findings : sequence of dict
         What the page lists as damaged: "joint", "frames" (first and last), and optionally "kind",
-        "evidence", "cm" and "confidence" (0 to 1).
+        "evidence", "cm", "confidence" (0 to 1) and "status".
     command : str
-        The beginning of a command line. The page adds the joints and frames of a finding.
+        A command line that repairs everything, into a file whose name ends in "_finding_0". The
+        page writes the number of a finding there, and adds --only.
     """
     page = page_html(actors, rate, title, overlaid, findings, command)
     with atomic_write(path) as temporary:
@@ -112,13 +116,12 @@ def fragment(
         actor.at_frames(np.minimum(np.arange(longest), len(actor.positions) - 1))
         for actor in actors
     ]
-    furthest = max((float(np.nanmax(a.moved)) for a in actors if a.moved is not None), default=0.0)
     data = {
         "rate": rate,
         "frames": longest,
         "overlaid": overlaid,
-        "furthest": furthest,
-        "motions": [_packed(actor, actors[0], furthest) for actor in actors],
+        "scale": SCALE,
+        "motions": [_packed(actor, actors[0]) for actor in actors],
         "findings": list(findings),
         "command": visible(command),
     }
@@ -136,7 +139,7 @@ def _text(name: str) -> str:
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
 
 
-def _packed(actor: Actor, first: Actor, furthest: float) -> dict:
+def _packed(actor: Actor, first: Actor) -> dict:
     step = max(_STEP, float(np.nanmax(np.abs(first.positions))) / 2**28)
     steps = _steps(actor.positions, step)
     from_first = actor is not first and actor.positions.shape == first.positions.shape
@@ -152,12 +155,17 @@ def _packed(actor: Actor, first: Actor, furthest: float) -> dict:
         "steps": deflated(signed.astype("<u4").view(np.uint8).reshape(-1, 4).T.tobytes()),
         "from_first": from_first,
         "step": step,
-        "furthest": furthest,
     }
-    if actor.moved is not None and furthest > 0:
-        levels = np.ceil(np.nan_to_num(actor.moved) / furthest * 255).astype(np.uint8)
-        packed["moved"] = deflated(levels.T.tobytes())
+    if actor.moved is not None:
+        packed["moved"] = deflated(_levels(actor.moved).T.tobytes())
     return packed
+
+
+def _levels(moved: np.ndarray) -> np.ndarray:
+    """Distances (m) on the scale of colours, uint8: 0 below it, 1 to 255 from end to end."""
+    least, most = SCALE
+    share = np.log(np.clip(np.nan_to_num(moved), least, most) / least) / np.log(most / least)
+    return np.where(moved < least, 0, 1 + np.round(254 * share)).astype(np.uint8)
 
 
 def _steps(positions: np.ndarray, step: float) -> np.ndarray:

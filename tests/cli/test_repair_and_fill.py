@@ -1,6 +1,8 @@
 """`numpy-cae repair` and `numpy-cae fill`: what is damaged or missing, folders, what is written."""
 
 import json
+import re
+import shlex
 import sys
 from dataclasses import replace
 
@@ -146,6 +148,27 @@ def test_findings_are_written_corrected_and_passed_back(takes, tmp_path, capsys,
     found.write_text(json.dumps([entries[0] | {"kind": "odd"}]))
     assert main(["repair", str(spiked), "-o", str(out), "--mask", str(found)]) == 2
     assert "found.json: entry 1: kind is 'odd'" in capsys.readouterr().err
+
+
+def test_the_command_of_a_finding_writes_what_the_page_shows(takes, tmp_path, run):
+    """Its bytes are those of the whole repair in the frames of the finding, else of the file."""
+    spiked = load_motion(takes / "more" / "spike.bvh")
+    spiked.rotations[60:62, spiked.skeleton.index("rtibia")] = (0.6, 0.0, 0.0, 0.8)
+    source, out = tmp_path / "two spikes.bvh", tmp_path / "out.bvh"
+    write_bvh(spiked, source)
+    run("repair", source, "-o", out, "--html", "--sensitivity", 0.6, "--from", "suit")
+    page = re.search(
+        r"viewer-data[^>]*>(.*?)</script>", out.with_suffix(".html").read_text("utf-8")
+    )
+    data = json.loads(page[1])
+    assert "--sensitivity=0.6" in data["command"] and "--from=suit" in data["command"]
+    numbers = [n for n, each in enumerate(data["findings"], 1) if each["joint"] == "right_knee"]
+    assert numbers and len(numbers) < len(data["findings"])
+    run(*shlex.split(data["command"])[1:], "--only", *numbers)
+    files = (source, out, tmp_path / "out_finding_0.bvh")
+    before, whole, part = (path.read_bytes().splitlines()[-90:] for path in files)
+    assert before[60:62] != whole[60:62] and before[40] != whole[40]
+    assert part == before[:60] + whole[60:62] + before[62:]
 
 
 def test_a_clean_file_comes_back_with_a_status_of_its_own_and_no_page(takes, tmp_path, capsys):

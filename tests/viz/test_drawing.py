@@ -3,17 +3,8 @@
 import numpy as np
 import pytest
 
-from numpy_cae.errors import FileError
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import (
-    Actor,
-    Curve,
-    bars_figure,
-    curves_figure,
-    matrix_figure,
-    save_figure,
-    strip_figure,
-)
+from numpy_cae.viz import Actor, Curve, bars_figure, curves_figure, matrix_figure, strip_figure
 from numpy_cae.viz.camera import bones, camera_view
 
 
@@ -59,12 +50,6 @@ def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     assert left < points[:, 0].min() and points[:, 0].max() < right
     assert low < points[:, 1].min() and points[:, 1].max() < high
-
-
-def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
-    with pytest.raises(FileError, match="no folder"):
-        save_figure(strip_figure([actor()], 30), tmp_path / "no" / "a.png")
-    assert not list(tmp_path.iterdir())
 
 
 def test_curves_and_bars_have_their_values():

@@ -61,14 +61,15 @@ def test_the_shorter_motion_holds_its_last_pose():
 
 
 def test_distances_and_findings_are_in_the_page():
+    """Distances on a scale of logarithms from 1 to 50 cm; a level of 0 is below it."""
     moved = np.zeros((60, 20))
-    moved[10:20, 3] = 0.2
+    moved[10:14, 3] = 0.0099, 0.01, 0.0707, 0.5
+    levels = [0, 1, 128, 255]
     found = {"joint": "head", "frames": [10, 19], "kind": "spike", "cm": 20.0}
     data = data_of(fragment([walking(moved=moved)], 30.0, findings=[found], command="repair"))
-    assert (data["furthest"], data["findings"], data["command"]) == (0.2, [found], "repair")
-    levels = zlib.decompress(base64.b64decode(data["motions"][0]["moved"]))
-    packed = np.frombuffer(levels, np.uint8).reshape(20, 60).T
-    np.testing.assert_array_equal(packed == 255, moved > 0)
+    assert (data["scale"], data["findings"], data["command"]) == ([0.01, 0.5], [found], "repair")
+    packed = zlib.decompress(base64.b64decode(data["motions"][0]["moved"]))
+    assert np.frombuffer(packed, np.uint8).reshape(20, 60)[3, 9:15].tolist() == [0, *levels, 0]
 
 
 def test_a_page_needs_no_network_and_is_small(tmp_path):

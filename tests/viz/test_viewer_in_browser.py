@@ -14,8 +14,9 @@ HEAD_ON_SCREEN = """viewer => {
     return [area.left + x, area.top + y];
 }"""
 FOUND = [
-    {"joint": "left_knee", "frames": [30, 45], "kind": "frozen", "cm": 12.0, "confidence": 0.9},
-    {"joint": "left_ankle", "frames": [30, 45], "kind": "frozen", "cm": 31.0, "confidence": 0.9},
+    {"joint": "ltibia", "frames": [30, 45], "kind": "frozen", "cm": 131.2, "confidence": 0.9},
+    {"joint": "body", "frames": [60, 60], "kind": "spike", "cm": 1.25, "status": "proposed"},
+    {"joint": "lwrist", "frames": [50, 60], "kind": "frozen", "cm": 12.0},
 ]
 
 
@@ -29,7 +30,9 @@ def page(browser, motions, tmp_path_factory, request):
     """A page of both motions; no message in the console is an error."""
     actors = [motion_actor(motion, f"walk {n}") for n, motion in enumerate(motions)]
     path = tmp_path_factory.mktemp("page") / "walks.html"
-    save_viewer(actors, path, 30.0, findings=FOUND, command="numpy-cae repair walk.bvh -o new.bvh")
+    save_viewer(
+        actors, path, 30.0, findings=FOUND, command="numpy-cae repair a.bvh -o b_finding_0.bvh"
+    )
     width, height = request.param
     opened = browser.new_page(viewport={"width": width, "height": height})
     errors = []
@@ -79,13 +82,20 @@ def test_the_address_names_a_frame(page):
 
 
 def test_a_finding_leads_to_its_frames_and_its_command(page):
-    page.locator(".findings li button").click()
-    viewer = viewer_of(page)
+    """The details are below the finding; a command for it alone, and for those accepted."""
+    viewer, code = viewer_of(page), page.locator(".findings code:visible")
+    rows = page.locator(".findings li")
+    first, proposal = rows.first, rows.last
+    first.locator("button").first.click()
     assert viewer.evaluate("viewer => [viewer.frame, viewer.loop]") == [30, [20, 55]]
-    assert page.locator(".command code").inner_text() == (
-        "numpy-cae repair walk.bvh -o new.bvh --joint left_knee left_ankle --frames 30 45"
-    )
-    assert "frozen · 31 cm · confidence 90%" in page.locator(".findings li").inner_text()
+    assert "frames 30 to 45 · frozen · 131 cm" in first.inner_text()
+    assert "Confidence 90%" in first.inner_text()
+    assert code.inner_text() == "numpy-cae repair a.bvh -o b_finding_1.bvh --only 1"
+    first.get_by_label("accept").uncheck()
+    assert code.last.inner_text() == "numpy-cae repair a.bvh -o b_accepted.bvh --only 2"
+    first.get_by_label("accept").check()
+    proposal.locator("button").first.click()
+    assert code.inner_text() == "numpy-cae repair a.bvh -o b_proposal.bvh --frames 60 60"
 
 
 def test_equal_bodies_look_equal_side_by_side(page):
@@ -104,27 +114,32 @@ def test_equal_bodies_look_equal_side_by_side(page):
 def test_left_and_right_differ_and_a_standing_foot_is_marked(page):
     left, right, planted = viewer_of(
         page
-    ).evaluate("""({ stage: { figures: [{ motion, shades }] } }) => [
-        shades[motion.names.indexOf("lwrist")].getHSL({}).l,
-        shades[motion.names.indexOf("rwrist")].getHSL({}).l,
+    ).evaluate("""({ stage: { figures: [{ motion, balls, own }] } }) => [
+        ...["lwrist", "rwrist"].map((name) => {
+            const shade = own.clone();
+            balls.getColorAt(motion.names.indexOf(name), shade);
+            return shade.getHSL({}).l;
+        }),
         [...motion.planted.values()].map((each) => each.filter(Boolean).length / each.length)]""")
     assert left > right + 0.1
     assert planted and all(0.2 < share < 0.9 for share in planted)  # of the frames of a walk
 
 
 def test_drawing_becomes_lighter_where_it_is_slow(page):
-    """Twice; the camera and the frame stay, and the joint under the pointer is still found."""
+    """Twice, and back where it is fast; the camera and the frame stay."""
     viewer = viewer_of(page)
-    before, after, steps = viewer.evaluate("""viewer => {
+    before, after, slow, fast = viewer.evaluate("""viewer => {
         viewer.scrub(20);
-        viewer.lighter = 0;
+        viewer.lighter = 0, viewer.tooHeavy = [0, 0];
         const at = () => [...viewer.stage.camera.position, viewer.stage.frame];
         const before = at();
         for (let i = 0; i < 90; i++) viewer.measure(0.1);
-        return [before, at(), viewer.lighter];
+        const slow = viewer.lighter;
+        for (let i = 0; i < 900; i++) viewer.measure(0.01);
+        return [before, at(), slow, viewer.lighter];
     }""")
     np.testing.assert_allclose(after, before)
-    assert steps == 2
+    assert (slow, fast) == (2, 0)
 
 
 def test_a_joint_is_named_under_the_pointer(page):

@@ -10,6 +10,7 @@ examples:
   numpy-cae repair take.bvh -o fixed.bvh --html
   numpy-cae repair estimated.bvh -o fixed.bvh --from video
   numpy-cae repair take.bvh -o fixed.bvh --joint left_wrist --frames 30 75
+  numpy-cae repair take.bvh -o part.bvh --only 2
   numpy-cae repair take.bvh --dry-run --findings found.json
   numpy-cae repair take.bvh -o fixed.bvh --mask found.json
 """
@@ -25,7 +26,7 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
 from numpy_cae.repair import PRESETS, Preset, Repaired, project_motion, repair
 from numpy_cae.repair.presets import fitting_preset
-from numpy_cae.repair.repaired import distances
+from numpy_cae.repair.repaired import count, distances, restricted
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,6 +45,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
     project = "project the whole motion onto the manifold instead, as holden2015 does"
     add("--project", **arguments.FLAG, help=project)
+    only = "write the repair of these findings only, by their numbers in the printed list and on "
+    only += "the page; the rest of the file is unchanged"
+    add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -63,6 +67,8 @@ def run(args: argparse.Namespace) -> int:
                 continue
             findings = damage_options.chosen_findings(args, motion)
             repaired = repair(motion, manifold, preset=preset, findings=findings)
+            if args.only:
+                repaired = _only(args.only, motion, repaired)
             changed.write(motion, repaired, target)
             if findings is None and preset == Preset() and (name := fitting_preset(motion)):
                 print(f"  this motion looks like one for --from {name}: {PRESETS[name]}")
@@ -75,6 +81,14 @@ def _preset(args: argparse.Namespace) -> Preset:
     sensitivity = preset.sensitivity if args.sensitivity is None else args.sensitivity
     smooth, feet = preset.smooth or args.smooth, preset.feet or args.feet
     return replace(preset, sensitivity=sensitivity, smooth=smooth, feet=feet)
+
+
+def _only(numbers: list[int], motion: Motion, repaired: Repaired) -> Repaired:
+    """The repair of the findings of these numbers."""
+    listed = repaired.by_size()
+    if max(numbers) > len(listed):
+        raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
+    return restricted(repaired, motion, [listed[number - 1] for number in numbers])
 
 
 def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:

@@ -11,11 +11,9 @@ from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
-import numpy as np
-
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import require_one_target_each
-from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, Actor, motion_actor
+from numpy_cae.viz.actor import CORRUPTED, PLAIN, PROJECTED, TRUTH, compared, motion_actor
 
 COLOURS = (PROJECTED, CORRUPTED, TRUTH, PLAIN)
 
@@ -51,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     args.output.mkdir(parents=True, exist_ok=True)
     if args.html:
         coloured = [
-            replace(_compared(actor, actors[0]), colour=colour)
+            replace(compared(actor, actors[0]), colour=colour)
             for actor, colour in zip(actors, cycle(COLOURS))
         ]
         path = args.output / ("_".join(file.stem for file in args.files) + ".html")
@@ -62,12 +60,3 @@ def run(args: argparse.Namespace) -> int:
         save_figure(strip_figure([actor], rate), pictures[source])
         print(f"{pictures[source]}: a strip of poses")
     return 0
-
-
-def _compared(actor: Actor, first: Actor) -> Actor:
-    """The motion with its joints' distances from those of the first, if both have the same joints
-    and as many frames."""
-    same = actor.names == first.names and actor.positions.shape == first.positions.shape
-    if actor is first or not same:
-        return actor
-    return replace(actor, moved=np.linalg.norm(actor.positions - first.positions, axis=-1))

@@ -17,7 +17,9 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.save import KEPT, FileMotion
 from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.repair import Repaired, write_findings
+from numpy_cae.repair.repaired import by_size, count
 from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
+from numpy_cae.viz.actor import compared
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
@@ -25,6 +27,8 @@ READING = 1 / 4
 UNCHANGED, UNLIKE = 3, 4
 """UNCHANGED, UNLIKE: exit statuses of one file in which nothing was changed; of one that is also
 unlike what the model knows."""
+NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
+"""NOT_REPEATED: what the command of one finding does not repeat."""
 TRY = (
     "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
     "is damaged (--joint, --frames), or where the motion is from (--from)"
@@ -161,20 +165,45 @@ class ChangedFiles:
             assert isinstance(motion, FileMotion)
             path = path / f"{motion.source.stem}.json"
             path.parent.mkdir(parents=True, exist_ok=True)
-        write_findings(path, repaired.findings + repaired.proposed)
-        print(f"{path}: {len(repaired.findings)} found, {len(repaired.proposed)} proposed")
+        write_findings(path, repaired.by_size() + by_size(repaired.proposed))
+        proposals = count(len(repaired.proposed), "proposal")
+        print(f"{path}: {count(len(repaired.findings), 'finding')}, {proposals}")
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        joints = rig_of(motion).joints
-        before, after = (each.positions(joints) for each in (motion, repaired.motion))
-        actors = [
-            Actor(before, PARENTS, "before", CORRUPTED, JOINTS),
-            Actor(after, PARENTS, "after", PROJECTED, JOINTS, repaired.moved),
-        ]
-        findings = [finding.to_json() for finding in repaired.findings]
+        findings = repaired.by_size() + by_size(repaired.proposed)
         page = target.with_suffix(".html")
         source = next(source for source, name in self.targets.items() if name == target)
         title = f"{source.name}: before and after"
-        command = f"numpy-cae {self.args.command} {quote(str(source))} -o {quote(str(target))}"
-        save_viewer(actors, page, motion.rate, title, True, findings, command)
+        command = self._command(source, target) if self.args.command == "repair" else ""
+        actors = before_and_after(motion, repaired)
+        entries = [finding.to_json() for finding in findings]
+        save_viewer(actors, page, motion.rate, title, True, entries, command)
         print(f"{page}: before and after; open it in a browser")
+
+    def _command(self, source: Path, target: Path) -> str:
+        """This command for one file, into a file of its own, with every option that changes the
+        result; the page writes the number of a finding in its name, and adds --only."""
+        own = target.with_stem(f"{target.stem}_finding_0")
+        words = ["numpy-cae", "repair", source, "-o", own]
+        for name, value in vars(self.args).items():
+            if name in NOT_REPEATED or value in (None, False, []):
+                continue
+            option = "--from" if name == "source" else f"--{name}"
+            each = value if isinstance(value, list) else [value]
+            if name == "mapping":
+                words += [word for path in each for word in (option, path)]
+            elif value is True:
+                words.append(option)
+            else:
+                words += [option, *each] if len(each) > 1 else [f"{option}={each[0]}"]
+        return " ".join(quote(str(word)) for word in words)
+
+
+def before_and_after(motion: Motion, repaired: Repaired) -> list[Actor]:
+    """A motion and the repaired one to draw; frames that were cut off are drawn as they were."""
+    joints = rig_of(motion).joints
+    before = motion.positions(joints)
+    after = before.copy()
+    after[len(before) - len(repaired.motion) :] = repaired.motion.positions(joints)
+    first = Actor(before, PARENTS, "before", CORRUPTED, JOINTS)
+    return [first, compared(Actor(after, PARENTS, "after", PROJECTED, JOINTS), first)]

@@ -2,21 +2,31 @@
 import * as THREE from "three";
 import { jointPosition } from "motion-data";
 
-const CHANGED = new THREE.Color("#d62728"); // a joint that was moved as far as any
+const CHANGED = new THREE.Color("#d62728"); // a joint at the upper end of the scale of distances or beyond
+const NEAR = new THREE.Color("#8d97a1"); // a joint below the lower end
 const WHITE = new THREE.Color("#fff"), BLACK = new THREE.Color("#000");
 const UP = new THREE.Vector3(0, 1, 0);
 // Points of the floor below the points of a body, for a light above and beside it.
 const FLAT = new THREE.Matrix4().set(1, -0.2, 0, 0, 0, 0, 0, 0.004, 0, -0.12, 1, 0, 0, 0, 0, 1);
 const GHOST = { opacity: 0.5, wider: 1.9 };
 
+// The colour of a joint at a level of the scale of distances: 0 is below the scale, 1 to 255 go from one
+// end to the other.
+export function levelColour(level, own, into = new THREE.Color()) {
+  return level ? into.copy(own).lerp(CHANGED, (level - 1) / 254) : into.copy(NEAR);
+}
+
 export class Figure {
   constructor(motion) {
     this.motion = motion;
     this.group = new THREE.Group();
-    this.material = new THREE.MeshStandardMaterial({ roughness: 0.6 });
+    this.body = new THREE.Group();
+    this.ground = new THREE.Group();
+    this.offset = new THREE.Vector3();
+    this.material = new THREE.MeshLambertMaterial();
     this.dark = new THREE.MeshBasicMaterial();
-    this.balls = this.mesh(new THREE.SphereGeometry(1, 16, 12), motion.joints);
-    this.bones = this.mesh(new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), motion.joints);
+    this.balls = this.mesh(new THREE.SphereGeometry(1, 12, 8), motion.joints);
+    this.bones = this.mesh(new THREE.CylinderGeometry(1, 1, 1, 9, 1, true).translate(0, 0.5, 0), motion.joints);
     this.shadow = new THREE.Group();
     for (const mesh of [this.balls, this.bones]) {
       const flat = new THREE.InstancedMesh(mesh.geometry, this.dark, motion.joints);
@@ -29,7 +39,9 @@ export class Figure {
     this.feet = this.mesh(new THREE.RingGeometry(2.2, 3.4, 24).rotateX(-Math.PI / 2), motion.planted.size,
       new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
     this.path = this.pathLine();
-    this.group.add(this.shadow, this.path);
+    this.body.add(this.balls, this.bones);
+    this.ground.add(this.shadow, this.feet);
+    this.group.add(this.body, this.ground, this.path);
     this.points = Array.from({ length: motion.joints }, () => new THREE.Vector3());
     this.setColours(false, new THREE.Color("#aab"));
   }
@@ -37,7 +49,6 @@ export class Figure {
   mesh(geometry, count, material = this.material) {
     const mesh = new THREE.InstancedMesh(geometry, material, count);
     mesh.frustumCulled = false;
-    this.group.add(mesh);
     return mesh;
   }
 
@@ -57,9 +68,7 @@ export class Figure {
 
   // Left is lighter and right is darker, on a dark page everything a little lighter.
   setColours(onDark, shadow) {
-    const own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark ? 0.2 : 0);
-    this.shades = this.motion.sides.map((side) =>
-      own.clone().lerp(side > 0 ? WHITE : BLACK, side > 0 ? 0.3 : side < 0 ? 0.3 : 0));
+    const own = this.own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark ? 0.2 : 0);
     this.dark.color.copy(shadow);
     this.path.material.color.copy(own);
     this.feet.material.color.copy(own).lerp(onDark ? WHITE : BLACK, 0.3);
@@ -81,8 +90,11 @@ export class Figure {
     const size = new THREE.Vector3(), shade = new THREE.Color(), place = new THREE.Vector3();
     points.forEach((point, joint) => jointPosition(motion, frame, joint, point));
     points.forEach((point, joint) => {
-      const moved = motion.moved ? motion.moved[joint * motion.frames + frame] / 255 : 0;
-      shade.copy(this.shades[joint]).lerp(CHANGED, moved ? 0.25 + 0.75 * moved : 0);
+      const level = motion.moved ? motion.moved[joint * motion.frames + frame] : 0, moved = level / 255;
+      if (motion.moved) levelColour(level, this.own, shade);
+      else shade.copy(this.own);
+      const side = motion.sides[joint];
+      if (side) shade.lerp(side > 0 ? WHITE : BLACK, motion.moved ? 0.15 : 0.3);
       const radius = motion.radius * (1 + 0.7 * moved) * this.wider;
       const parent = motion.parents[joint];
       bone.subVectors(point, parent < 0 ? point : points[parent]);
@@ -107,6 +119,13 @@ export class Figure {
     });
     this.feet.instanceMatrix.needsUpdate = true;
     for (const mesh of [this.balls, this.bones]) mesh.instanceMatrix.needsUpdate = mesh.instanceColor.needsUpdate = true;
+  }
+
+  // Draw the body this far from its place; its path stays where it is.
+  moveBy(offset) {
+    this.offset.copy(offset);
+    this.body.position.copy(offset);
+    this.ground.position.set(offset.x, 0, offset.z);
   }
 
   // Fewer triangles and no shadow.

@@ -62,9 +62,19 @@ export function jointPosition(motion, frame, joint, into) {
   return into.fromArray(motion.positions, 3 * (frame * motion.joints + joint));
 }
 
-// Metres as text.
-export function inUnits(metres) {
-  return metres < 0.995 ? `${(100 * metres).toPrecision(2)} cm` : `${metres.toFixed(1)} m`;
+// Centimetres as text, such as "0.4 cm" and "120 cm".
+export function centimetres(value) {
+  return `${value < 9.95 ? value.toFixed(1) : Math.round(value)} cm`;
+}
+
+// How far a joint is from that of another motion, in metres: the first joint in the world, each other
+// one from the first.
+export function distance(motion, other, frame, joint) {
+  const way = [0, 1, 2].map((axis) => {
+    const apart = (at) => motion.positions[3 * (frame * motion.joints + at) + axis] - other.positions[3 * (frame * other.joints + at) + axis];
+    return apart(joint) - (joint ? apart(0) : 0);
+  });
+  return Math.hypot(...way);
 }
 
 // 1 for each joint of the left side, -1 for the right, 0 for the middle: a joint is of a side if the

@@ -1,5 +1,6 @@
-// The scene. Overlaid, all bodies are in one picture, where they are in the world. Side by side each
-// has a picture of its own, from the same camera, so that equal bodies look equal.
+// The scene. Overlaid, all bodies are in one picture, where they are in the world; bodies that are
+// compared have their first joints in one place, that of the last body. Side by side each has a picture
+// of its own, from the same camera, so that equal bodies look equal.
 import * as THREE from "three";
 import { OrbitControls } from "three-orbit-controls";
 import { Figure } from "motion-figure";
@@ -46,6 +47,7 @@ export class Stage {
     this.camera = new THREE.PerspectiveCamera(VIEW, 1, 0.05, 500);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => { this.changed = true; });
+    this.aligned = motions.some(({ moved }) => moved); // compared motions have their first joints in one place
     this.shown = new Set(this.figures);
     this.frame = 0;
   }
@@ -78,7 +80,7 @@ export class Stage {
     const sizes = seen.map((figure) => figure.motion.size);
     const tall = Math.max(...sizes.map((size) => size.tall));
     let wide = Math.max(...sizes.map((size) => size.radius + (this.follow ? 0 : size.path)));
-    if (this.overlaid && this.follow) wide += this.spread(seen);
+    if (this.overlaid && this.follow && !this.aligned) wide += this.spread(seen);
     this.resize();
     const half = Math.tan(VIEW / 2 * Math.PI / 180), across = this.panes()[0].aspect;
     const high = name === "top" ? wide : 0.6 * tall;
@@ -104,6 +106,7 @@ export class Stage {
 
   // The place on the floor that is in the middle of a picture.
   anchor(figures) {
+    if (this.aligned && this.overlaid) figures = figures.slice(-1);
     const places = figures.map(({ motion, points: [root] }) => this.follow ? [root.x, root.z] : motion.size.middle);
     return [0, 1].map((axis) => places.reduce((sum, place) => sum + place[axis], 0) / Math.max(places.length, 1));
   }
@@ -111,6 +114,11 @@ export class Stage {
   show(frame) {
     this.frame = frame;
     this.figures.forEach((figure) => figure.show(frame));
+    const { points: [target] } = this.visible().at(-1) ?? this.figures[0];
+    this.figures.forEach((figure) => {
+      const [root] = figure.points;
+      figure.moveBy(this.aligned && this.overlaid ? target.clone().sub(root) : new THREE.Vector3());
+    });
     this.changed = true;
   }
 
@@ -162,7 +170,7 @@ export class Stage {
   // Where a joint is on the canvas, in pixels from its upper left corner.
   onScreen(pane, figure, joint) {
     const [x, z] = pane.anchor;
-    const seen = figure.points[joint].clone().add({ x: -x, y: 0, z: -z });
+    const seen = figure.points[joint].clone().add(figure.offset).add({ x: -x, y: 0, z: -z });
     this.camera.aspect = pane.aspect;
     this.camera.updateProjectionMatrix();
     seen.project(this.camera);

@@ -25,6 +25,24 @@ function largestMoved({ moved, joints, frames }) {
   return largest;
 }
 
+// Draw curves of as many values over one width, from the lowest to the highest value; return these two.
+export function strokeCurves(pen, curves, top, width, height) {
+  const all = curves.map(({ values }) => values);
+  const low = Math.min(...all.map((values) => values.reduce((a, b) => Math.min(a, b))));
+  const high = Math.max(...all.map((values) => values.reduce((a, b) => Math.max(a, b))), low + 1e-3);
+  for (const { colour, values } of curves) {
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    const stride = Math.max(1, Math.floor(values.length / 4000));
+    for (let at = 0; at < values.length; at += stride) {
+      pen.lineTo(at / Math.max(values.length - 1, 1) * width, top + height - 2 - (values[at] - low) / (high - low) * (height - 4));
+    }
+    pen.stroke();
+  }
+  return [low, high];
+}
+
 export class Timeline {
   constructor(canvas, motions, findings, frames) {
     Object.assign(this, { canvas, motions, frames, findings });
@@ -65,19 +83,7 @@ export class Timeline {
   }
 
   drawCurves(pen, top, ink) {
-    const all = this.curves.map(({ values }) => values);
-    const low = Math.min(...all.map((values) => values.reduce((a, b) => Math.min(a, b))));
-    const high = Math.max(...all.map((values) => values.reduce((a, b) => Math.max(a, b))), low + 1e-3);
-    this.curves.forEach(({ colour, values }) => {
-      pen.strokeStyle = colour;
-      pen.lineWidth = 1.5;
-      pen.beginPath();
-      const stride = Math.max(1, Math.floor(this.frames / 4000));
-      for (let frame = 0; frame < this.frames; frame += stride) {
-        pen.lineTo(frame / Math.max(this.frames - 1, 1) * this.width, top + CURVE - 2 - (values[frame] - low) / (high - low) * (CURVE - 4));
-      }
-      pen.stroke();
-    });
+    const [low, high] = strokeCurves(pen, this.curves, top, this.width, CURVE);
     pen.fillStyle = ink;
     pen.fillText(`${this.curveLabel}, ${low.toFixed(2)} to ${high.toFixed(2)} ${this.unit}`, 0, top - 4);
   }

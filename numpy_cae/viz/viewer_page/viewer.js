@@ -4,11 +4,13 @@
 import { Stage } from "motion-stage";
 import { CURVES, Timeline } from "motion-timeline";
 import { FindingsPanel } from "motion-findings";
-import { inUnits, readMotions } from "motion-data";
+import { centimetres, distance, readMotions } from "motion-data";
+import { levelColour } from "motion-figure";
+import { Color } from "three";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
 const VIEWS = ["front", "side", "top"];
-const SLOW = 20; // pictures a second, below which drawing is made lighter
+const SLOW = 20, FAST = 40; // pictures a second: below, drawing is made lighter; above, heavier again
 const HELP = {
   "space": "play or pause", "← →": "one frame", "Shift ← →": "one second", "Home, End": "first and last frame",
   "a, b": "repeat from here, repeat to here", "c": "repeat everything", "1, 2, 3": "from the front, side, top",
@@ -35,14 +37,15 @@ class Viewer {
     this.recolour();
     this.arrange();
     this.setPlaying(!matchMedia("(prefers-reduced-motion: reduce)").matches);
-    if (!this.readAddress()) this.go(box.leftAt ?? 0);
+    if (!this.readAddress() && !this.startAtFinding()) this.go(box.leftAt ?? 0);
     this.tick = this.tick.bind(this);
     requestAnimationFrame(this.tick);
   }
 
   build(data) {
     const labels = this.motions.map((motion) => motion.label).join(", ");
-    Object.assign(this.box, { tabIndex: 0, role: "group", ariaLabel: `Animation: ${labels}` });
+    Object.assign(this.box, { tabIndex: -1, role: "group", ariaLabel: `Animation: ${labels}` });
+    const bar = element(this.box, "div", { className: "bar" }); // first: Play is the first stop of the keyboard
     const upper = element(this.box, "div", { className: "upper" });
     this.area = element(upper, "div", { className: "stage" });
     this.canvas = element(this.area, "canvas", { role: "img" });
@@ -54,9 +57,9 @@ class Viewer {
     this.buildHelp(this.area);
     if (data.findings.length) {
       const panel = element(upper, "div", { className: "findings", role: "region", ariaLabel: "Findings", tabIndex: 0 });
-      this.panel = new FindingsPanel(panel, element, data, (finding) => this.showFinding(finding));
+      this.panel = new FindingsPanel(panel, element, { ...data, motions: this.motions }, (finding) => this.showFinding(finding));
     }
-    this.buildBar(element(this.box, "div", { className: "bar" }));
+    this.buildBar(bar);
     const line = element(this.box, "div", { className: "line" });
     this.slider = element(line, "input",
       { type: "range", min: 0, max: this.frames - 1, step: 1, value: 0, ariaLabel: "frame" });
@@ -68,16 +71,21 @@ class Viewer {
     this.toggles = this.motions.map((motion) => {
       const toggle = this.checkbox(legend, motion.label, true);
       const swatch = element(toggle.parentElement, "span", { className: "swatch" });
-      swatch.style.background = motion.colour;
+      swatch.style.background = motion.moved ? `linear-gradient(#8d97a1 50%, ${motion.colour} 50%)` : motion.colour;
       toggle.after(swatch);
       return toggle;
     });
-    if (!data.furthest) return;
+    const compared = this.motions.find((motion) => motion.moved);
+    if (!compared) return;
     const scale = element(legend, "span", { className: "scale" });
-    const { colour } = this.motions.find((motion) => motion.moved);
-    scale.append("distance 0");
-    element(scale, "i").style.background = `linear-gradient(to right, ${colour}, #d62728)`;
-    scale.append(inUnits(data.furthest));
+    const [least, most] = data.scale.map((metres) => 100 * metres);
+    const shade = (level) => levelColour(level, new Color(compared.colour)).getStyle();
+    scale.append(`distance from ${this.motions[0].label}: `);
+    element(scale, "i", { className: "below" }).style.background = shade(0);
+    scale.append(`below ${least} cm`);
+    const levels = Array.from({ length: 9 }, (_, part) => shade(1 + Math.round(part / 8 * 254)));
+    element(scale, "i").style.background = `linear-gradient(to right, ${levels.join(", ")})`;
+    scale.append(`${least}, ${Math.round(Math.sqrt(least * most))}, ${most} cm or more`);
   }
 
   buildHelp(area) {
@@ -97,9 +105,9 @@ class Viewer {
     const label = element(bar, "label", { textContent: "frame " });
     this.number = element(label, "input", { type: "number", min: 0, max: this.frames - 1, value: 0, ariaLabel: "frame number" });
     this.time = element(bar, "span", { className: "time" });
-    this.button(bar, "A", "A: repeat from here (a)", () => this.mark(0));
-    this.button(bar, "B", "B: repeat to here (b)", () => this.mark(1));
-    this.unmark = this.button(bar, "all", "repeat all frames (c)", () => this.mark());
+    this.button(bar, "from here", "A: repeat from here (a)", () => this.mark(0));
+    this.button(bar, "to here", "B: repeat to here (b)", () => this.mark(1));
+    this.unmark = this.button(bar, "whole", "repeat all frames (c)", () => this.mark());
     VIEWS.forEach((name) => this.button(bar, name, `seen from the ${name}`, () => this.stage.view(name)));
     this.followBox = this.checkbox(bar, "follow", this.follow);
     this.overlayBox = this.checkbox(bar, "overlay", this.overlaid);
@@ -187,13 +195,22 @@ class Viewer {
     this.helpButton.ariaExpanded = String(!hide);
   }
 
-  showFinding({ joints, frames: [first, last] }) {
+  showFinding({ joint, frames: [first, last] }) {
     this.scrub(first);
-    const shown = this.motions[0].names.find((name) => name === joints[0]);
+    const shown = this.motions[0].names.find((name) => name === joint);
     if (shown) this.jointSelect.value = shown;
     this.setCurve();
     this.mark(0, Math.max(first - Math.round(this.rate / 3), 0));
     this.mark(1, Math.min(last + Math.round(this.rate / 3), this.frames - 1));
+  }
+
+  // A page with findings starts at the first of them.
+  startAtFinding() {
+    if (!this.panel || this.box.leftAt !== undefined) return false;
+    const playing = this.playing;
+    this.panel.choose(this.panel.rows[0]);
+    this.setPlaying(playing);
+    return true;
   }
 
   setCurve() {
@@ -222,9 +239,8 @@ class Viewer {
     this.joint.hidden = !hit;
     if (!hit) return;
     const { motion, joint } = hit;
-    const moved = motion.moved ? motion.moved[joint * this.frames + this.wholeFrame()] : 0;
-    const distance = `, ${inUnits(motion.furthest * moved / 255)} from ${this.motions[0].label}`;
-    this.joint.textContent = motion.names[joint] + (moved ? distance : "");
+    const apart = () => `, ${centimetres(100 * distance(motion, this.motions[0], this.wholeFrame(), joint))} from ${this.motions[0].label}`;
+    this.joint.textContent = motion.names[joint] + (motion.moved ? apart() : "");
     Object.assign(this.joint.style, { left: `${Math.min(x, area.width - 110)}px`, top: `${y}px` });
     if (!chosen || !this.motions[0].names.includes(motion.names[joint])) return;
     this.jointSelect.value = motion.names[joint];
@@ -302,7 +318,8 @@ class Viewer {
     this.request = requestAnimationFrame(this.tick);
   }
 
-  // Pictures a second over two seconds; where they are few, drawing is made lighter, at most twice.
+  // Pictures a second over two seconds; where they are few, drawing is made lighter, at most twice, and
+  // heavier again where they are many. What was too heavy twice is not tried again.
   measure(seconds) {
     this.times = seconds ? [...this.times ?? [], seconds] : [];
     const passed = this.times.reduce((sum, each) => sum + each, 0);
@@ -310,20 +327,24 @@ class Viewer {
     this.fps = this.times.length / passed;
     this.times = [];
     this.lighter ??= 0;
-    if (this.fps >= SLOW || this.lighter === 2) return;
-    this.lighter += 1;
-    if (this.lighter === 1) this.drawLighter();
-    else this.stage.setSharpness(0.6);
+    this.tooHeavy ??= [0, 0];
+    if (this.fps < SLOW && this.lighter < 2) this.tooHeavy[this.lighter] += 1;
+    const heavier = this.fps > FAST && this.tooHeavy[this.lighter - 1] < 2;
+    const next = Math.min(this.lighter + (this.fps < SLOW) - heavier, 2);
+    if (next === this.lighter) return;
+    if (next && this.lighter) this.stage.setSharpness(next === 2 ? 0.6 : Math.min(window.devicePixelRatio, 1));
+    else this.redraw(next > 0);
+    this.lighter = next;
   }
 
   // A canvas keeps its way of drawing, so that another way needs another canvas.
-  drawLighter() {
+  redraw(light) {
     const { camera, controls } = this.stage;
     const canvas = this.canvas.cloneNode();
     this.stage.dispose();
     this.canvas.replaceWith(canvas);
     this.canvas = canvas;
-    this.stage = new Stage(canvas, this.motions, true);
+    this.stage = new Stage(canvas, this.motions, light);
     this.recolour();
     this.arrange();
     this.stage.camera.position.copy(camera.position);
